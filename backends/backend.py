@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import HandcartError, InputError
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .ground_truth import GroundTruth
 from .recording import Recording
@@ -188,7 +186,7 @@ class Backend(ABC):
         """Figures for the run's summary, such as how late periods were; by name, with the unit at its end."""
         return {}
 
-    def view(self) -> NDArray[np.uint8] | None:
+    def view(self) -> ByteArray | None:
         """Return a picture of robot and surroundings for videos: RGB (height, width, 3).
 
         None if this backend renders only its cameras.

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -28,9 +26,9 @@ class GroundTruth:
 
     base: Pose2
     """world_T_base."""
-    joints: NDArray[np.float64]
+    joints: FloatArray
     """(n,) in [rad], or [m] of those that slide."""
-    slides: NDArray[np.bool_]
+    slides: BoolArray
     """(n,) which joints do."""
     width: float
     """Between the finger pads, in [m]."""

@@ -6,17 +6,15 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import Drive, GripperSpec
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .backend import CommandError
 from .capabilities.base import DriveCommand
 
 _ROUNDING = 1e-9
-
-Vector = NDArray[np.float64]
 
 
 def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, float]:
@@ -63,7 +61,7 @@ def _check_sideways(drive: Drive, speed: float, sideways: float) -> None:
         )
 
 
-def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) -> Vector:
+def checked_joints(model: ArmModel, joints: FloatArray, last: FloatArray, most: FloatArray) -> FloatArray:
     """Joint angles (n,) in [rad] within the limits.
 
     Args:
@@ -90,7 +88,7 @@ def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) 
     return wanted
 
 
-def _each(model: ArmModel, wrong: NDArray[np.bool_], words: Callable[[int], str]) -> str:
+def _each(model: ArmModel, wrong: BoolArray, words: Callable[[int], str]) -> str:
     return "; ".join(
         f"joint {model.joint_names[number]!r}: {words(int(number))}" for number in np.flatnonzero(wrong)
     )

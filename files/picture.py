@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import read_regular_file
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -26,9 +26,9 @@ MAX_PIXELS = 25_000_000
 class Grey(NamedTuple):
     """A picture without its colours."""
 
-    level: NDArray[np.uint8]
+    level: ByteArray
     """(h, w), row 0 on top; 0 is black."""
-    opaque: NDArray[np.bool_] | None
+    opaque: BoolArray | None
     """(h, w): where nothing shines through; None of a picture that can't be transparent."""
 
 

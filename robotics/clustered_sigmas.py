@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 _WORST_CONDITION = 1e12
 _POSE = 6  # numbers that a group can tell at most: it is wrong as a pose is
 
 
 def clustered_sigmas(
-    jacobian: Floats, residuals: Floats, groups: NDArray[np.integer], best: float = 0.0
-) -> Floats:
+    jacobian: FloatArray, residuals: FloatArray, groups: NDArray[np.integer], best: float = 0.0
+) -> FloatArray:
     """Return standard deviations (k,) of parameters found by least squares; infinite for undetermined ones.
 
     Measurements from one posture share the arm's error. So residuals of a group count together: the

@@ -213,6 +213,20 @@ def _body_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     return (statements[-1].end_lineno or 0) - statements[0].lineno + 1 if statements else 0
 
 
+def test_array_types_are_named_in_one_module() -> None:
+    paths = [path for room in (*CODE, "tests") for path in (ROOT / room).rglob("*.py")]
+    named = [
+        f"{path.relative_to(ROOT)}: {alias}"
+        for path in paths
+        if "outside" not in path.parts
+        for alias in re.findall(
+            r"^\w+ = (?:npt\.)?NDArray\[.*$", path.read_text(encoding="utf-8"), re.MULTILINE
+        )
+    ]
+    assert len(named) > 5
+    assert [each for each in named if not each.startswith("robotics/numerics/arrays.py")] == []
+
+
 def test_names_of_tests_have_at_most_65_characters() -> None:
     names = [name for path in (ROOT / "tests").rglob("*.py") for name in _test_names(path)]
     assert [name for name in names if len(name) > 65] == []

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.can.drives.axis import Axis
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.limits import checked_joints
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 _SINGULAR = 1e-3  # share of the largest singular value below which a direction isn't felt
-
-Vector = NDArray[np.float64]
 
 
 class CanArm(Arm):
@@ -27,7 +25,7 @@ class CanArm(Arm):
     none does, the force is zero.
     """
 
-    def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: Vector, period: float) -> None:
+    def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: FloatArray, period: float) -> None:
         """Take over the joints' drives.
 
         Args:
@@ -50,31 +48,31 @@ class CanArm(Arm):
         within = self._model.clipped(measured)
         self.holds(np.where(np.abs(within - measured) <= self._most, within, measured))
 
-    def holds(self, joints: Vector) -> None:
+    def holds(self, joints: FloatArray) -> None:
         """Set the last command, (n,) in [rad], to the given joints."""
         self._command = self._sent = joints.copy()
 
     @override
-    def move(self, joints: Vector) -> None:
+    def move(self, joints: FloatArray) -> None:
         self._command = checked_joints(self._model, joints, self._sent, self._most)
 
     @override
-    def command(self) -> Vector:
+    def command(self) -> FloatArray:
         return self._command.copy()
 
     @override
-    def joints(self) -> Vector:
+    def joints(self) -> FloatArray:
         return np.array([joint.position for joint in self._joints])
 
     @override
-    def hand_force(self) -> Vector:
+    def hand_force(self) -> FloatArray:
         q = self.joints()
         telling = [place for place, joint in enumerate(self._joints) if joint.tells_torque]
         measured = np.array([joint.torque for joint in self._joints]) * self._rated
         outside = (self._model.gravity_torque(q) - measured)[telling]
         # J^T w = torques, w force and moment at the hand; of these the force is asked for.
         wrench, *_ = np.linalg.lstsq(self._model.jacobian(q).T[telling], outside, rcond=_SINGULAR)
-        force: Vector = self._model.forward(q)[:3, :3].T @ wrench[:3]
+        force: FloatArray = self._model.forward(q)[:3, :3].T @ wrench[:3]
         return force
 
     def halt(self) -> None:

@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import can
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
@@ -31,6 +29,7 @@ from handcart.backends.description.can_spec import VIRTUAL_INTERFACE, CanSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .can_parts import CanParts, capabilities_of
 
@@ -262,7 +261,7 @@ class CanBackend(Backend):
                 self._stop_for_good()
 
     @override
-    def view(self) -> NDArray[np.uint8] | None:
+    def view(self) -> ByteArray | None:
         inner = self.bench.inner if self.bench else None
         return None if inner is None else inner.view()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.can.drives.axes import Axes
 from handcart.backends.capabilities.arm import Arm
@@ -18,6 +17,7 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .can_arm import CanArm
 from .can_base import CanBase
@@ -52,7 +52,7 @@ class CanParts:
 
     STATE: ClassVar = {
         "travel": WheelTravel,
-        "joints": NDArray[np.float64] | None,
+        "joints": FloatArray | None,
         "opening": float | None,
     }
     """Attributes that a checkpoint keeps, with their types."""
@@ -67,12 +67,12 @@ class CanParts:
         self.base.set_travel(rolled)
 
     @property
-    def joints(self) -> NDArray[np.float64] | None:
+    def joints(self) -> FloatArray | None:
         """The arm's command, (n,) in [rad]; None without an arm."""
         return None if self.arm is None else self.arm.command()
 
     @joints.setter
-    def joints(self, commanded: NDArray[np.float64] | None) -> None:
+    def joints(self, commanded: FloatArray | None) -> None:
         if self.arm is not None and commanded is not None:
             self.arm.holds(commanded)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .capability import Capability, Reading
 
@@ -19,7 +18,7 @@ class Arm(Capability):
     FILE_KEY = "arm"
 
     @abstractmethod
-    def move(self, joints: NDArray[np.float64]) -> None:
+    def move(self, joints: FloatArray) -> None:
         """Command the joint angles at the end of the next period, (n,) in [rad].
 
         Raises:
@@ -28,15 +27,15 @@ class Arm(Capability):
         """
 
     @abstractmethod
-    def command(self) -> NDArray[np.float64]:
+    def command(self) -> FloatArray:
         """Return the last commanded joint angles, (n,) in [rad], which the arm holds."""
 
     @abstractmethod
-    def joints(self) -> NDArray[np.float64]:
+    def joints(self) -> FloatArray:
         """Measured joint angles, (n,) in [rad]."""
 
     @abstractmethod
-    def hand_force(self) -> NDArray[np.float64]:
+    def hand_force(self) -> FloatArray:
         """Return the force of the surroundings on the hand or its object, (3,) in [N], in the hand frame.
 
         It comes from a wrist sensor or from the joints' efforts; the weight of the held object is

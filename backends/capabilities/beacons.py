@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .capability import Capability, Reading
 
@@ -14,7 +13,7 @@ from .capability import Capability, Reading
 class BeaconRanges(NamedTuple):
     """Distances of the beacons from the tag, the robot's own radio."""
 
-    distances: NDArray[np.float64]
+    distances: FloatArray
     """(k,) in [m], in the order of the robot's file; NaN of a beacon that wasn't heard."""
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .capability import Capability, Reading
@@ -20,7 +18,7 @@ class Camera(Capability):
     READINGS: ClassVar = {"image": Reading("camera", noisy=True)}
 
     @abstractmethod
-    def image(self) -> NDArray[np.uint8]:
+    def image(self) -> ByteArray:
         """This period's picture, (height, width), with the lens's distortion and the sensor's noise."""
 
     @property

@@ -6,9 +6,9 @@ from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform, apply
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .capability import Capability, Reading
@@ -17,16 +17,16 @@ from .capability import Capability, Reading
 class DepthImage(NamedTuple):
     """Colour and depth of one instant, with the pose of the camera at that instant."""
 
-    colour: NDArray[np.uint8]
+    colour: ByteArray
     """(height, width, 3) in RGB."""
-    depth: NDArray[np.float32]
+    depth: SingleArray
     """(height, width) in [m] along the optical axis; NaN without a reading."""
     base_T_camera: Transform
     """Pose (4, 4) of the optical frame (z forward, x right, y down) by the joints measured then."""
     time: float
     """Time of the picture in [s], counted in periods of the backend since it was built."""
 
-    def points(self, model: CameraModel) -> NDArray[np.float64]:
+    def points(self, model: CameraModel) -> FloatArray:
         """Return the points that have a reading, (n, 3) in [m] in the base frame, row by row."""
         rows, columns = np.nonzero(np.isfinite(self.depth))
         z = self.depth[rows, columns].astype(np.float64)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .capability import Capability, Reading
 
@@ -14,7 +13,7 @@ from .capability import Capability, Reading
 class Fix(NamedTuple):
     """A position of the antenna."""
 
-    position: NDArray[np.float64]
+    position: FloatArray
     """(2,) east and north of the task's origin, in [m]."""
     sigma: float
     """Sigma that the receiver states, on each axis, in [m]."""

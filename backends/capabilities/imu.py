@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .capability import Capability, Reading
 
@@ -17,9 +16,9 @@ class Imu(Capability):
     READINGS: ClassVar = {"rates": Reading("imu", noisy=True), "accelerations": Reading("imu", noisy=True)}
 
     @abstractmethod
-    def rates(self) -> NDArray[np.float64]:
+    def rates(self) -> FloatArray:
         """Turn rates (3,) about the axes in [rad/s], mean over this period, with the gyros' bias."""
 
     @abstractmethod
-    def accelerations(self) -> NDArray[np.float64]:
+    def accelerations(self) -> FloatArray:
         """Return the accelerometers' reading (3,) in [m/s²]; at rest and level, gravity's +9.81 along z."""

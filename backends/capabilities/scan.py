@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray
 
 NO_ECHO_KINDS = np.empty(0, np.uint8)
 
@@ -30,27 +30,27 @@ class Validity(IntEnum):
 class _Beams(NamedTuple):
     """What a scan is made of."""
 
-    angles: NDArray[np.float64]
+    angles: FloatArray
     """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
-    ranges: NDArray[np.float64]
+    ranges: FloatArray
     """(n,) in [m]; infinity without a return. In an interpreted scan, infinity for every beam without a
     return.
     """
     base_T_sensor: Pose2
     """Pose of the sensor on the base."""
-    validity: NDArray[np.uint8] = NO_ECHO_KINDS
+    validity: ByteArray = NO_ECHO_KINDS
     """(n,) of `Validity`; empty in a raw scan."""
 
 
 class Scan(_Beams):
     """One turn of a range sensor, or the part of it that the sensor sees."""
 
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> FloatArray:
         """Return the hit points, (m, 2) in [m], in the base frame."""
         return self._points
 
     @cached_property
-    def _points(self) -> NDArray[np.float64]:
+    def _points(self) -> FloatArray:
         """Hit points, computed once, because several callers need them."""
         hit = np.isfinite(self.ranges)
         reach, angle = self.ranges[hit], self.angles[hit]
@@ -58,11 +58,11 @@ class Scan(_Beams):
         points[:, 0], points[:, 1] = reach * np.cos(angle), reach * np.sin(angle)
         return self.base_T_sensor.apply(points)
 
-    def blind(self) -> NDArray[np.bool_]:
+    def blind(self) -> BoolArray:
         """(n,) whether a beam of a read scan shows neither a thing nor free ground."""
         return self.validity >= Validity.TOO_CLOSE
 
-    def rep117(self) -> NDArray[np.float64]:
+    def rep117(self) -> FloatArray:
         """(n,) ranges of a read scan by REP 117: infinity no return, -infinity too close, NaN invalid."""
         ranges = self.ranges.copy()
         if len(self.validity):

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AliasChoices, ConfigDict, Field, model_validator
 
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.lens_fold import LensKind
 
@@ -89,7 +89,7 @@ class CameraInfo(FileModel):
         return "fisheye" if self.distortion_model in ("equidistant", "fisheye") else "brown"
 
     @property
-    def distortion(self) -> NDArray[np.float64]:
+    def distortion(self) -> FloatArray:
         """(4,) of a fisheye, (5,) or (8,) of others, as OpenCV has them."""
         size = next(size for size in (5, 8) if size >= len(self._coefficients))
         filled = np.zeros(4 if self.lens == "fisheye" else size)
@@ -97,7 +97,7 @@ class CameraInfo(FileModel):
         return filled
 
     @property
-    def K(self) -> NDArray[np.float64]:
+    def K(self) -> FloatArray:
         """(3, 3) in [px]."""
         return np.array(self.camera_matrix.data).reshape(3, 3)
 

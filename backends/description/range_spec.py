@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AliasChoices, Field, model_validator
 from typing_extensions import override
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .sensor_spec import MountedSensorSpec
 
@@ -63,12 +64,12 @@ class RangeSpec(MountedSensorSpec):
     def without_errors(self) -> Self:
         return self.model_copy(update={"sigma_mm": 0.0})
 
-    def angles(self) -> NDArray[np.float64]:
+    def angles(self) -> FloatArray:
         """(beams,) in [rad], counter-clockwise."""
         start, end = np.radians([self.start_deg, self.end_deg])
         return np.linspace(start, end, self.beams, endpoint=not self.is_full_turn)
 
-    def masked(self, angles: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def masked(self, angles: FloatArray) -> BoolArray:
         """(n,) whether angles in [rad] are in a masked sector."""
         found = np.zeros(len(angles), np.bool_)
         degrees = np.degrees(angles)

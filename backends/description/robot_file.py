@@ -23,6 +23,7 @@ from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.kinematics.urdf_mounts import joints_between
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .can_spec import CanSpec
 from .drive_spec import ALL_DRIVE_KINDS as ALL_DRIVE_KINDS
@@ -34,8 +35,6 @@ from .sensor_table import SensorTable
 from .simulated_errors import Errors
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from handcart.backends.urdf.robot_shape import FingerShape, TrayShape
     from handcart.robotics.kinematics.arm_model import ArmModel
 
@@ -260,19 +259,19 @@ class RobotFile(SensorTable):
         slides = tuple(kind == "prismatic" for kind in of_arm)
         return JointUnits(names, slides, tuple(kind == "continuous" for kind in of_arm))
 
-    def joint_speeds(self) -> NDArray[np.float64]:
+    def joint_speeds(self) -> FloatArray:
         """(n,): how fast the arm's joints may move by the robot's file, in [rad/s] or [m/s]."""
         arm = self.arm
         return np.empty(0) if arm is None else self._each(arm.top_speed_deg_s, arm.slide_speed_mm_s)
 
-    def joint_accelerations(self) -> NDArray[np.float64]:
+    def joint_accelerations(self) -> FloatArray:
         """(n,): how hard they may speed up, in [rad/s²] or [m/s²]."""
         arm = self.arm
         return (
             np.empty(0) if arm is None else self._each(arm.acceleration_deg_s2, arm.slide_acceleration_mm_s2)
         )
 
-    def _each(self, turning_deg: float, sliding_mm: float | None) -> NDArray[np.float64]:
+    def _each(self, turning_deg: float, sliding_mm: float | None) -> FloatArray:
         turns, slides = math.radians(turning_deg), (sliding_mm or 0.0) / 1e3
         return np.array([slides if each else turns for each in self.joint_units.slides])
 

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.base import WheelTravel
@@ -17,12 +16,7 @@ from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.simulation.body.fingers import Fingers
 from handcart.backends.simulation.body.hand import SimulatedHand
-from handcart.backends.simulation.body.simulated_parts import (
-    CommandedBase,
-    SimulatedArm,
-    SimulatedGripper,
-    Vector,
-)
+from handcart.backends.simulation.body.simulated_parts import CommandedBase, SimulatedArm, SimulatedGripper
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.sensors.disc_ranges import cast_at_discs
 from handcart.backends.simulation.sensors.range_faults import RangeFaults
@@ -34,6 +28,7 @@ from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.numerics.arrays import FloatArray
 
 _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
 
@@ -99,10 +94,10 @@ class KinematicArm(SimulatedArm):
         self._touching: frozenset[tuple[str, str]] = frozenset()
 
     @override
-    def true_joints(self) -> Vector:
+    def true_joints(self) -> FloatArray:
         return self._hand.scene.joints
 
-    def _true_force(self) -> Vector:
+    def _true_force(self) -> FloatArray:
         return self._hand.scene.felt_force()
 
     def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
@@ -170,11 +165,11 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         discs = self._scene.passers.discs(self._height)
         return lambda: self._noisy(self._cast_from(base, time, discs), period)
 
-    def _cast(self) -> NDArray[np.float64]:
+    def _cast(self) -> FloatArray:
         discs = self._scene.passers.discs(self._height)
         return self._cast_from(self._scene.base, self._scene.time, discs)
 
-    def _cast_from(self, base: Pose2, time: float, discs: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _cast_from(self, base: Pose2, time: float, discs: FloatArray) -> FloatArray:
         """Return the true ranges to everything, also to discs (k, 3): x, y and radius in [m]."""
         ranges = self._cast_at_solids(base, time)
         if not len(discs):
@@ -182,7 +177,7 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         sensor = base.compose(self._mount)
         return np.minimum(ranges, cast_at_discs(discs, sensor, self._angles, self._spec.reach_m))
 
-    def _cast_at_solids(self, base: Pose2, time: float) -> NDArray[np.float64]:
+    def _cast_at_solids(self, base: Pose2, time: float) -> FloatArray:
         """Return the true ranges, cast again only if the base moved or an obstacle appeared or left."""
         here = base, self._plan.there(time).tobytes()
         if here != self._seen_from:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import ALL_DRIVE_KINDS, RobotFile
@@ -16,6 +15,7 @@ from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.physics.display import needs_display
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .body.mujoco_body import MujocoBody
 from .rendering.studio import Studio
@@ -69,7 +69,7 @@ class MujocoBackend(PhysicsBackend):
             self._window.show(self._body.standing_pose(), self.period)
 
     @override
-    def view(self) -> NDArray[np.uint8]:
+    def view(self) -> ByteArray:
         width, height = VIEW_SIZE
         K = np.array([[_FOCAL, 0.0, (width - 1) / 2], [0.0, _FOCAL, (height - 1) / 2], [0.0, 0.0, 1.0]])
         return self._studio.take(self._seen_from(), K, self._onlooker.at)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.engine import Engine
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 FROM, TOWARDS = np.array([-1.5, 1.6, 1.75]), np.array([0.45, -0.1, 0.55])
 """Where they stand and what they look at, (3,) in [m] in the base's frame."""
 FOLLOWING_TIME_S = 0.8  # [s] that they take to follow
 _BEFORE = 0.95  # of the way to what is between them and the robot
 _FAR = 2.0  # [m]: who is further off than that from where they should be is there at once
-
-Array = NDArray[np.float64]
 
 
 class Onlooker:
@@ -39,12 +37,12 @@ class Onlooker:
         return looking(at + (_BEFORE * free if free < 1.0 else 1.0) * (eye - at), at)
 
     @property
-    def at(self) -> Array:
+    def at(self) -> FloatArray:
         """Return the point that it looks at, (3,) in [m]."""
         return self._at
 
 
-def looking(eye: Array, at: Array) -> Transform:
+def looking(eye: FloatArray, at: FloatArray) -> Transform:
     """world_T_camera (4, 4) of a level camera at a point that looks at another one, (3,) in [m]."""
     forward = (at - eye) / np.linalg.norm(at - eye)
     right = np.cross(forward, (0.0, 0.0, 1.0))

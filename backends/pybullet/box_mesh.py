@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.thing_form import BOX_FACES, BOX_NORMALS, Uvs
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .bullet import bullet, quiet
 
@@ -37,7 +37,7 @@ def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
         )
 
 
-def _obj(half: NDArray[np.float64], uvs: Sequence[Uvs]) -> str:
+def _obj(half: FloatArray, uvs: Sequence[Uvs]) -> str:
     """The box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
     lines = [f"v {x} {y} {z}" for face in BOX_FACES for x, y, z in half * face]
     lines += [f"vt {u} {v}" for face in uvs for u, v in face]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .bullet_engine import BulletEngine
 
@@ -22,9 +22,7 @@ class BulletCamera(EngineCamera):
     `EngineCamera`.
     """
 
-    def _draw(
-        self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
-    ) -> NDArray[np.uint8]:
+    def _draw(self, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]) -> ByteArray:
         """Render the picture in tiles, because the EGL renderer stretches its window of 1024 x 768 to larger
         sizes.
         """
@@ -42,10 +40,10 @@ class BulletCamera(EngineCamera):
 def render(
     engine: BulletEngine,
     world_T_camera: Transform,
-    K: NDArray[np.float64],
+    K: FloatArray,
     size: tuple[int, int],
     lit: bool = False,
-) -> NDArray[np.uint8]:
+) -> ByteArray:
     """Return the picture of a pinhole camera, (height, width, 3) in RGB.
 
     Args:
@@ -60,8 +58,8 @@ def render(
 
 
 def render_with_depth(
-    engine: BulletEngine, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
-) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    engine: BulletEngine, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]
+) -> tuple[ByteArray, FloatArray]:
     """Return a picture as `render` does, and the depth of its pixels (height, width).
 
     Depth is in [m] along the optical axis; infinite where nothing is nearer than `FURTHEST`. It is rendered
@@ -74,13 +72,13 @@ def render_with_depth(
     return colour, np.where(near_depth < 2.0 * FINE_NEAREST, near_depth, far_depth)
 
 
-def _depth(part: NDArray[np.float64], nearest: float) -> NDArray[np.float64]:
+def _depth(part: FloatArray, nearest: float) -> FloatArray:
     """Depths in [m] of a buffer of OpenGL, from 0 at the nearest plane to 1 at `FURTHEST`."""
     depth = FURTHEST * nearest / (FURTHEST - part * (FURTHEST - nearest))
     return np.where(part >= 1.0, np.inf, depth)
 
 
-def _projection(K: NDArray[np.float64], size: tuple[int, int], near: float = NEAREST) -> NDArray[np.float64]:
+def _projection(K: FloatArray, size: tuple[int, int], near: float = NEAREST) -> FloatArray:
     """OpenGL's projection (4, 4) of a pinhole camera; OpenGL counts pixels from their edges."""
     width, height = size
     fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5

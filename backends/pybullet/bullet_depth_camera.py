@@ -5,12 +5,12 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.physics.sensors.engine_depth_camera import EngineDepthCamera
 from handcart.backends.simulation.depth.simulated_depth_camera import TrueDepth
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .bullet_camera import render_with_depth
 from .bullet_engine import BulletEngine
@@ -27,7 +27,7 @@ class BulletDepthCamera(EngineDepthCamera):
         assert isinstance(self._engine, BulletEngine)
         width, height = self._spec.width_px, self._spec.height_px
         colour = np.empty((height, width, 3), np.uint8)
-        depth: NDArray[np.float64] = np.empty((height, width))
+        depth: FloatArray = np.empty((height, width))
         for top, left in product(range(0, height, TILE_PX[1]), range(0, width, TILE_PX[0])):
             K = self._spec.model.K.copy()
             K[:2, 2] -= (left, top)

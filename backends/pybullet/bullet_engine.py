@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.physics.engine.engine import (
@@ -23,9 +22,9 @@ from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
 from handcart.backends.simulation.world.sheet import Sheet
-from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .box_mesh import box_mesh
 from .bullet import bullet, quiet
@@ -41,8 +40,6 @@ _STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
 _OFF = 2e-4  # [m] that a sheet lies above what it is painted on
 _FLAT = ((0.5, 0.5),) * 4
 _LEVEL = 1  # of its pictures: the renderer takes the nearest points of a finer one
-
-Array = NDArray[np.float64]
 
 
 class BulletEngine(Engine):
@@ -116,7 +113,7 @@ class BulletEngine(Engine):
         return self._rub(body, friction)
 
     @override
-    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+    def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
         shapes = tile_shape(self.client, cell, heights)
         x, y = corner + cell * (len(heights) - 1) / 2
         middle = (float(heights.min()) + float(heights.max())) / 2  # Bullet has a field about its middle
@@ -163,7 +160,7 @@ class BulletEngine(Engine):
         return body
 
     @override
-    def show(self, body: int, picture: GreyImage) -> None:
+    def show(self, body: int, picture: ByteArray) -> None:
         self.renderer.show(body, picture)
 
     @override
@@ -206,7 +203,7 @@ class BulletEngine(Engine):
         )
         return ContactPoint(link, other, other_link, normal, (x, y, z))
 
-    def free_shares(self, start: Array, ends: Array) -> Array:
+    def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
         """See `Engine`: in one batch."""
         starts = np.broadcast_to(start, ends.shape)
         hits = self.p.rayTestBatch(

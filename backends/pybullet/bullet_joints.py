@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.physics.body.joint_group import JointGroup, Vector
+from handcart.backends.physics.body.joint_group import JointGroup
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .bullet_engine import BulletEngine
 
@@ -21,12 +22,12 @@ class BulletJoints(JointGroup):
         self._body, self._joints = body, list(joints)
 
     @override
-    def states(self) -> tuple[Vector, Vector]:
+    def states(self) -> tuple[FloatArray, FloatArray]:
         read = self._p.getJointStates(self._body, self._joints, physicsClientId=self._client)
         return np.array([each[0] for each in read]), np.array([each[1] for each in read])
 
     @override
-    def turn(self, speeds: Vector, most: Vector) -> None:
+    def turn(self, speeds: FloatArray, most: FloatArray) -> None:
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,
@@ -37,7 +38,9 @@ class BulletJoints(JointGroup):
         )
 
     @override
-    def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
+    def stand(
+        self, positions: FloatArray, most: FloatArray, share: float, rates: FloatArray | None = None
+    ) -> None:
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,
@@ -49,7 +52,7 @@ class BulletJoints(JointGroup):
         )
 
     @override
-    def push(self, torques: Vector) -> None:
+    def push(self, torques: FloatArray) -> None:
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,

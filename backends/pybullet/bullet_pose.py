@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:
@@ -19,7 +19,7 @@ def placed(pose: Transform) -> tuple[list[float], list[float]]:
 def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
     """The pose (4, 4) of a position and a quaternion x, y, z, w."""
     x, y, z, w = quaternion
-    result: NDArray[np.float64] = np.array(
+    result: FloatArray = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), position[0]],
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), position[1]],

@@ -9,11 +9,10 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.engine import Point
-from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .bullet import quiet
 
@@ -52,21 +51,21 @@ class BulletRenderer:
 
     # Textures
 
-    def show(self, body: int, picture: GreyImage) -> None:
+    def show(self, body: int, picture: ByteArray) -> None:
         """Paint a body with a grey picture."""
         texture = self.texture(picture)
         if texture != self._shown.get(body):
             self._shown[body] = texture
             self._p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
 
-    def texture(self, picture: NDArray[np.uint8]) -> int:
+    def texture(self, picture: ByteArray) -> int:
         """Return the number of a grey picture; the renderer loads each picture once."""
         key = (picture.shape, picture.tobytes())
         if key not in self._textures:
             self._textures[key] = self._load_texture(picture)
         return self._textures[key]
 
-    def _load_texture(self, picture: NDArray[np.uint8]) -> int:
+    def _load_texture(self, picture: ByteArray) -> int:
         with tempfile.TemporaryDirectory() as folder:
             path = str(Path(folder) / "texture.png")
             cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
@@ -76,7 +75,7 @@ class BulletRenderer:
 
     def picture(
         self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
-    ) -> NDArray[np.uint8]:
+    ) -> ByteArray:
         """Return the rendered picture, (height, width, 3) in RGB.
 
         Args:
@@ -102,13 +101,11 @@ class BulletRenderer:
 
     def picture_with_depth(
         self, view: Transform, projection: Transform, size: tuple[int, int]
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    ) -> tuple[ByteArray, FloatArray]:
         """Return an unlit picture as `picture` does, and OpenGL's depths (height, width), from 0 to 1."""
         return self.picture(view, projection, size), self.depth_buffer(view, projection, size)
 
-    def depth_buffer(
-        self, view: Transform, projection: Transform, size: tuple[int, int]
-    ) -> NDArray[np.float64]:
+    def depth_buffer(self, view: Transform, projection: Transform, size: tuple[int, int]) -> FloatArray:
         """Return OpenGL's depths (height, width), from 0 at the nearest plane to 1 at the farthest one."""
         with quiet():
             buffer = self._render(view, projection, size, tuple((-view[2, :3]).tolist()))[3]

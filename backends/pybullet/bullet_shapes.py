@@ -6,10 +6,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.physics.engine.thing_form import Cuboid, Wedge
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .bullet import bullet, quiet
 
@@ -46,7 +44,7 @@ def plain_box(client: int, size: Sequence[float], grey: int) -> tuple[int, int]:
     return int(shape), int(visual)
 
 
-def tile_shape(client: int, cell: float, heights: NDArray[np.float64]) -> tuple[int, int]:
+def tile_shape(client: int, cell: float, heights: FloatArray) -> tuple[int, int]:
     """Bullet's collision and visual shape of rough ground; see `Engine.add_tile`."""
     p, count = bullet(), len(heights)
     side = (count - 1) * cell

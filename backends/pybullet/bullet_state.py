@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.saved_state import NotAState
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray
 
 HEADER_BYTES = 12  # bytes: BULLET, size of numbers, of pointers, their order, version
 CONTACT_CODE = b"CONT"
@@ -45,8 +46,6 @@ again.
 MAX_BULLET_NUMBER = 1.1e30
 """Thresholds that are never reached are 1e30, single or double; no number is larger."""
 _SMALL = 1_000_000  # of whole numbers of contacts, at most
-
-Mask = NDArray[np.bool_]
 
 
 class Chunk(NamedTuple):
@@ -77,7 +76,7 @@ class _Fields:
     floats: tuple[int, ...]
     loose: tuple[int, ...]
     """Offsets of integers of 4 bytes that may differ."""
-    fixed: Mask
+    fixed: BoolArray
     """(n,) mask of the bytes that must be the same."""
     count: int | None
     """Offset of the number of contact points, in a contact."""
@@ -180,12 +179,12 @@ def _check_contacts(contacts: Sequence[Chunk], layout: Sequence[_Fields], collid
         raise NotAState(f"no saved state: a contact of more than {_POINTS} points, or too many of them")
 
 
-def _rows(chunks: Sequence[Chunk], fields: _Fields) -> NDArray[np.uint8]:
+def _rows(chunks: Sequence[Chunk], fields: _Fields) -> ByteArray:
     """(n, bytes) of all structs in these chunks."""
     return np.frombuffer(b"".join(each.data for each in chunks), np.uint8).reshape(-1, len(fields.fixed))
 
 
-def _check_numbers(rows: NDArray[np.uint8], fields: _Fields) -> None:
+def _check_numbers(rows: ByteArray, fields: _Fields) -> None:
     for offsets, dtype in ((fields.doubles, np.float64), (fields.floats, np.float32)):
         if offsets:
             values = np.stack([_read(rows, offset, dtype) for offset in offsets])
@@ -196,7 +195,7 @@ def _check_numbers(rows: NDArray[np.uint8], fields: _Fields) -> None:
             raise NotAState("no saved state: a number of the engine's world is beyond all sense")
 
 
-def _read(rows: NDArray[np.uint8], offset: int, dtype: type) -> NDArray[Any]:
+def _read(rows: ByteArray, offset: int, dtype: type) -> NDArray[Any]:
     size = np.dtype(dtype).itemsize
     return np.ascontiguousarray(rows[:, offset : offset + size]).view(dtype)[:, 0]
 

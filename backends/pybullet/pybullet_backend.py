@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.display import needs_display
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .bullet_body import BulletBody
 from .bullet_camera import render
@@ -45,5 +45,5 @@ class PyBulletBackend(PhysicsBackend):
         return cls(robot, cls.needed(world), seed, window=True)
 
     @override
-    def view(self) -> NDArray[np.uint8]:
+    def view(self) -> ByteArray:
         return render(self._engine, self._seen_from(), _VIEW_K, _VIEW_SIZE, lit=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.scan import Scan
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 SAME_POSE_M, SAME_POSE_RAD = 0.004, 0.005  # of motion since the average began
 SAME_SURFACE_M = 0.04  # between a range and its average; more is another surface, and the range itself counts
@@ -26,7 +26,7 @@ class AveragedScan:
     def restart(self) -> None:
         """Forget all scans."""
         self._scan: Scan | None = None
-        self._average: NDArray[np.float64] = np.empty(0)
+        self._average: FloatArray = np.empty(0)
         self._count = 0
         self._began = Pose2(0.0, 0.0, 0.0)
 

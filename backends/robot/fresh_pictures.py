@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .robot_errors import StaleReading
 
@@ -18,12 +19,12 @@ class FreshPictures:
 
     def __init__(self) -> None:
         """Begin without a picture."""
-        self._last: NDArray[np.uint8] | None = None
+        self._last: ByteArray | None = None
         self._taken_at = np.empty(0)
         self._moved = False  # since that picture, even if it is back
 
     @property
-    def last(self) -> NDArray[np.uint8] | None:
+    def last(self) -> ByteArray | None:
         """The last picture, (height, width) grey; None before the first."""
         return self._last
 
@@ -32,11 +33,11 @@ class FreshPictures:
         """True while there is a picture, and no motion since was noted."""
         return self._last is not None and not self._moved
 
-    def note(self, carrier: NDArray[np.float64]) -> None:
+    def note(self, carrier: FloatArray) -> None:
         """Note where the camera's carrier is in this period."""
         self._moved = self._is_away(carrier)
 
-    def take(self, image: NDArray[np.uint8], carrier: NDArray[np.float64], noisy: bool) -> NDArray[np.uint8]:
+    def take(self, image: ByteArray, carrier: FloatArray, noisy: bool) -> ByteArray:
         """Return a picture that was taken with the carrier at a position.
 
         Args:
@@ -53,5 +54,5 @@ class FreshPictures:
         self._last, self._taken_at, self._moved = image, carrier, False
         return image
 
-    def _is_away(self, carrier: NDArray[np.float64]) -> bool:
+    def _is_away(self, carrier: FloatArray) -> bool:
         return bool(np.abs(carrier - self._taken_at).max() > STALE_PICTURE_MOTION)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.backend import CommandError
@@ -17,6 +16,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle, WayGuard
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .unseen_ground import UnseenGround
 
@@ -47,7 +47,7 @@ class GuardedBase(HolonomicBase):
         robot: RobotFile,
         grid: GridMap | None,
         pose: Callable[[], Pose2],
-        scan: Callable[[], NDArray[np.float64]],
+        scan: Callable[[], FloatArray],
         unseen: UnseenGround | None = None,
         restart_scan: Callable[[], None] = lambda: None,
         is_located: Callable[[], bool] = lambda: True,
@@ -125,12 +125,12 @@ class GuardedBase(HolonomicBase):
         self._begin()
         self._guard.may_stand_at(pose)
 
-    def keep_off(self, points: NDArray[np.float64]) -> None:
+    def keep_off(self, points: FloatArray) -> None:
         """Keep off (n, 2) points on the map in [m] from now on, where the base ran into an obstacle."""
         self._felt = points
 
     @property
-    def felt(self) -> NDArray[np.float64]:
+    def felt(self) -> FloatArray:
         """(n, 2) points on the map in [m] that it keeps off."""
         return self._felt
 
@@ -153,7 +153,7 @@ class GuardedBase(HolonomicBase):
                 self._unseen.starts_here()
             self._starts = False
 
-    def _around(self, pose: Pose2) -> NDArray[np.float64]:
+    def _around(self, pose: Pose2) -> FloatArray:
         """(n, 2) in [m] what the scan shows, and what was felt, in the base frame at map_T_base."""
         scan = self._scan()
         is_felt = self._on_map and len(self._felt) > 0
@@ -204,7 +204,7 @@ class GuardedBase(HolonomicBase):
         return speed * self._period + speed**2 / (2.0 * self._braking)
 
 
-def steady_points(scan: Scan) -> NDArray[np.float64]:
+def steady_points(scan: Scan) -> FloatArray:
     """Return (n, 2) points of a scan in the base frame, in [m]; each beam is the median of itself and its two
     neighbours.
 
@@ -225,7 +225,7 @@ def steady_points(scan: Scan) -> NDArray[np.float64]:
     return scan._replace(angles=angles, ranges=np.maximum(low, np.minimum(high, ranges))).points()
 
 
-def _goes_round(angles: NDArray[np.float64]) -> bool:
+def _goes_round(angles: FloatArray) -> bool:
     """Return whether the last beam of a scan is the neighbour of the first one."""
     spacing = (angles[-1] - angles[0]) / (len(angles) - 1)
     return bool(angles[-1] - angles[0] + 1.5 * spacing > 2.0 * np.pi)

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
@@ -34,6 +33,7 @@ from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle
 from handcart.robotics.navigation.localization.attitude import Attitude
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .averaged_scan import AveragedScan
 from .beside import beside
@@ -208,7 +208,7 @@ class Robot:
         return self.spec.arm_model()
 
     @cached_property
-    def joint_speeds(self) -> NDArray[np.float64]:
+    def joint_speeds(self) -> FloatArray:
         """(n,): speed limits of the arm's joints by URDF and robot file, in [rad/s] or [m/s]."""
         return np.minimum(self.arm_model.velocity, self.spec.joint_speeds())
 
@@ -249,7 +249,7 @@ class Robot:
         """Height of the lidar above the ground that the base is on, in [m]."""
         return float(base_T_frame(self.spec.urdf_text(), self.spec.lidar_link)[2, 3])
 
-    def surroundings(self) -> NDArray[np.float64]:
+    def surroundings(self) -> FloatArray:
         """Return the obstacles in this period's scan, without lone readings and without a lowered hand.
 
         Returns:
@@ -262,7 +262,7 @@ class Robot:
             points = np.vstack([points, *(steady_points(each.scan()) for each in self.other_lidars)])
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
-    def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def without_hand(self, points: FloatArray) -> FloatArray:
         """Return the points that are not on a lowered hand.
 
         Args:
@@ -316,7 +316,7 @@ class Robot:
         self._arm_command = command
         self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
-    def picture(self) -> NDArray[np.uint8]:
+    def picture(self) -> ByteArray:
         """The camera's picture, (height, width) grey.
 
         Raises:
@@ -326,7 +326,7 @@ class Robot:
         noisy = self.spec.errors.image_noise_grey > 0.0
         return self._pictures.take(self.camera.image(), self._carried_by(), noisy)
 
-    def _carried_by(self) -> NDArray[np.float64]:
+    def _carried_by(self) -> FloatArray:
         """Return the state that moves the camera: distances driven by the wheels in [m], then the arm's
         command.
         """
@@ -334,7 +334,7 @@ class Robot:
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 
     @property
-    def seen(self) -> NDArray[np.uint8] | None:
+    def seen(self) -> ByteArray | None:
         """The last picture that was asked for, (height, width) grey; None before the first. Takes none."""
         return self._pictures.last
 

@@ -7,20 +7,20 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_frames import origin_of
 from handcart.robotics.kinematics.urdf_reading import read_urdf
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 
 class HullMesh(NamedTuple):
     """A convex hull as a mesh, its scale applied."""
 
-    points: NDArray[np.float64]
+    points: FloatArray
     """Corners (n, 3) in [m]."""
-    faces: NDArray[np.int64]
+    faces: IntArray
     """Triangles (m, 3) of them, outward by the right-hand rule."""
 
     def obj(self) -> str:

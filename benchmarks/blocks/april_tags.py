@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.landmarks.tag_family import TagFamily, dictionary, modules_of, tags_of
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
@@ -29,15 +29,13 @@ TAG_COUNT = 12
 CELL_PX = 10  # [px] of a drawn tag
 TAG_SIDES_PX = (30.0, 160.0)  # [px] of a tag with its white rim
 FRAME_COUNT = 6  # with random bits, in a picture without tags
-Image = NDArray[np.uint8]
-Grey = NDArray[np.float64]
-Reader = Callable[[Image], set[int]]
+Reader = Callable[[ByteArray], set[int]]
 
 
 class Picture(NamedTuple):
     """A picture and the tags in it."""
 
-    image: Image
+    image: ByteArray
     ids: set[int]
 
 
@@ -80,7 +78,7 @@ def untagged(seed: int) -> Picture:
     return Picture(_taken(ground, rng), set())
 
 
-def ours(image: Image) -> set[int]:
+def ours(image: ByteArray) -> set[int]:
     """Read the tags of a picture as handcart does."""
     return {tag.id for tag in read_tags(image, family=TAG_FAMILY)}
 
@@ -89,14 +87,14 @@ def stock() -> Reader:
     """Return OpenCV's detector as it comes."""
     detector = cv2.aruco.ArucoDetector(dictionary(TAG_FAMILY))
 
-    def read(image: Image) -> set[int]:
+    def read(image: ByteArray) -> set[int]:
         _, ids, _ = detector.detectMarkers(image)
         return set() if ids is None else {int(number) for number in np.ravel(ids)}
 
     return read
 
 
-def _marker(number: int, damaged_bits: int, rng: np.random.Generator) -> Grey:
+def _marker(number: int, damaged_bits: int, rng: np.random.Generator) -> FloatArray:
     inner = modules_of(TAG_FAMILY) - 2
     cells = dictionary(TAG_FAMILY).generateImageMarker(number, CELL_PX * (inner + 2)).astype(np.float64)
     for where in rng.choice(inner * inner, damaged_bits, replace=False).tolist():
@@ -107,7 +105,7 @@ def _marker(number: int, damaged_bits: int, rng: np.random.Generator) -> Grey:
     return np.pad(cells, CELL_PX, constant_values=255.0)
 
 
-def _paste(ground: Grey, cells: Grey, place: int, rng: np.random.Generator) -> None:
+def _paste(ground: FloatArray, cells: FloatArray, place: int, rng: np.random.Generator) -> None:
     """Put a tag into one of twelve places of a picture, in perspective and in its own light."""
     half, drawn = rng.uniform(*TAG_SIDES_PX) / 2.0, float(len(cells))
     middle = np.array([160.0 + 320.0 * (place % 4), 160.0 + 320.0 * (place // 4)])
@@ -121,24 +119,24 @@ def _paste(ground: Grey, cells: Grey, place: int, rng: np.random.Generator) -> N
     ground[covered] = (tag * gain + offset)[covered]
 
 
-def _taken(ground: Grey, rng: np.random.Generator) -> Image:
+def _taken(ground: FloatArray, rng: np.random.Generator) -> ByteArray:
     """Return the picture that a camera takes: blurred and noisy."""
     blurred = cv2.GaussianBlur(ground, (0, 0), rng.uniform(0.6, 1.6))
     noisy = blurred + rng.normal(0.0, 6.0, blurred.shape)
     return np.asarray(np.clip(noisy, 0.0, 255.0), np.uint8)
 
 
-def _smoothed_noise(rng: np.random.Generator) -> Grey:
+def _smoothed_noise(rng: np.random.Generator) -> FloatArray:
     noise = cv2.GaussianBlur(rng.normal(0.0, 1.0, (HEIGHT, WIDTH)), (0, 0), rng.uniform(1.0, 12.0))
     return np.asarray(128.0 + rng.uniform(40.0, 120.0) * noise / noise.std(), np.float64)
 
 
-def _stripes(rng: np.random.Generator) -> Grey:
+def _stripes(rng: np.random.Generator) -> FloatArray:
     rows, columns = (np.sin(np.arange(size) / rng.uniform(2.0, 30.0)) for size in (HEIGHT, WIDTH))
     return np.asarray(128.0 + 120.0 * np.sign(rows[:, None] * columns), np.float64)
 
 
-def _rectangles(rng: np.random.Generator) -> Grey:
+def _rectangles(rng: np.random.Generator) -> FloatArray:
     ground = np.full((HEIGHT, WIDTH), 200.0)
     for _ in range(400):
         row, column = int(rng.integers(HEIGHT)), int(rng.integers(WIDTH))

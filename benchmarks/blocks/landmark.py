@@ -18,12 +18,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.landmark import INK, PAPER, draw_landmark, seen_landmark
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 from handcart.robotics.perception.landmarks.landmark_pose import facing, planar_pose
@@ -36,10 +37,10 @@ CAMERA_MODEL = CameraModel(
 )
 HEIGHT, M_PER_PX, TABLE_PX, FINE = 0.3, 1.25e-4, 2400, 3
 OFFSETS_M = (0.0004, 0.03, 0.06)
-Finder = Callable[[GreyImage], Floats | None]  # corners as rays (4, 2), from the upper left
+Finder = Callable[[ByteArray], FloatArray | None]  # corners as rays (4, 2), from the upper left
 
 
-def rays() -> NDArray[np.float64]:
+def rays() -> FloatArray:
     """Some rays in each pixel (n, 3)."""
     u, v = (
         (np.arange(count * FINE) + 0.5) / FINE - 0.5 for count in (CAMERA_MODEL.width, CAMERA_MODEL.height)
@@ -48,9 +49,7 @@ def rays() -> NDArray[np.float64]:
     return np.column_stack([flat, np.ones(len(flat))])
 
 
-def photograph(
-    table: GreyImage, pose: Pose2, looking: NDArray[np.float64], rng: np.random.Generator
-) -> GreyImage:
+def photograph(table: ByteArray, pose: Pose2, looking: FloatArray, rng: np.random.Generator) -> ByteArray:
     """The image of a table with the mark in its middle at `pose` below the camera."""
     camera_T_table = facing(HEIGHT) @ pose.lift()
     plane = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
@@ -63,23 +62,23 @@ def photograph(
         fine.astype(np.float32), (CAMERA_MODEL.width, CAMERA_MODEL.height), interpolation=cv2.INTER_AREA
     )
     image = cv2.GaussianBlur(small, (0, 0), 0.7) + rng.normal(0.0, 3.0, small.shape)
-    pixels: GreyImage = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    pixels: ByteArray = np.clip(np.rint(image), 0, 255).astype(np.uint8)
     return pixels
 
 
-def table_with(sheet: GreyImage) -> GreyImage:
+def table_with(sheet: ByteArray) -> ByteArray:
     table = np.full((TABLE_PX, TABLE_PX), 150, dtype=np.uint8)
     start = (TABLE_PX - sheet.shape[0]) // 2
     table[start : start + sheet.shape[0], start : start + sheet.shape[0]] = sheet
     return table
 
 
-def tag_sheet() -> GreyImage:
+def tag_sheet() -> ByteArray:
     marker = cv2.aruco.generateImageMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), 7, 480)
     return np.pad(np.where(marker > 0, PAPER, INK).astype(np.uint8), 80, constant_values=PAPER)
 
 
-def ours(image: GreyImage) -> Floats | None:
+def ours(image: ByteArray) -> FloatArray | None:
     found = find_landmarks(image, CAMERA_MODEL)
     return found[0].rays if found else None
 
@@ -90,14 +89,14 @@ def aruco(refinement: int) -> Finder:
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
     detector = cv2.aruco.ArucoDetector(dictionary, parameters)
 
-    def find(image: GreyImage) -> Floats | None:
+    def find(image: ByteArray) -> FloatArray | None:
         corners, _, _ = detector.detectMarkers(image)
         return CAMERA_MODEL.undistort(corners[0].reshape(4, 2).astype(np.float64)) if corners else None
 
     return find
 
 
-def plain(image: GreyImage) -> Floats | None:
+def plain(image: ByteArray) -> FloatArray | None:
     """Find the corners by Otsu's threshold, the largest quadrangle and cornerSubPix, without the
     direction.
     """
@@ -113,7 +112,7 @@ def plain(image: GreyImage) -> Floats | None:
     return CAMERA_MODEL.undistort(corners.reshape(4, 2).astype(np.float64)[::-1])
 
 
-def errors(find: Finder, images: list[GreyImage], poses: list[Pose2]) -> tuple[list[float], list[float], int]:
+def errors(find: Finder, images: list[ByteArray], poses: list[Pose2]) -> tuple[list[float], list[float], int]:
     """Return errors of centres [mm], of angles modulo a quarter turn [mrad], and the number not found."""
     centres, angles, missed = [], [], 0
     for image, pose in zip(images, poses, strict=True):

@@ -7,38 +7,36 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.robotics.numerics.arrays import FloatArray
 
 TRIAL_COUNT = 20  # of an experiment
 COLUMN_NAMES = ("x", "y", "processed_x", "processed_y", "yaw_mrad", "lean_mrad")
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Experiment:
     """20 trials. `errors` is (trials, blocks, columns): NaN for a block that isn't where it should be."""
 
-    errors: Floats
-    sim_time: Floats
+    errors: FloatArray
+    sim_time: FloatArray
     """(n,) simulated times of the trials [s]."""
-    frames: Floats
+    frames: FloatArray
     """Pictures of each trial (n,)."""
     lost: tuple[str, ...]
     """Seed and reason of each trial that did not reach its goal."""
 
     @property
-    def raw(self) -> Floats:
+    def raw(self) -> FloatArray:
         """Size of each block's error, x and y together, in [mm]."""
         sizes = np.hypot(self.errors[..., 0], self.errors[..., 1])
         return np.asarray(sizes[np.isfinite(sizes)])
 
     @property
-    def processed(self) -> Floats:
+    def processed(self) -> FloatArray:
         """Without the effects of the base's turning and leaning; x and y each by itself, as in the paper."""
         sizes = np.abs(self.errors[..., 2:4])
         return np.asarray(sizes[np.isfinite(sizes)])

@@ -16,7 +16,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.blocks.wall_files import write_wall
@@ -29,6 +28,7 @@ from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives.blocks.drawing import Drawing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.numerics.arrays import FloatArray
 
 WALL_COUNT = 20
 RESOLUTION, ORIGIN, SIZE = 0.02, (-0.2, -0.2), (6.4, 4.4)
@@ -112,7 +112,7 @@ def main() -> None:
     wanted = words.parse_args()
     count, robot = wanted.walls, wanted.robot
     print(f"{'wall':>4}{'rows':>5}{'stops':>6}{'plan s':>7}{'blocks':>7}{'mean mm':>8}{'max mm':>7}  ended")
-    built, errors, touched = 0, list[NDArray[np.float64]](), 0
+    built, errors, touched = 0, list[FloatArray](), 0
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(count):
             place, began = Path(folder) / str(seed), time.perf_counter()

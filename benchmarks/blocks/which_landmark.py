@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from ruamel.yaml import YAML
@@ -31,6 +30,7 @@ from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 TASK_FOLDER = Path(__file__).parents[2] / "tasks" / "stack_blocks"
 LANDMARK_HEIGHT_M = 0.4
@@ -39,7 +39,6 @@ POSE_SIGMA = (0.05, 0.05, 0.035)  # [m], [m], [rad]
 RIGHT_MM = 6.0  # the base leans
 ROBOT_NAME = "toyama/h1"
 
-Floats = NDArray[np.float64]
 Fault = Literal["", "one covered", "one too many", "it is covered"]
 LANDMARK_FAULTS: tuple[Fault, ...] = ("", "one covered", "one too many", "it is covered")
 
@@ -47,7 +46,7 @@ LANDMARK_FAULTS: tuple[Fault, ...] = ("", "one covered", "one too many", "it is 
 class Plan(NamedTuple):
     """Positions of landmarks on a map."""
 
-    places: Floats
+    places: FloatArray
     """(n, 2) on the map, in [m]."""
     next: tuple[float, float]
     """Position of one more landmark that would continue the pattern [m]."""

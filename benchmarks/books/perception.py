@@ -18,7 +18,8 @@ from typing import NamedTuple
 import cv2
 import matplotlib.font_manager
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
@@ -45,7 +46,7 @@ SYSTEM_FACES = ("liberation", "freefont", "freesans", "freeserif", "freemono", "
 class Shelf(NamedTuple):
     """A flat picture of some spines, and where each label's middle is (y in [m])."""
 
-    picture: NDArray[np.uint8]
+    picture: ByteArray
     left: float
     numbers: list[CallNumber]
 
@@ -83,9 +84,7 @@ def shelf(numbers: list[CallNumber], face: str, rng: np.random.Generator) -> She
     return Shelf(np.hstack(spines), ROW * THICKNESS / 2, numbers)
 
 
-def photograph(
-    row: Shelf, camera_T_shelf: NDArray[np.float64], rng: np.random.Generator
-) -> NDArray[np.uint8]:
+def photograph(row: Shelf, camera_T_shelf: FloatArray, rng: np.random.Generator) -> ByteArray:
     """The row seen through the lens, with a camera's blur, noise and uneven light."""
     columns, lines = np.meshgrid(np.arange(CAMERA_MODEL.width), np.arange(CAMERA_MODEL.height))
     rays = CAMERA_MODEL.undistort(np.column_stack([columns.ravel(), lines.ravel()]).astype(np.float64))
@@ -102,11 +101,11 @@ def photograph(
     angle, depth = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.2)
     slope = np.cos(angle) * (columns / 320 - 1) + np.sin(angle) * (lines / 240 - 1)
     noisy = image * (0.92 + depth * slope) + rng.normal(0.0, 3.0, grid)
-    pixels: NDArray[np.uint8] = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    pixels: ByteArray = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
     return pixels
 
 
-def pose(lateral: float, rng: np.random.Generator) -> NDArray[np.float64]:
+def pose(lateral: float, rng: np.random.Generator) -> FloatArray:
     """camera_T_shelf of a camera in front of `lateral`, up to two degrees askew."""
     look = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     shelf_T_camera = transform((-DISTANCE, lateral, 0.09), rng.uniform(-0.035, 0.035, 3).tolist())

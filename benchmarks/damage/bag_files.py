@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 PERIOD_S = 0.05  # [s]
 LATITUDE, LONGITUDE, METRES = 48.0, 9.0, 111_320.0
@@ -19,28 +20,27 @@ TOPIC_TYPES = {
     "/fix": "sensor_msgs/msg/NavSatFix",
     "/truth": "geometry_msgs/msg/PoseStamped",
 }
-Array = NDArray[np.float64]
 Stamp = Callable[[str, float], float]
 
 
 class BagDrive(NamedTuple):
     """Messages that a vehicle's drivers publish."""
 
-    times: Array
+    times: FloatArray
     """(n,) from 0 on, in [s]."""
-    poses: Array
+    poses: FloatArray
     """(n, 3) the truth: x, y in [m], heading in [rad]."""
-    rates: Array
+    rates: FloatArray
     """(n, 3) of the gyros, in [rad/s]."""
-    accelerations: Array
+    accelerations: FloatArray
     """(n, 3) in [m/s²]."""
-    speeds: Array
+    speeds: FloatArray
     """(n,) by the wheels, in [m/s]."""
-    turns: Array
+    turns: FloatArray
     """(n,) turn rate by the wheels, in [rad/s]."""
-    fix_rows: NDArray[np.int64]
+    fix_rows: IntArray
     """(m,) at which a fix comes in."""
-    places: Array
+    places: FloatArray
     """(m, 2) latitude and longitude, in [deg]."""
     variance: float = 0.25
     """Stated of a fix, an axis, in [m²]; 0: nothing is stated."""
@@ -68,7 +68,7 @@ def small_drive(seed: int = 1, duration: float = 60.0) -> BagDrive:
     )
 
 
-def as_degrees(places: Array) -> Array:
+def as_degrees(places: FloatArray) -> FloatArray:
     """Return latitude and longitude (m, 2) in [deg] of places (m, 2) east and north in [m]."""
     latitudes = LATITUDE + places[:, 1] / METRES
     return np.stack(
@@ -131,7 +131,9 @@ def _header(store: Any, stamp: float, row: int) -> Any:
     return head(row, time, "base_link") if "seq" in head.__dataclass_fields__ else head(time, "base_link")
 
 
-def _content(store: Any, topic: str, drive: BagDrive, row: int, fixes: dict[int, Array], head: Any) -> Any:
+def _content(
+    store: Any, topic: str, drive: BagDrive, row: int, fixes: dict[int, FloatArray], head: Any
+) -> Any:
     kinds = store.types
     vector, turned = kinds["geometry_msgs/msg/Vector3"], kinds["geometry_msgs/msg/Quaternion"]
     x, y, heading = drive.poses[row].tolist()

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.progress import track
 
 from benchmarks.field.foreign_logs import ALL_VEHICLES, GRAVITY_M_S2, record_foreign
@@ -24,8 +23,8 @@ from handcart.evaluation.offline_localization.checks.mirror import MIRROR_TEXT a
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
 from handcart.evaluation.offline_localization.preparation import prepare
 from handcart.robotics.navigation.outdoors.field_noise import ANY_VEHICLE
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 LATITUDE_RAD = math.radians(48.0)
 REPORTED_FAULTS = (
     "wheels stand still",
@@ -130,7 +129,7 @@ def _half(log: DriveLog) -> int:
     return len(log.times) // 2
 
 
-def _zero_from(values: Array | None, row: int) -> Array:
+def _zero_from(values: FloatArray | None, row: int) -> FloatArray:
     assert values is not None
     found = values.copy()
     found[row:] = 0.0

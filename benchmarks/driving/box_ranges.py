@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def box_ranges(
-    boxes: Iterable[tuple[float, float, float, float, float]], sensor: Pose2, angles: NDArray[np.float64]
-) -> NDArray[np.float64]:
+    boxes: Iterable[tuple[float, float, float, float, float]], sensor: Pose2, angles: FloatArray
+) -> FloatArray:
     """Return the range (n,) in [m] of each beam to the first box's side; inf if it meets no box.
 
     Args:

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+from handcart.robotics.numerics.arrays import BoolArray
 
 LENGTH_M, WIDTH_M, WALL_M = 14.0, 4.8, 0.1  # of the hall
 START, GOAL = (2.0, 2.4, 0.0), (12.0, 2.4, 0.0)  # x, y in [m], heading in [deg]
@@ -70,7 +70,7 @@ def hall_map(boxes: list[Box], cell: float, seed: int | None = None) -> GridMap:
     return from_boxes(boxes, cell, (-0.3 + x, -0.3 + y), (LENGTH_M + 0.7, WIDTH_M + 0.7))
 
 
-def _automaton(rng: np.random.Generator, density: float) -> NDArray[np.bool_]:
+def _automaton(rng: np.random.Generator, density: float) -> BoolArray:
     """(h, w) cells that are posts."""
     shape = (round(WIDTH_M / POST_M), round((LAST_M - FIRST_M) / POST_M))
     posts = rng.random(shape) < density
@@ -82,7 +82,7 @@ def _automaton(rng: np.random.Generator, density: float) -> NDArray[np.bool_]:
     return posts
 
 
-def _boxes(posts: NDArray[np.bool_]) -> list[Box]:
+def _boxes(posts: BoolArray) -> list[Box]:
     """Return a box for each run of posts along a row."""
     found: list[Box] = []
     for row, cells in enumerate(posts):

@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.progress import track
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
@@ -30,7 +31,6 @@ from handcart.robotics.navigation.routes.tangent_path import CarPath, car_path, 
 START, GOAL = Pose2(0.0, 0.0, 0.0), Pose2(12.0, 0.0, 0.0)
 AROUND, RADIUS, DT, OFF = 0.7, 2.1, 0.05, 0.05
 AHEAD, BEHIND, HALF_WIDTH = 0.8, 0.3, 0.35
-Array = NDArray[np.float64]
 
 
 class Drive(NamedTuple):
@@ -41,7 +41,7 @@ class Drive(NamedTuple):
     missed: float  # [m] from the goal
 
 
-def field(rng: np.random.Generator) -> Array:
+def field(rng: np.random.Generator) -> FloatArray:
     """(n, 3) discs with room before start and goal for the turning circle."""
     while True:
         count = rng.integers(1, 6)
@@ -53,11 +53,11 @@ def field(rng: np.random.Generator) -> Array:
             return discs
 
 
-def _gap(discs: Array, pose: Pose2) -> float:
+def _gap(discs: FloatArray, pose: Pose2) -> float:
     return float((np.hypot(*(discs[:, :2] - pose[:2]).T) - discs[:, 2]).min())
 
 
-def body_gap(discs: Array, pose: Pose2) -> float:
+def body_gap(discs: FloatArray, pose: Pose2) -> float:
     """Distance of the body's rectangle from the nearest disc, in [m]."""
     local = pose.inverse().apply(discs[:, :2])
     outside_x = np.maximum(np.maximum(local[:, 0] - AHEAD, -BEHIND - local[:, 0]), 0.0)
@@ -65,7 +65,7 @@ def body_gap(discs: Array, pose: Pose2) -> float:
     return float((np.hypot(outside_x, outside_y) - discs[:, 2]).min())
 
 
-def drive(path: CarPath, discs: Array, rng: np.random.Generator) -> Drive:
+def drive(path: CarPath, discs: FloatArray, rng: np.random.Generator) -> Drive:
     """Follow a path at up to 0.5 m/s; steering turns at most 0.5 / m a second."""
     car = Car(discs, rng)
     car.back(path.back_before)
@@ -82,7 +82,7 @@ def drive(path: CarPath, discs: Array, rng: np.random.Generator) -> Drive:
 class Car:
     """True motion of a car with slow steering and localization errors."""
 
-    def __init__(self, discs: Array, rng: np.random.Generator) -> None:
+    def __init__(self, discs: FloatArray, rng: np.random.Generator) -> None:
         self.pose, self.speed, self.length, self.nearest = START, 0.0, 0.0, math.inf
         self._discs, self._rng, self._bend = discs, rng, 0.0
         self._off = OFF * rng.standard_normal(2)

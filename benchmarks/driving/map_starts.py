@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 from PIL import Image
 
 from benchmarks.driving.office_map import office_boxes
@@ -21,6 +20,7 @@ from handcart.evaluation.trials.rig import RigFiles
 from handcart.primitives.knowledge.place import load_map
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.numerics.arrays import IntArray
 
 ROOT = Path(__file__).resolve().parents[2]
 REAL_MAPS = ROOT / "../shared/maps"
@@ -41,7 +41,7 @@ class Chart(NamedTuple):
     name: str
     path: Path
     grid: GridMap
-    cells: NDArray[np.int64]
+    cells: IntArray
     """(n, 2) free cells with room for the robot, all connected."""
 
     def pose(self, rng: np.random.Generator) -> Pose2:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -19,6 +18,7 @@ from handcart.backends.robot.localization.scan_reading import read_scan
 from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
+from handcart.robotics.numerics.arrays import FloatArray
 
 ROBOT = "cart"
 CORRIDOR_M = 2.4
@@ -29,7 +29,6 @@ MAX_TIME_FACTOR = 5.0
 """Of the time at top speed; a drive that takes longer is stuck."""
 SCAN_PERIODS = 4
 """Periods between two recorded scans."""
-Array = NDArray[np.float64]
 Box = tuple[float, float, float, float, float]
 Boxes = list[Box]
 Corner = tuple[int, int]
@@ -53,7 +52,7 @@ class Drive(NamedTuple):
     """A recorded drive."""
 
     log: ScanLog
-    truth: Array
+    truth: FloatArray
     """(n, 3) true pose at each scan: x, y in [m], heading in [rad]."""
 
 
@@ -167,7 +166,7 @@ def _record(backend: KinematicBackend, spec: RobotFile, way: list[tuple[float, f
     base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
     assert base is not None and lidar is not None and spec.range_sensor is not None
     odometry, last = Pose2(0.0, 0.0, 0.0), base.wheel_travel()
-    rows = list[tuple[float, Pose2, Pose2, Array]]()
+    rows = list[tuple[float, Pose2, Pose2, FloatArray]]()
     first = None
     for number, command in enumerate(_commands(backend, spec, way)):
         if number % SCAN_PERIODS == 0:

@@ -14,13 +14,13 @@ import time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.box_walls import surface_distances
 from handcart.robotics.navigation.mapping.map_building import BuiltMap, build_map
 from handcart.robotics.navigation.mapping.scan_log import keyframe
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.tools.maps.map_log import RESOLUTION_M
 from handcart.tools.maps.stages import stages_shown
 
@@ -30,17 +30,16 @@ WORLDS = (((1, 1), 50.0), ((2, 1), 90.0), ((2, 2), 150.0), ((3, 2), 210.0), ((3,
 """Blocks along x and y, and the length of the way in [m]; the way back to the start is added."""
 MAX_MEDIAN_M, MAX_95_M = 0.03, 0.08
 MISSING_M = 0.08
-Array = NDArray[np.float64]
 
 
 class Result(NamedTuple):
     """Errors of one map."""
 
-    walls: Array
+    walls: FloatArray
     """(n,) distance of each occupied cell to the nearest true surface, in [m]."""
     missing: float
     """Share of what the lidar hit that the map lacks."""
-    poses: Array
+    poses: FloatArray
     """(n,) error of each keyframe's position, in [m]."""
     nees: float
     """Mean squared error of the positions in claimed sigmas; 2 if the claims are exact."""
@@ -80,7 +79,7 @@ def _row(number: int, seed: int, resolution: float) -> Result:
     return found
 
 
-def _words(errors: Array) -> str:
+def _words(errors: FloatArray) -> str:
     return f"{100 * np.median(errors):5.1f} / {100 * np.quantile(errors, 0.95):4.1f} cm"
 
 

@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
@@ -34,6 +33,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.shortest_path import shortest_path
 from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 BEAM_ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 COLD_START_CODE = (
@@ -66,10 +66,10 @@ def median_ms(call: Callable[[], Any], times: int) -> float:
     return 1e3 * float(np.median(taken))
 
 
-def free_pairs(graph: VoronoiGraph, count: int, seed: int) -> NDArray[np.int64]:
+def free_pairs(graph: VoronoiGraph, count: int, seed: int) -> IntArray:
     """Starts and goals (count, 2, 2): random free cells at least 2 m apart."""
     rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
-    pairs: list[NDArray[np.int64]] = []
+    pairs: list[IntArray] = []
     while len(pairs) < count:
         pair = cells[rng.integers(len(cells), size=2)]
         if np.hypot(*(pair[0] - pair[1])) * graph.map.resolution > 2.0:
@@ -77,13 +77,13 @@ def free_pairs(graph: VoronoiGraph, count: int, seed: int) -> NDArray[np.int64]:
     return np.array(pairs)
 
 
-def topology(free: NDArray[np.bool_]) -> tuple[int, int]:
+def topology(free: BoolArray) -> tuple[int, int]:
     """Components and holes by scipy's labels, 8-connected free cells against 4-connected others."""
     padded = np.pad(free, 1)
     return ndimage.label(padded, np.ones((3, 3)))[1], ndimage.label(~padded)[1] - 1
 
 
-def length_and_room(graph: VoronoiGraph, path: NDArray[np.float64]) -> tuple[float, float]:
+def length_and_room(graph: VoronoiGraph, path: FloatArray) -> tuple[float, float]:
     """Length in [m] and mean clearance in [m] of a path (n, 2) in [cells]."""
     steps = np.hypot(*np.diff(path, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
@@ -92,7 +92,7 @@ def length_and_room(graph: VoronoiGraph, path: NDArray[np.float64]) -> tuple[flo
     return float(along[-1]) * graph.map.resolution, float(graph.clearance[cells[:, 0], cells[:, 1]].mean())
 
 
-def ideal_path(graph: VoronoiGraph, pair: NDArray[np.int64]) -> NDArray[np.float64]:
+def ideal_path(graph: VoronoiGraph, pair: IntArray) -> FloatArray:
     """Return the path of least 1 / clearance on the grid, as found by a search that isn't bound to a
     graph.
     """
@@ -185,12 +185,12 @@ def cold_row() -> Row:
     return Row("first graph and route ever, s", f"{cold:.1f}", f"in the next process {kept:.2f}")
 
 
-def scan_points(boxes: Any, pose: Pose2, rng: np.random.Generator) -> NDArray[np.float64]:
+def scan_points(boxes: Any, pose: Pose2, rng: np.random.Generator) -> FloatArray:
     """A scan with 1 cm of noise, end points (n, 2) in the base frame."""
     seen = box_ranges(boxes, pose, BEAM_ANGLES)
     seen = seen + rng.normal(0.0, 0.01, len(seen))
     hit = seen < 12.0
-    points: NDArray[np.float64] = seen[hit, None] * np.column_stack(
+    points: FloatArray = seen[hit, None] * np.column_stack(
         [np.cos(BEAM_ANGLES[hit]), np.sin(BEAM_ANGLES[hit])]
     )
     return points

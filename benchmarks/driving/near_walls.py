@@ -29,9 +29,11 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+from handcart.robotics.numerics.arrays import FloatArray
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmarks.driving.random_room import Body, Floats, Room, write, write_places
+from benchmarks.driving.random_room import Body, Room, write, write_places
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.networks.events.events import Ended, Event
@@ -225,7 +227,7 @@ def report(results: list[Trial], nearer: bool) -> str:
     return "\n".join(lines)
 
 
-def _rms(values: Floats) -> float:
+def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 

@@ -6,26 +6,25 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 NEAREST_COUNT = 12  # centres that are looked at first
 # [cells] that squares' distances may differ more than their centres'
 DIAGONAL_CELLS = math.sqrt(0.5) - 0.5 + 1e-9
-Cells = NDArray[np.bool_]
 CELLS_PER_RADIUS = (0.0, 0.3, 0.5, 0.6, 0.8, 1.0, 1.3, 1.9, 2.5, 4.0, 7.6)
 
 
-def speckle(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
+def speckle(rng: np.random.Generator, shape: tuple[int, int]) -> BoolArray:
     """Lone cells anywhere."""
-    lone: Cells = rng.random(shape) < rng.choice([0.01, 0.03, 0.1, 0.2, 0.3])
+    lone: BoolArray = rng.random(shape) < rng.choice([0.01, 0.03, 0.1, 0.2, 0.3])
     return lone
 
 
-def rooms(rng: np.random.Generator, shape: tuple[int, int], room: int = 0, door: int = 0) -> Cells:
+def rooms(rng: np.random.Generator, shape: tuple[int, int], room: int = 0, door: int = 0) -> BoolArray:
     """Rooms of `room` cells behind walls one cell thick, with doors of `door` cells; any numbers if 0."""
     room = room or int(rng.integers(4, 16))
     occupied = np.zeros(shape, dtype=np.bool_)
@@ -42,7 +41,7 @@ def rooms(rng: np.random.Generator, shape: tuple[int, int], room: int = 0, door:
     return occupied
 
 
-def diagonals(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
+def diagonals(rng: np.random.Generator, shape: tuple[int, int]) -> BoolArray:
     """Walls one cell thick that run from corner to corner of their cells, with gaps."""
     occupied = np.zeros(shape, dtype=np.bool_)
     for _ in range(int(rng.integers(2, 9))):
@@ -56,7 +55,7 @@ def diagonals(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
     return occupied
 
 
-def boxes(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
+def boxes(rng: np.random.Generator, shape: tuple[int, int]) -> BoolArray:
     """Furniture and walls at any angle."""
     size = (float(shape[1]), float(shape[0]))
     many = [
@@ -71,7 +70,7 @@ def boxes(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
     return from_boxes(many, 1.0, (0.0, 0.0), size).occupied
 
 
-def streets(rng: np.random.Generator, shape: tuple[int, int], block: int = 32) -> Cells:
+def streets(rng: np.random.Generator, shape: tuple[int, int], block: int = 32) -> BoolArray:
     """Blocks of houses, some turned, some missing, with streets between them."""
     size = (float(shape[1]), float(shape[0]))
     houses = [
@@ -88,7 +87,7 @@ def streets(rng: np.random.Generator, shape: tuple[int, int], block: int = 32) -
     return from_boxes(houses, 1.0, (0.0, 0.0), size).occupied
 
 
-GRID_KINDS: tuple[Callable[[np.random.Generator, tuple[int, int]], Cells], ...] = (
+GRID_KINDS: tuple[Callable[[np.random.Generator, tuple[int, int]], BoolArray], ...] = (
     speckle,
     rooms,
     diagonals,
@@ -107,7 +106,7 @@ def random_grid(seed: int) -> tuple[GridMap, float]:
     return grid, float(rng.choice(CELLS_PER_RADIUS)) * resolution
 
 
-def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def distance_to_squares(blocked: BoolArray, points: FloatArray) -> FloatArray:
     """Return the (n,) distances of (n, 2) points to the nearest blocked square, in [cells].
 
     The planner's code is not used. Everything beyond the map is blocked. The nearest square is one of
@@ -116,12 +115,12 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
     """
     padded = np.pad(blocked, 1, constant_values=True)
     rim = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1))
-    cells: NDArray[np.float64] = rim.astype(np.float64) - 1.0
+    cells: FloatArray = rim.astype(np.float64) - 1.0
     if len(cells) == 0:
         return np.zeros(len(points))
     count = min(NEAREST_COUNT, len(cells))
     away, index = cKDTree(cells).query(points, k=np.arange(1, count + 1))
-    found: NDArray[np.float64] = _to_squares(points[:, None], cells[index]).min(axis=1)
+    found: FloatArray = _to_squares(points[:, None], cells[index]).min(axis=1)
     for i in np.flatnonzero((away[:, -1] < away[:, 0] + DIAGONAL_CELLS) & (count < len(cells))):
         found[i] = _to_squares(points[i], cells).min()
     own = np.floor(points + 1.5).astype(np.int64)
@@ -129,5 +128,5 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
     return found
 
 
-def _to_squares(points: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
+def _to_squares(points: FloatArray, cells: FloatArray) -> FloatArray:
     return np.asarray(np.hypot(*np.moveaxis(np.maximum(np.abs(points - cells) - 0.5, 0.0), -1, 0)))

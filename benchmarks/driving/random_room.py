@@ -9,18 +9,17 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.numerics.arrays import FloatArray
 
 CELL_SIZES_M = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
 ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see handcart.robotics.navigation.routes.ways
 MAX_TRIES = 4000
 WALL_M = 0.1  # [m] thick
 UNMAPPED_BOX_PERIOD = 5  # every so many worlds hold boxes that aren't on the map
-Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float, float, float]
 """x, y, yaw, length, width, height, in [m] and [rad]."""
 
@@ -65,10 +64,10 @@ class Room:
         """Least distance from a place to an obstacle that `check` requires [m]."""
         return self.body.radius + ROOM + UNSURE * max(0.0, self.cell - FINE)
 
-    def clearance(self, points: Floats) -> Floats:
+    def clearance(self, points: FloatArray) -> FloatArray:
         """Distance (n,) of points (n, 2) to the squares of occupied cells, each looked at, in [m]."""
         beyond = self._low[None] - points[:, None], points[:, None] - self._low[None] - self.cell
-        nearest: Floats = np.hypot(*np.maximum(np.maximum(*beyond), 0.0).transpose(2, 0, 1)).min(axis=1)
+        nearest: FloatArray = np.hypot(*np.maximum(np.maximum(*beyond), 0.0).transpose(2, 0, 1)).min(axis=1)
         return nearest
 
     def start(self) -> tuple[float, float]:
@@ -94,7 +93,7 @@ class Room:
                 low, high = (middle, high) if self.clearance(middle[None])[0] >= room else (low, middle)
             yield float(low[0]), float(low[1])
 
-    def _points(self, count: int) -> Floats:
+    def _points(self, count: int) -> FloatArray:
         return self.rng.uniform([0.0, 0.0], [self.width, self.depth], (count, 2))
 
     def _walls(self) -> list[Box]:

@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
@@ -33,6 +32,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path
 from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 ROUNDING_M = 1e-9  # [m]
 PER_ROUTE = 200  # samples
@@ -54,15 +54,13 @@ class Found(NamedTuple):
     """Number of routes that were missed, or found where none exists."""
 
 
-def in_cells(grid: GridMap, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def in_cells(grid: GridMap, points: FloatArray) -> FloatArray:
     """Rows and columns (n, 2) of points (n, 2) in [m]."""
-    cells: NDArray[np.float64] = (points - (grid.origin_x, grid.origin_y))[:, ::-1] / grid.resolution - 0.5
+    cells: FloatArray = (points - (grid.origin_x, grid.origin_y))[:, ::-1] / grid.resolution - 0.5
     return cells
 
 
-def shortfalls(
-    grid: GridMap, route: Route, rng: np.random.Generator, samples: int = PER_ROUTE
-) -> NDArray[np.float64]:
+def shortfalls(grid: GridMap, route: Route, rng: np.random.Generator, samples: int = PER_ROUTE) -> FloatArray:
     """(samples,) by how much random spots of the route are nearer to what is blocked than it says, in [m]."""
     i, share = rng.integers(len(route.points) - 1, size=samples), rng.random(samples)
     spots = route.points[i] + share[:, None] * (route.points[i + 1] - route.points[i])
@@ -70,7 +68,7 @@ def shortfalls(
     return said - distance_to_squares(grid.blocked, in_cells(grid, spots)) * grid.resolution
 
 
-def components(grid: GridMap, radius: float) -> NDArray[np.int64]:
+def components(grid: GridMap, radius: float) -> IntArray:
     """(h, w) number of the part of the map that the robot's centre may be in, 0 where it may not."""
     height, width = grid.blocked.shape
     spots = np.argwhere(np.ones((2 * height + 1, 2 * width + 1), dtype=np.bool_)) / 2.0 - 0.5
@@ -79,7 +77,7 @@ def components(grid: GridMap, radius: float) -> NDArray[np.int64]:
     free = (room > 1e-6) & (room >= radius / grid.resolution - 1e-5)
     free[1::2, ::2] &= np.pad(free[1::2, 1::2], ((0, 0), (1, 0))) & np.pad(free[1::2, 1::2], ((0, 0), (0, 1)))
     free[::2, 1::2] &= np.pad(free[1::2, 1::2], ((1, 0), (0, 0))) & np.pad(free[1::2, 1::2], ((0, 1), (0, 0)))
-    labels: NDArray[np.int64] = ndimage.label(free, np.ones((3, 3)))[0][1::2, 1::2]
+    labels: IntArray = ndimage.label(free, np.ones((3, 3)))[0][1::2, 1::2]
     return labels
 
 
@@ -155,10 +153,10 @@ def maps(folder: Path) -> list[tuple[str, GridMap, float]]:
     return found
 
 
-def far_pairs(graph: VoronoiGraph, count: int, seed: int) -> list[NDArray[np.int64]]:
+def far_pairs(graph: VoronoiGraph, count: int, seed: int) -> list[IntArray]:
     """Starts and goals (2, 2): random free cells that are `MIN_PAIR_CELLS`."""
     rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
-    pairs: list[NDArray[np.int64]] = []
+    pairs: list[IntArray] = []
     while len(pairs) < count:
         pair = cells[rng.integers(len(cells), size=2)]
         if np.hypot(*(pair[0] - pair[1])) >= MIN_PAIR_CELLS:
@@ -166,7 +164,7 @@ def far_pairs(graph: VoronoiGraph, count: int, seed: int) -> list[NDArray[np.int
     return pairs
 
 
-def compare(name: str, grid: GridMap, radius: float, count: int) -> NDArray[np.float64]:
+def compare(name: str, grid: GridMap, radius: float, count: int) -> FloatArray:
     """Prints the row of a map; returns (n,) lengths by that of the shortest 8-connected path."""
     graph = voronoi_graph(grid, radius)
     price = np.where(graph.free, 1.0, -1.0)

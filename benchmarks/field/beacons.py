@@ -14,7 +14,6 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -28,11 +27,11 @@ from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
 from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.placement_errors import nees
+from handcart.robotics.numerics.arrays import FloatArray
 
 BEACON_POSITIONS_M = np.array([[-5.0, 20.0, 2.0], [75.0, 25.0, 2.5], [35.0, -20.0, 1.5]])
 BEACON_ERRORS = BeaconErrors(BEACON_POSITIONS_M, (0.0, 0.0, 1.0), scale=0.002)
 MEASUREMENT_PERIODS = 8  # periods between measurements
-Array = NDArray[np.float64]
 
 
 class BeaconWorld(NamedTuple):
@@ -56,9 +55,9 @@ class BeaconDrive(NamedTuple):
     """A drive, and the measured ranges to beacons."""
 
     log: FieldLog
-    ranges: Array
+    ranges: FloatArray
     """(n, k) in [m]; NaN in rows without a measurement."""
-    biases: Array
+    biases: FloatArray
     """(k,) in the end, in [m]."""
 
 
@@ -87,11 +86,11 @@ def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) 
 class BeaconTrial(NamedTuple):
     """Result of a filter on one drive."""
 
-    errors: Array
+    errors: FloatArray
     """(m, 2) in [m] of the places where sensors are laid."""
-    covariances: Array
+    covariances: FloatArray
     """(m, 2, 2) of them, as claimed."""
-    biases: Array
+    biases: FloatArray
     """(k,) error of the biases in the end, in [m]."""
     refused: float
     """Share of the ranges."""

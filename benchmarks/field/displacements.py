@@ -15,7 +15,6 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -29,19 +28,19 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
+from handcart.robotics.numerics.arrays import FloatArray
 
 LEG_COUNTS = (0, 1, 2, 4)  # of ten metres, from stop to stop; 0: while it stands there
-Array = NDArray[np.float64]
 
 
 class Way(NamedTuple):
     """Displacement from one stop to a later one."""
 
-    error: Array
+    error: FloatArray
     """(2,) of what is said of it, in [m]."""
-    covariance: Array
+    covariance: FloatArray
     """(2, 2) that is claimed of it, in [m²]."""
-    pose_error: Array
+    pose_error: FloatArray
     """(2,) of the difference of the two poses, in [m]."""
 
 
@@ -52,7 +51,7 @@ def ways(log: FieldLog, legs: int) -> list[Way]:
     ends = log.drive.placings.tolist()[:: max(1, legs)] if legs else log.drive.placings.tolist()
     begins = {row - round(9.0 / PERIOD_S) for row in ends} if legs == 0 else set(ends)
     found: list[Way] = []
-    begun: tuple[int, Array] | None = None
+    begun: tuple[int, FloatArray] | None = None
     for row in range(max(ends) + 1):
         localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         if row in fixes:
@@ -65,14 +64,14 @@ def ways(log: FieldLog, legs: int) -> list[Way]:
     return found
 
 
-def _way(log: FieldLog, localizer: GpsFilter, begun: int, pose: Array, row: int) -> Way:
+def _way(log: FieldLog, localizer: GpsFilter, begun: int, pose: FloatArray, row: int) -> Way:
     way = log.drive.poses[row, :2] - log.drive.poses[begun, :2]
     mean, covariance = localizer.displacement
     error = mean[:2] - true_way(log, begun, row)[:2]
     return Way(error, covariance[:2, :2], np.array(localizer.pose)[:2] - pose[:2] - way)
 
 
-def true_way(log: FieldLog, begun: int, row: int) -> Array:
+def true_way(log: FieldLog, begun: int, row: int) -> FloatArray:
     """(3,) x ahead, y left in [m], turn in [rad], from one row to a later one."""
     begin, end = (Pose2(*log.drive.poses[each].tolist()) for each in (begun, row))
     return np.array(end.relative_to(begin))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.field.placement_radius import TARGET_OFFSET_M
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 POINT_SPACING_M = 0.05  # [m] between points of a line
 
@@ -15,15 +15,15 @@ POINT_SPACING_M = 0.05  # [m] between points of a line
 class FieldCourse(NamedTuple):
     """Targets, and the line on which the base drives past them from (0, 0), heading along x."""
 
-    targets: NDArray[np.float64]
+    targets: FloatArray
     """(n, 2), in [m]."""
-    line: NDArray[np.float64]
+    line: FloatArray
     """(m, 2) dense points of the line [m]; it continues straight past the last stop."""
-    stops: NDArray[np.int64]
+    stops: IntArray
     """(n,) rows of `line` at which the base stops, with its target on its right."""
 
     @classmethod
-    def through(cls, stops: NDArray[np.float64]) -> FieldCourse:
+    def through(cls, stops: FloatArray) -> FieldCourse:
         """With straight legs from (0, 0) through the places (n, 2) at which the base stops, in [m]."""
         corners = np.vstack([np.zeros((1, 2)), stops])
         legs = np.diff(corners, axis=0)

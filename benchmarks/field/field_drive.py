@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.field.field_course import POINT_SPACING_M, FieldCourse
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE, FieldNoise
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
 
 PERIOD_S = 0.025  # [s]
@@ -35,15 +35,15 @@ class FieldTimes(NamedTuple):
 class FieldDrive(NamedTuple):
     """The truth, one row each 25 ms."""
 
-    poses: NDArray[np.float64]
+    poses: FloatArray
     """(n, 3): x, y in [m], heading in [rad], of the rear axle's middle."""
-    tilts: NDArray[np.float64]
+    tilts: FloatArray
     """(n, 2): roll and pitch in [rad]."""
-    travel: NDArray[np.float64]
+    travel: FloatArray
     """(n, 2) readings of the rear wheels, left and right, for the period that ends with the row [m]."""
-    driven: NDArray[np.float64]
+    driven: FloatArray
     """(n, 2): of that period, way really driven in [m] and curvature in [1/m]."""
-    placings: NDArray[np.int64]
+    placings: IntArray
     """(k,) rows at which a sensor is let go."""
 
 
@@ -78,7 +78,7 @@ def _drift(value: float, share: float, sigma: float, rng: np.random.Generator) -
 
 
 @compiled
-def _curvature(pose: NDArray[np.float64], point: NDArray[np.float64]) -> float:
+def _curvature(pose: FloatArray, point: FloatArray) -> float:
     """Pure pursuit of a point, within what the steering can do (Coulter, 1992)."""
     dx, dy = point[0] - pose[0], point[1] - pose[1]
     left = -math.sin(pose[2]) * dx + math.cos(pose[2]) * dy
@@ -94,16 +94,16 @@ def _next_speed(speed: float, top: float, acceleration: float, left_over: float)
 
 @compiled
 def _drive(
-    out: NDArray[np.float64],
-    line: NDArray[np.float64],
-    stops: NDArray[np.int64],
-    times: NDArray[np.float64],
-    shape: NDArray[np.float64],
-    turning: NDArray[np.float64],
+    out: FloatArray,
+    line: FloatArray,
+    stops: IntArray,
+    times: FloatArray,
+    shape: FloatArray,
+    turning: FloatArray,
     scale: float,
     tread: float,
     rng: np.random.Generator,
-) -> tuple[int, NDArray[np.int64]]:
+) -> tuple[int, IntArray]:
     """Rows (x, y, heading, roll, pitch, left, right, way, curvature) into `out`; how many; the placings."""
     top, acceleration, wait, dwell, placing = times
     pose = np.zeros(3)
@@ -155,14 +155,14 @@ def _drive(
 
 
 @compiled
-def _nearer(pose: NDArray[np.float64], line: NDArray[np.float64], at: int) -> bool:
+def _nearer(pose: FloatArray, line: FloatArray, at: int) -> bool:
     """Return True if the next point of the line is nearer than this one."""
     here = (line[at, 0] - pose[0]) ** 2 + (line[at, 1] - pose[1]) ** 2
     return bool((line[at + 1, 0] - pose[0]) ** 2 + (line[at + 1, 1] - pose[1]) ** 2 < here)
 
 
 @compiled
-def _along(pose: NDArray[np.float64], line: NDArray[np.float64], stop: int) -> float:
+def _along(pose: FloatArray, line: FloatArray, stop: int) -> float:
     """Way left to the stop along the line's last piece, in [m]."""
     ux, uy = (
         (line[stop, 0] - line[stop - 1, 0]) / POINT_SPACING_M,

@@ -6,29 +6,28 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.field.field_course import FieldCourse
 from benchmarks.field.field_drive import PERIOD_S, FieldDrive, FieldTimes, drive_course
 from handcart.robotics.geometry.transform import rotations
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 GRAVITY_M_S2 = 9.81  # [m/s²]
-Array = NDArray[np.float64]
 
 
 class FieldLog(NamedTuple):
     """Readings, one row each 25 ms, and the truth beside them."""
 
-    rates: Array
+    rates: FloatArray
     """(n, 3) of the gyros about x forward, y left, z up, in [rad/s]."""
-    accelerations: Array
+    accelerations: FloatArray
     """(n, 3) in [m/s²]."""
-    wheels: Array
+    wheels: FloatArray
     """(n, 2) travel of the rear wheels, left and right, in [m]."""
-    fix_rows: NDArray[np.int64]
+    fix_rows: IntArray
     """(m,) rows after which a fix comes in."""
-    fixes: Array
+    fixes: FloatArray
     """(m, 2) east and north in [m]."""
     start_heading: float
     """Heading that the robot assumes at the start [rad]."""
@@ -56,11 +55,11 @@ def record_course(
     )
 
 
-def _turned(drive: FieldDrive) -> Array:
+def _turned(drive: FieldDrive) -> FloatArray:
     return rotations(drive.tilts[:, 0], drive.tilts[:, 1], drive.poses[:, 2])
 
 
-def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
+def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> FloatArray:
     """Return the (n, 3) mean turn rates of each period as the gyros measure them [rad/s]."""
     world_R_base = _turned(drive)
     step = np.einsum("nji,njk->nik", world_R_base[:-1], world_R_base[1:])  # before_R_after
@@ -75,11 +74,11 @@ def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Ar
     bias = noise.gyro_bias * rng.standard_normal(3) + warm_up + walk
     white = noise.gyro_white / math.sqrt(PERIOD_S) * rng.standard_normal((count, 3))
     scale = 1.0 + noise.gyro_scale * rng.standard_normal(3)
-    read: Array = scale * true + bias + white
+    read: FloatArray = scale * true + bias + white
     return read
 
 
-def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
+def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> FloatArray:
     """(n, 3) gravity, speeding up, and vibration while driving."""
     speed = drive.driven[:, 0] / PERIOD_S
     forward = np.diff(speed, prepend=0.0) / PERIOD_S
@@ -90,11 +89,11 @@ def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generato
         speed > 0.0, math.hypot(noise.vibration, noise.accelerometer_white), noise.accelerometer_white
     )
     bias = noise.accelerometer_bias * rng.standard_normal(3)
-    read: Array = forces + bias + spread[:, None] * rng.standard_normal((len(speed), 3))
+    read: FloatArray = forces + bias + spread[:, None] * rng.standard_normal((len(speed), 3))
     return read
 
 
-def _travel(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
+def _travel(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> FloatArray:
     """(n, 2) what the wheels say: of the drive, of a tyre that loses air on the way, and of standing."""
     travel = drive.travel.copy()
     flat, wheel, size = int(rng.integers(len(travel) // 2)), int(rng.integers(2)), abs(rng.standard_normal())
@@ -107,8 +106,8 @@ def _travel(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> A
 
 
 def _fixes(
-    drive: FieldDrive, rows: NDArray[np.int64], noise: FieldNoise, rng: np.random.Generator
-) -> tuple[NDArray[np.int64], Array]:
+    drive: FieldDrive, rows: IntArray, noise: FieldNoise, rng: np.random.Generator
+) -> tuple[IntArray, FloatArray]:
     """Rows (m,) and positions (m, 2) of the fixes that come in."""
     measured = np.maximum(0, rows - round(noise.gps_delay / PERIOD_S))
     antenna = _turned(drive)[measured] @ np.array(noise.antenna)
@@ -133,9 +132,7 @@ def _fixes(
     return rows[heard], position[heard]
 
 
-def _spells(
-    count: int, every: float, lasting: float, period: float, rng: np.random.Generator
-) -> NDArray[np.int64]:
+def _spells(count: int, every: float, lasting: float, period: float, rng: np.random.Generator) -> IntArray:
     """(n,) number of the spell that each fix falls in, counted from 1; 0 outside."""
     number = np.zeros(count, dtype=np.int64)
     if math.isinf(every):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog
@@ -14,18 +13,17 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
-
-Array = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 
 class FieldTrial(NamedTuple):
     """Positions of laid sensors relative to their targets."""
 
-    errors: Array
+    errors: FloatArray
     """(k, 2) in [m]: the arm goes where the target would be if the estimate were true."""
-    covariances: Array
+    covariances: FloatArray
     """(k, 2, 2) of them, as the robot believes, in [m²]."""
-    consistent: NDArray[np.bool_] = np.ones(0, dtype=bool)
+    consistent: BoolArray = np.ones(0, dtype=bool)
     """(k,) whether fixes didn't contradict that: elsewhere DEPLOY wouldn't lay."""
 
 
@@ -58,7 +56,7 @@ def as_laid(log: FieldLog, smoothed: list[Belief]) -> FieldTrial:
     return _trial(log, poses, [belief.covariance[:3, :3] for belief in smoothed])
 
 
-def _trial(log: FieldLog, poses: list[Pose2], covariances: list[Array]) -> FieldTrial:
+def _trial(log: FieldLog, poses: list[Pose2], covariances: list[FloatArray]) -> FieldTrial:
     truth = [Pose2(*row.tolist()) for row in log.drive.poses[log.drive.placings]]
     errors = [tip_place(true) - tip_place(pose) for true, pose in zip(truth, poses, strict=True)]
     spreads = [tip_covariance(spread, pose.theta) for spread, pose in zip(covariances, poses, strict=True)]

@@ -11,15 +11,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 PERIOD_S = 0.05  # [s]
 GRAVITY_M_S2 = 9.81
 SIDEWAYS_IMU = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """imu_R_base of the skid-steer robot: its y axis points up."""
-Array = NDArray[np.float64]
 
 
 class Receiver(NamedTuple):
@@ -67,7 +66,7 @@ class ForeignLog(NamedTuple):
     """A log, and what is only known in simulation."""
 
     log: DriveLog
-    jumps: Array
+    jumps: FloatArray
     """(n,) size of the jump that lasts at each row's fix, in [m]; 0 outside jumps."""
 
 
@@ -117,7 +116,7 @@ def record_foreign(name: str, seed: int, duration: float = 300.0) -> ForeignLog:
     count = round(duration / PERIOD_S)
     speeds, turns = _COURSES[name](vehicle, count, rng)
     poses = _drive(speeds, turns, rng)
-    times: Array = np.asarray(PERIOD_S * np.arange(count), dtype=np.float64)
+    times: FloatArray = np.asarray(PERIOD_S * np.arange(count), dtype=np.float64)
     spins = _spells(count, vehicle.spin_every, 1.5, rng) > 0
     slips = 1.0 + vehicle.spin * spins + vehicle.scrub * np.abs(turns) / np.maximum(speeds, 0.3)
     scale = 1.0 + vehicle.scale * rng.standard_normal()
@@ -142,7 +141,7 @@ def record_foreign(name: str, seed: int, duration: float = 300.0) -> ForeignLog:
     return ForeignLog(log, jumps)
 
 
-def _drive(speeds: Array, turns: Array, rng: np.random.Generator) -> Array:
+def _drive(speeds: FloatArray, turns: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Return the poses (n, 3) from a start that is drawn."""
     headings = rng.uniform(-math.pi, math.pi) + PERIOD_S * np.cumsum(turns)
     x = rng.uniform(-20.0, 20.0) + PERIOD_S * np.cumsum(speeds * np.cos(headings))
@@ -150,7 +149,7 @@ def _drive(speeds: Array, turns: Array, rng: np.random.Generator) -> Array:
     return np.stack([x, y, headings], axis=1)
 
 
-def _legs(vehicle: Vehicle, legs: list[tuple[float, float]], count: int) -> tuple[Array, Array]:
+def _legs(vehicle: Vehicle, legs: list[tuple[float, float]], count: int) -> tuple[FloatArray, FloatArray]:
     """Return speeds and turn rates (n,) of legs: how long in [s], and how fast it turns in [rad/s]."""
     turns = np.concatenate([np.full(max(1, round(time / PERIOD_S)), rate) for time, rate in legs])[:count]
     turns = np.pad(turns, (0, count - len(turns)))
@@ -158,7 +157,7 @@ def _legs(vehicle: Vehicle, legs: list[tuple[float, float]], count: int) -> tupl
     return np.full(count, vehicle.speed), np.convolve(turns, kernel, mode="same")
 
 
-def _mown(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
+def _mown(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Return speeds and turn rates of lanes back and forth with half turns, after a short rest."""
     legs, side = list[tuple[float, float]](), 1.0
     length = rng.uniform(18.0, 30.0)
@@ -172,7 +171,7 @@ def _mown(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array
     return speeds, turns
 
 
-def _on_roads(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
+def _on_roads(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Roads with bends and crossings; it drives from the first row on."""
     legs = list[tuple[float, float]]()
     while sum(time for time, _ in legs) < PERIOD_S * count:
@@ -184,7 +183,7 @@ def _on_roads(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[A
     return np.where(np.abs(turns) > 0.1, np.minimum(speeds, 4.0), speeds), turns
 
 
-def _about(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
+def _about(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Short ways between turns on the spot; it drives from the first row on."""
     legs = list[tuple[float, float]]()
     while sum(time for time, _ in legs) < PERIOD_S * count:
@@ -200,7 +199,9 @@ def _about(vehicle: Vehicle, count: int, rng: np.random.Generator) -> tuple[Arra
 _COURSES = {"mower": _mown, "truck": _on_roads, "skid": _about}
 
 
-def _inertial(vehicle: Vehicle, speeds: Array, turns: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+def _inertial(
+    vehicle: Vehicle, speeds: FloatArray, turns: FloatArray, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
     """Return rates and accelerations (n, 3) as the IMU reads them in its own axes."""
     count = len(speeds)
     warm = np.exp(-PERIOD_S * np.arange(count) / 200.0)
@@ -215,7 +216,7 @@ def _inertial(vehicle: Vehicle, speeds: Array, turns: Array, rng: np.random.Gene
     return rates @ turned.T, felt @ turned.T
 
 
-def _fixes(receiver: Receiver, poses: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+def _fixes(receiver: Receiver, poses: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Return the fixes (n, 2), NaN where none comes in, and the jump that each is off by (n,)."""
     count, every = len(poses), round(receiver.period / PERIOD_S)
     away = receiver.white * rng.standard_t(5, (count, 2)) * math.sqrt(3.0 / 5.0)
@@ -233,7 +234,7 @@ def _fixes(receiver: Receiver, poses: Array, rng: np.random.Generator) -> tuple[
     return fixes, jumps
 
 
-def _slow(count: int, sigma: float, time: float, rng: np.random.Generator) -> Array:
+def _slow(count: int, sigma: float, time: float, rng: np.random.Generator) -> FloatArray:
     """Return (n, 2) of an error that forgets itself over `time` [s]."""
     from scipy.signal import lfilter
 
@@ -243,7 +244,7 @@ def _slow(count: int, sigma: float, time: float, rng: np.random.Generator) -> Ar
     return np.asarray(lfilter([1.0], [1.0, -keep], pushes, axis=0))
 
 
-def _spells(count: int, every: float, lasting: float, rng: np.random.Generator) -> NDArray[np.int64]:
+def _spells(count: int, every: float, lasting: float, rng: np.random.Generator) -> IntArray:
     """Return (n,) the number of the spell at each row, counted from 1; 0 outside."""
     number = np.zeros(count, dtype=np.int64)
     if math.isinf(every):

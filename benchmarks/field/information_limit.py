@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.field.field_drive import PERIOD_S, FieldDrive
 from handcart.robotics.navigation.outdoors.field_model import (
@@ -25,14 +24,14 @@ from handcart.robotics.navigation.outdoors.field_model import (
 )
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 PERIODS_PER_STEP = 4  # periods put together, as a filter does
-Array = NDArray[np.float64]
 
 
 def information_limit(
-    drive: FieldDrive, fix_rows: NDArray[np.int64], noise: FieldNoise, start_position: float = 0.05
-) -> Array:
+    drive: FieldDrive, fix_rows: IntArray, noise: FieldNoise, start_position: float = 0.05
+) -> FloatArray:
     """Covariances (k, 3, 3) of x, y in [m], heading in [rad] at a drive's placings: none can be below them.
 
     Args:
@@ -74,7 +73,7 @@ def _advance(drive: FieldDrive, rows: slice) -> Advance:
     return Advance(level, float((way * bend).sum()), 0.0, time, time if level == 0.0 else 0.0, 0.0)
 
 
-def _fix_rows(mean: Array, noise: FieldNoise) -> Array:
+def _fix_rows(mean: FloatArray, noise: FieldNoise) -> FloatArray:
     """(2, 13) how a fix depends on the states."""
     x, y, _ = noise.antenna
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])

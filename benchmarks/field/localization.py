@@ -20,10 +20,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
@@ -56,7 +57,6 @@ NOISE_SETS = {
     "outages": SILENT_NOISE,
 }
 CHI2_95 = 5.991  # two degrees of freedom
-Array = NDArray[np.float64]
 
 
 class Key(NamedTuple):
@@ -115,18 +115,18 @@ def coverage(runs: list[FieldTrial]) -> float:
     return 100.0 * float(np.concatenate(inside).mean())
 
 
-def rms(runs: list[FieldTrial]) -> Array:
+def rms(runs: list[FieldTrial]) -> FloatArray:
     """(2,) in [mm]."""
     return 1e3 * np.asarray(np.sqrt((np.concatenate([run.errors for run in runs]) ** 2).mean(axis=0)))
 
 
-def believed(runs: list[FieldTrial]) -> Array:
+def believed(runs: list[FieldTrial]) -> FloatArray:
     """(2,) what the covariances say of it, in [mm]."""
     variances = np.concatenate([run.covariances for run in runs])[:, [0, 1], [0, 1]]
     return 1e3 * np.asarray(np.sqrt(variances.mean(axis=0)))
 
 
-def pair(values: Array, form: str = ".0f") -> str:
+def pair(values: FloatArray, form: str = ".0f") -> str:
     return f"{values[0]:{form}} / {values[1]:{form}}"
 
 

@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
@@ -43,7 +44,7 @@ def ours(with_fix: bool) -> Step:
     return step
 
 
-def on_filterpy(resample: Callable[[NDArray[np.float64]], NDArray[np.int64]]) -> Step:
+def on_filterpy(resample: Callable[[FloatArray], IntArray]) -> Step:
     """Return the same step in numpy, with one of filterpy's resamplers."""
     rng = np.random.default_rng(0)
     particles = np.zeros((COUNT, 3))

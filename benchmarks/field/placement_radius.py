@@ -6,11 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-
-Array = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 TARGET_OFFSET_M = 0.75  # [m] from the base to the target on its right
 MIN_PLACEMENTS = {0.95: 59, 0.997: 998}  # placements below which a share isn't claimed, with 95 % confidence
@@ -28,21 +26,21 @@ class Radius(NamedTuple):
     placements: int
 
 
-def tip_place(pose: Pose2) -> Array:
+def tip_place(pose: Pose2) -> FloatArray:
     """(2,) where a sensor is laid from this base, in [m]."""
     return pose.apply(np.array([[0.0, -TARGET_OFFSET_M]])).reshape(2)
 
 
-def tip_covariance(covariance: Array, heading: float) -> Array:
+def tip_covariance(covariance: FloatArray, heading: float) -> FloatArray:
     """(2, 2) of `tip_place` in [m²] by the covariance (3, 3) of the base's pose."""
     by_pose = np.array(
         [[1.0, 0.0, TARGET_OFFSET_M * math.cos(heading)], [0.0, 1.0, TARGET_OFFSET_M * math.sin(heading)]]
     )
-    spread: Array = by_pose @ covariance @ by_pose.T
+    spread: FloatArray = by_pose @ covariance @ by_pose.T
     return spread
 
 
-def share_radius(errors: list[Array], share: float, seed: int = 0, draws: int = 1000) -> Radius | None:
+def share_radius(errors: list[FloatArray], share: float, seed: int = 0, draws: int = 1000) -> Radius | None:
     """Return the radius that holds a share of all placements; None if there are too few.
 
     `errors` (k, 2) in [m] of each run. Placements of one run depend on each other, so complete runs are

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.body.physics_car import FRONT, REAR
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.networks.task.preparing import prepare
+from handcart.robotics.numerics.arrays import FloatArray
 
 TASK_FILE = Path(__file__).parent.parent.parent / "tasks" / "deploy_straight" / "task.yaml"
 ROBOT_FOLDER = Path(__file__).parent.parent.parent / "backends" / "robots" / "el_verde"
@@ -76,7 +76,7 @@ def drive(robot: str, backend: str, seed: int, metres: float) -> Drive:
     return driven
 
 
-def _rms(values: NDArray[np.float64]) -> float:
+def _rms(values: FloatArray) -> float:
     return math.degrees(math.sqrt(float(np.mean(np.square(values)))))
 
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -25,6 +24,7 @@ from handcart.backends.registry import backend_class
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world_files.load_world import load_world
 from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 WORLD_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "world.yaml"
 ROUND_S = 12.0  # of driving, after which it begins anew
@@ -100,7 +100,7 @@ class HeldBook:
         for _ in range(round(seconds / self.backend.period)):
             self.backend.step()
 
-    def _line(self, goal: NDArray[np.float64]) -> None:
+    def _line(self, goal: FloatArray) -> None:
         """Move the hand straight, upright and pointing forward."""
         start = self._model.forward(self._arm.command())[:3, 3]
         for share in np.linspace(0.0, 1.0, max(2, int(np.linalg.norm(goal - start) / 0.004)) + 1)[1:]:

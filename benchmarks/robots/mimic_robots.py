@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
+
 JOINT_KINDS = ("revolute", "prismatic", "continuous")
 LEADER_COUNT = 3
 MULTIPLIER_RANGE = (-3.0, 2.0)
@@ -56,12 +56,12 @@ class Joint:
     name: str
     kind: str
     parent: str
-    origin: Array
+    origin: FloatArray
     """parent_T_child (4, 4) at zero."""
-    axis: Array
+    axis: FloatArray
     mimic: Mimic | None
 
-    def pose(self, value: float) -> Array:
+    def pose(self, value: float) -> FloatArray:
         """parent_T_child (4, 4) at a position in [rad] or [m]."""
         motion = np.eye(4)
         if self.kind == "prismatic":
@@ -118,7 +118,7 @@ class MimicRobot:
         self.kinds = {each.name: each.kind for each in self.joints}
         self.mimics = mimics
 
-    def values(self, posture: Array) -> dict[str, float]:
+    def values(self, posture: FloatArray) -> dict[str, float]:
         """Positions of all joints for those of the leaders (n,)."""
         led = dict(zip(self.leaders, posture.tolist(), strict=True))
         for each in self.joints:
@@ -127,14 +127,14 @@ class MimicRobot:
                 led[each.name] = factor * led[leader] + offset
         return led
 
-    def link_poses(self, posture: Array) -> dict[str, Array]:
+    def link_poses(self, posture: FloatArray) -> dict[str, FloatArray]:
         """base_T_link (4, 4) of all links, by multiplying out the tree."""
         values, poses = self.values(posture), {"base": np.eye(4)}
         for each in self.joints:
             poses[each.name] = poses[each.parent] @ each.pose(values[each.name])
         return poses
 
-    def goal(self, seed: int) -> Array:
+    def goal(self, seed: int) -> FloatArray:
         """A posture (n,) of the leaders."""
         drawn = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, LEADER_COUNT)
         scales = [0.2 if self.kinds[name] == "prismatic" else 1.0 for name in self.leaders]
@@ -185,5 +185,5 @@ def _base() -> str:
     return text
 
 
-def _words(numbers: Array) -> str:
+def _words(numbers: FloatArray) -> str:
     return " ".join(repr(float(number)) for number in numbers)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 
 @compiled
@@ -62,8 +60,14 @@ def _lift(fastest: float, low: float, high: float, most: float) -> float:
 
 @compiled
 def bound_table(
-    centres: Floats, radius: float, marks: Floats, arm: Floats, sure: bool, low: Floats, high: Floats
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    centres: FloatArray,
+    radius: float,
+    marks: FloatArray,
+    arm: FloatArray,
+    sure: bool,
+    low: FloatArray,
+    high: FloatArray,
+) -> tuple[SingleArray, BoolArray]:
     """Return upper bounds (p, b) of the score of all shoulders in a disc, and True where any may be usable.
 
     Args:

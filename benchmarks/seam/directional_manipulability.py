@@ -10,15 +10,14 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 _RANK = 1e-10  # of the largest singular value
 
 
-def directional(jacobian: Floats, direction: Floats) -> Floats:
+def directional(jacobian: FloatArray, direction: FloatArray) -> FloatArray:
     """|k^T J| (..., n), in [m] for a revolute joint: Shin (2005), eq. 4, absolute values.
 
     Velocity side: how fast the tool moves along k for each rad/s of a joint, whatever else it does. Force
@@ -27,13 +26,13 @@ def directional(jacobian: Floats, direction: Floats) -> Floats:
     return np.asarray(np.abs(np.einsum("...m,...mn->...n", direction, jacobian)))
 
 
-def manipulability(jacobian: Floats) -> Floats:
+def manipulability(jacobian: FloatArray) -> FloatArray:
     """sqrt(det(J J^T)) (...): Yoshikawa (1985); eq. 2 of Shin (2005)."""
     squared = np.linalg.det(jacobian @ np.swapaxes(jacobian, -1, -2))
     return np.asarray(np.sqrt(np.maximum(squared, 0.0)))
 
 
-def top_speed(jacobian: Floats, direction: Floats, velocity: Floats) -> Floats:
+def top_speed(jacobian: FloatArray, direction: FloatArray, velocity: FloatArray) -> FloatArray:
     """Return the highest speed (...) along a path that the joints allow, in [m/s]: the largest v with J qd =
     v k.
 
@@ -63,7 +62,7 @@ def top_speed(jacobian: Floats, direction: Floats, velocity: Floats) -> Floats:
     return speed.reshape(lead)
 
 
-def top_speed_by_program(jacobian: Floats, direction: Floats, velocity: Floats) -> float:
+def top_speed_by_program(jacobian: FloatArray, direction: FloatArray, velocity: FloatArray) -> float:
     """Return the top speed for one Jacobian (m, n) of any rank by linear programming (HiGHS), in [m/s]."""
     n = jacobian.shape[1]
     objective = np.append(np.zeros(n), -1.0)
@@ -77,13 +76,13 @@ def top_speed_by_program(jacobian: Floats, direction: Floats, velocity: Floats) 
     return float(found.x[-1])
 
 
-def _square(J: Floats, k: Floats, velocity: Floats) -> Floats:
+def _square(J: FloatArray, k: FloatArray, velocity: FloatArray) -> FloatArray:
     rates = np.linalg.solve(J, k[..., None])[..., 0]
     with np.errstate(divide="ignore"):
         return np.asarray(1.0 / np.max(np.abs(rates) / velocity, axis=-1))
 
 
-def _zonotope(J: Floats, k: Floats, velocity: Floats) -> Floats:
+def _zonotope(J: FloatArray, k: FloatArray, velocity: FloatArray) -> FloatArray:
     m, n = J.shape[-2:]
     speed = np.full(len(J), np.inf)
     if len(J) == 0:
@@ -98,7 +97,7 @@ def _zonotope(J: Floats, k: Floats, velocity: Floats) -> Floats:
     return speed
 
 
-def _normal(columns: Floats) -> Floats:
+def _normal(columns: FloatArray) -> FloatArray:
     """(b, m) across m-1 columns (b, m, m-1); zero where these depend on each other."""
     m = columns.shape[1]
     if m == 3:

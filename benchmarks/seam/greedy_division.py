@@ -5,13 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
-from handcart.robotics.manipulation.placement.division_programs import (
-    Floats,
-    Masks,
-    Singles,
-    run_end,
-    segment_score,
-)
+from handcart.robotics.manipulation.placement.division_programs import run_end, segment_score
 from handcart.robotics.manipulation.placement.placement_division import (
     Division,
     PathSegment,
@@ -19,10 +13,11 @@ from handcart.robotics.manipulation.placement.placement_division import (
     score_segments,
     stuck_at,
 )
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 
-def greedy_division(scores: PlacementScores, lengths: Floats) -> Division:
+def greedy_division(scores: PlacementScores, lengths: FloatArray) -> Division:
     """Divide by the paper's rule: take the placement with the greatest integral on the remaining path, and
     repeat.
 
@@ -45,7 +40,7 @@ def greedy_division(scores: PlacementScores, lengths: Floats) -> Division:
 
 @compiled
 def _heaviest_run(
-    values: Singles, usable: Masks, joined: Masks, steps: Floats, first: int
+    values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, first: int
 ) -> tuple[int, int]:
     """The placement whose whole run from the point `first` has the greatest integral, and its end."""
     placement, end, heaviest = -1, first, -np.inf

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.seam.bound_table import bound_table
 from benchmarks.seam.planar_arm import PlanarArm
@@ -21,16 +20,15 @@ from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.arms.score_rule import Measure, ScoreRule
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.placement.placement_division import best_division
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def score_bound(
     arm: PlanarArm | PitchArm,
     path: ToolPath,
     rule: ScoreRule,
-    corner: Floats,
-    size: Floats,
+    corner: FloatArray,
+    size: FloatArray,
     step: float,
     count: int,
 ) -> float:
@@ -64,7 +62,7 @@ def score_bound(
     return best_division(PlacementScores(values.T, usable.T), path.lengths, count).score
 
 
-def _marks(arm: PlanarArm | PitchArm, path: ToolPath) -> Floats:
+def _marks(arm: PlanarArm | PitchArm, path: ToolPath) -> FloatArray:
     """(p, 9): position, tangent; the tool's level and upright parts, and its rate of elevation."""
     if isinstance(arm, PlanarArm):
         flat = np.zeros((len(path.points), 9))
@@ -73,7 +71,7 @@ def _marks(arm: PlanarArm | PitchArm, path: ToolPath) -> Floats:
     return arm.marks(path)[:, [0, 1, 2, 3, 4, 5, 8, 9, 10]]
 
 
-def _figures(arm: PlanarArm | PitchArm) -> Floats:
+def _figures(arm: PlanarArm | PitchArm) -> FloatArray:
     """Height, three links, the number of joints, and the elbow's side."""
     if isinstance(arm, PlanarArm):
         return np.array((0.0, arm.first, arm.second, 0.0, 2.0, arm.side))

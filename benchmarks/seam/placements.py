@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.seam.directional_manipulability import (
     top_speed,
@@ -32,8 +31,7 @@ from handcart.robotics.manipulation.placement.placement_division import (
     best_division_by_cost,
 )
 from handcart.robotics.manipulation.placement.placement_refinement import refine
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 POINTS, PLACEMENTS = 400, (50, 20, 20)
 LOW, HIGH = 0.20, 1.0  # [m] b_min and b_max of the pitch arm
@@ -76,12 +74,12 @@ def straight_seam(length: float = 4.4, points: int = 401) -> ToolPath:
     return tool_path(poses)
 
 
-def grid(x: Floats, y: Floats, headings: Floats) -> Floats:
+def grid(x: FloatArray, y: FloatArray, headings: FloatArray) -> FloatArray:
     """Base poses (b, 3)."""
     return np.stack(np.meshgrid(x, y, headings, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def plain_scores(arm: PitchArm, bases: Floats, path: ToolPath) -> list[list[float]]:
+def plain_scores(arm: PitchArm, bases: FloatArray, path: ToolPath) -> list[list[float]]:
     """The sure score in plain loops over Python's own numbers, out of reach left early."""
     l1, l2, l3 = arm.links
     marks = arm.marks(path).tolist()
@@ -200,7 +198,7 @@ def seam_rows() -> list[Row]:
 
 
 def _refined_row(
-    name: str, arm: PitchArm, path: ToolPath, rule: ScoreRule, bases: Floats, best: Division
+    name: str, arm: PitchArm, path: ToolPath, rule: ScoreRule, bases: FloatArray, best: Division
 ) -> Row:
     refined = refine(lambda some, part: arm.scores(some, part, rule), path, bases, best, 0.1, 0.3)
     far = 0.5 * path.length + 0.75

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.arms.score_rule import UNUSABLE_SCORE, ScoreRule, worth
 from handcart.robotics.manipulation.arms.two_links import two_links
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 
 class PlanarArm(NamedTuple):
@@ -26,7 +24,7 @@ class PlanarArm(NamedTuple):
     side: float = 1.0
     """1: the elbow is to the left of the line from base to tool; -1: to the right."""
 
-    def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
+    def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         """Return the scores of base poses (b, 3): x and y in [m], heading in [rad] (ignored by this arm)."""
         values, usable = _table(
             np.ascontiguousarray(bases[:, :2]),
@@ -38,7 +36,7 @@ class PlanarArm(NamedTuple):
         )
         return PlacementScores(values.T, usable.T)
 
-    def joints(self, base: Floats, points: Floats) -> Floats:
+    def joints(self, base: FloatArray, points: FloatArray) -> FloatArray:
         """Joint angles (p, 2) in [rad] from a base pose (3,) for points (p, 2 or 3); NaN out of reach.
 
         They are relative to the axes of the path, whatever the base's heading.
@@ -51,7 +49,7 @@ class PlanarArm(NamedTuple):
                 angles[row] = np.arctan2(uy, ux), np.arctan2(sin, ux * vx + uy * vy)
         return angles
 
-    def jacobian(self, q: Floats) -> Floats:
+    def jacobian(self, q: FloatArray) -> FloatArray:
         """(..., 2, 2) at angles (..., 2), below figure 2 of Shin (2005)."""
         both = q[..., 0] + q[..., 1]
         x2, y2 = self.second * np.cos(both), self.second * np.sin(both)
@@ -61,8 +59,13 @@ class PlanarArm(NamedTuple):
 
 @compiled
 def _table(
-    bases: Floats, points: Floats, tangents: Floats, arm: Floats, measure: int, limits: Floats
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    bases: FloatArray,
+    points: FloatArray,
+    tangents: FloatArray,
+    arm: FloatArray,
+    measure: int,
+    limits: FloatArray,
+) -> tuple[SingleArray, BoolArray]:
     first, second, side = arm[0], arm[1], arm[2]
     values = np.zeros((len(points), len(bases)), dtype=np.float32)
     usable = np.zeros((len(points), len(bases)), dtype=np.bool_)

@@ -20,7 +20,6 @@ from typing import NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.evaluation.judging.judge import Judge
@@ -32,11 +31,12 @@ from handcart.networks.task.preparing import prepare
 from handcart.primitives.seam import track
 from handcart.primitives.seam.driven_base import DrivenBase
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 TASKS_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "track_seam"
 DRIVING_TASK = "driving.yaml"
 
-Run = tuple[NDArray[np.float64], NDArray[np.float64]]
+Run = tuple[FloatArray, FloatArray]
 
 
 class OpenLoop(DrivenBase):

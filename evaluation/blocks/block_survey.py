@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
@@ -21,14 +20,13 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.outcomes.outcome import Outcome
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .block_effects import BLOCK_EFFECTS, STACK_NAME, STACKED_MM
 from .block_error import BlockError
 
 SCALE_MM = 0.5  # of the paper's readings
 FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
-
-Vector = NDArray[np.float64]
 
 
 class BaseAttitude(NamedTuple):
@@ -71,9 +69,9 @@ class BlockSurvey(Survey):
         self._reference: BaseAttitude | None = None
         self._held: Any = None
         self._rested: dict[str, str] = {}
-        self._gripped: dict[str, Vector] = {}
+        self._gripped: dict[str, FloatArray] = {}
         """Shift (3,) of each block when it was gripped off a table, in the base frame, in [m]."""
-        self._released: dict[str, Vector] = {}
+        self._released: dict[str, FloatArray] = {}
         self._moved: dict[str, tuple[float, float]] = {}
         """Turn and lean about x since the fixation when it was let go, in [rad]."""
 
@@ -174,7 +172,7 @@ class BlockSurvey(Survey):
         now = self._attitude()
         return now.heading - self._reference.heading, now.lean[0] - self._reference.lean[0]
 
-    def _shift(self, block: Any) -> Vector:
+    def _shift(self, block: Any) -> FloatArray:
         """Return the shift of the block's place by turn and tilt since the fixation, in the base frame."""
         if self._reference is None:
             return np.zeros(3)

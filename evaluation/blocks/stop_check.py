@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.networks.graph.network import Action
@@ -19,6 +18,7 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.placement.stops import STOP_OFFSET_M
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .stop_reach import StopReach
 
@@ -45,9 +45,7 @@ def block_facts(task: Task) -> dict[str, Any]:
     }
 
 
-def _words(
-    reach: StopReach, plan: Building, base: NDArray[np.float64], mark: str, todo: dict[str, LevelPose]
-) -> str:
+def _words(reach: StopReach, plan: Building, base: FloatArray, mark: str, todo: dict[str, LevelPose]) -> str:
     placer = reach.stops([plan.landmarks[mark]])
     names, goals = list(todo), [reach.goal(place) for place in todo.values()]
     table = placer.table(base[None], goals)

@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.primitives.blocks.building_site import VIEW_DISTANCE_M
@@ -32,10 +29,9 @@ from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placer import Placer, Work
 from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
+from handcart.robotics.numerics.arrays import FloatArray
 
 HEIGHT_STEP_M = 0.02  # [m] between two heights from which something is looked at
-
-Floats = NDArray[np.float64]
 
 
 class StopReach:
@@ -76,7 +72,7 @@ class StopReach:
         level = place.floor.theta
         return Goal(work, (self._looking(place.floor, place.height_m + self._block[2], level),))
 
-    def touches(self, base: Floats, place: LevelPose, around: Sequence[Box], held: bool) -> str:
+    def touches(self, base: FloatArray, place: LevelPose, around: Sequence[Box], held: bool) -> str:
         """Return the contact of arm or held block above and at a block's place; empty if all is clear.
 
         Args:

@@ -6,17 +6,16 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.transform import apply
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from handcart.robotics.numerics.arrays import FloatArray
 
 CYLINDER_POINTS = 24  # points about a cylinder
 MIN_ZONE_SIDE_M = 0.01  # [m] of a zone's side
 ZONE_MARGIN_M = 0.01  # [m] above and below
 
-Floats = NDArray[np.float64]
 Zone = tuple[float, float, float, float, float]
 """x, y, yaw, length, width in [m] and [rad]."""
 
@@ -51,7 +50,7 @@ def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
     return zones
 
 
-def _points(shape: Shape) -> Floats:
+def _points(shape: Shape) -> FloatArray:
     """(n, 3) points whose hull holds the shape, nearly."""
     if isinstance(shape, Box):
         corners = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])

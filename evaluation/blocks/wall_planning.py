@@ -7,7 +7,6 @@ from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError
@@ -23,13 +22,12 @@ from handcart.robotics.manipulation.placement.stops import BaseStop
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.maps.keepout import with_keepout
 from handcart.robotics.navigation.routes.ways import Ways
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .stop_reach import StopReach
 from .swept_zones import swept_zones
 
 MIN_STOP_GAIN = 0.3  # scores of blocks that one more stop has to gain
-
-Floats = NDArray[np.float64]
 
 
 class NamedStop(NamedTuple):
@@ -153,7 +151,7 @@ class _Planning(NamedTuple):
         """Named stops for blocks at places, in their order; raises `Untrackable`."""
         around = self._around(places, held)
 
-        def touches(base: Floats, number: int) -> str:
+        def touches(base: FloatArray, number: int) -> str:
             return self.reach.touches(base, places[number], around[number], held)
 
         placer = self.reach.stops(list(self.drawing.landmarks.values()))

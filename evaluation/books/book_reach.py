@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.robot_report.domain_facts import DomainFacts, FactTable
 from handcart.evaluation.robot_report.reach import HandReach
 from handcart.primitives.books.book_grip import GRIP_HEIGHT
+from handcart.robotics.numerics.arrays import FloatArray
 
 BEFORE_SHELF = 0.46  # [m] ahead of the base that the tips are for `aside`: shelves of return_book are at 0.47
 BOARD_HEIGHTS_M = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5)  # heights of boards that are tried [m]
@@ -86,7 +86,7 @@ def _row(reach: HandReach, board: float, tip: float, line: float) -> GraspRow:
     return GraspRow(board, _longest(AHEAD_M, reached), line, _longest(ASIDE_M, beside))
 
 
-def _longest(values: NDArray[np.float64], good: Sequence[bool]) -> Span:
+def _longest(values: FloatArray, good: Sequence[bool]) -> Span:
     """The longest stretch of good values."""
     best: Span = None
     start: int | None = None

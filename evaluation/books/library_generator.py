@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap, from_boxes
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .library_books import GeneratedBook, ShelfRow, make_row
 from .library_room import (
@@ -210,12 +210,12 @@ def _apart(box: UnmappedBox, goal: Pose2) -> bool:
     return box.pose.distance(goal) > 0.9 and box.pose.distance(HOME_POSE) > 0.9
 
 
-def _route(grid: GridMap, goal: Pose2) -> NDArray[np.float64] | None:
+def _route(grid: GridMap, goal: Pose2) -> FloatArray | None:
     route = plan_route(voronoi_graph(grid, FREE_RADIUS_M, (HOME_POSE.x, HOME_POSE.y)), HOME_POSE, goal, 0.15)
     return None if route is None else route.points
 
 
-def _outline(box: UnmappedBox) -> NDArray[np.float64]:
+def _outline(box: UnmappedBox) -> FloatArray:
     along = np.linspace(-0.5, 0.5, 40)
     length, width, _ = box.size
     sides = [np.column_stack([along * length, np.full(40, side * width / 2)]) for side in (-1, 1)]

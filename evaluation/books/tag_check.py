@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
@@ -15,6 +14,7 @@ from handcart.evaluation.conformance.rig.periods import move_joints
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
 from handcart.robotics.geometry.transform import apply, inverse
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 MAX_ERROR_PX = {"kinematic": 0.1}
@@ -35,7 +35,7 @@ def tag(bench: KitBench, finding: CheckResult) -> None:
     finding.measured.append(f"{len(errors)} pictures")
 
 
-def _tag_errors(bench: KitBench, seed: int) -> NDArray[np.float64]:
+def _tag_errors(bench: KitBench, seed: int) -> FloatArray:
     """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
     with bench.rig(seed) as rig:
         backend, spec = rig.backend, rig.robot.spec
@@ -60,7 +60,7 @@ def _tag_errors(bench: KitBench, seed: int) -> NDArray[np.float64]:
         return np.array(errors).reshape(-1, 2)
 
 
-def _tag_corners(height: float) -> NDArray[np.float64]:
+def _tag_corners(height: float) -> FloatArray:
     """(4, 3) in the book's frame, in [m]."""
     middle = height - TAG_FROM_HEAD
     signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))

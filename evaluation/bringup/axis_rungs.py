@@ -8,7 +8,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.can.can_backend import CanBackend
@@ -17,6 +16,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.robot_report.masses import corners_of
 from handcart.evaluation.robot_report.postures import LINK_MARGIN_M
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .jog import HAND_SPEED, Jogged, Jogger, slides
 from .rung import Facts, Rung, RungFailed
@@ -206,7 +206,7 @@ class FreeWay:
         self._own = CollisionModel(self._model, margin=LINK_MARGIN_M)
         self._slides = robot.joint_units.slides
 
-    def touches_at(self, posture: NDArray[np.float64], joint: int, limit: float) -> float | None:
+    def touches_at(self, posture: FloatArray, joint: int, limit: float) -> float | None:
         """At which angle in [rad], or way in [m], on the way to `limit` something is touched; None: nowhere.
 
         Args:
@@ -224,6 +224,6 @@ class FreeWay:
                 return float(angle)
         return None
 
-    def _lowest(self, posture: NDArray[np.float64]) -> float:
+    def _lowest(self, posture: FloatArray) -> float:
         shapes = self._model.link_shapes(posture)
         return min(float(corners_of(each)[:, 2].min()) for each in shapes)

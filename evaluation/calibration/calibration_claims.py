@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from handcart.backends.description.robot_file import RobotFile
@@ -16,7 +15,6 @@ from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
 from handcart.primitives.outcomes.calibrated import Calibrated
 from handcart.robotics.geometry.transform import inverse
 
-Vector = NDArray[np.float64]
 FOCAL_SHARE = 0.002  # by which the focal length trades with distance, unseen by its sigma
 MIDDLE_PX = 2.0  # the same of the picture's middle, against the mount
 MAX_LENS_ERRORS = {"k1": 0.02, "k2": 0.1}  # the same of the lens

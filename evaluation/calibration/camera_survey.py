@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CalibratedCamera, CameraSpec
@@ -14,6 +13,7 @@ from handcart.backends.simulation.noise.keyed_noise import sensor_seed
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.primitives.outcomes.calibrated import Calibrated
 from handcart.robotics.geometry.transform import apply, difference
+from handcart.robotics.numerics.arrays import FloatArray
 
 VIEW_DISTANCE_M = 0.3  # [m] from the camera, where blocks and landmarks are looked at
 _COLUMNS, _ROWS = 17, 13
@@ -48,7 +48,7 @@ def camera_figures(
     return figures
 
 
-def _points(camera: MountedCamera) -> NDArray[np.float64]:
+def _points(camera: MountedCamera) -> FloatArray:
     """Return (n, 3) points in the hand frame in [m] that pixels of the picture show on a plane in front of
     the camera.
     """

@@ -6,11 +6,11 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.manipulation.suspension.laser_spot import Rates, SpotShift, fit_spots, spot_on_wall
+from handcart.robotics.numerics.arrays import FloatArray
 
 WALL_DISTANCE_M = 2.0  # [m] from the pointers to the walls
 RULER_STEP_M = 0.001  # [m] of the ruler
@@ -18,10 +18,8 @@ POINTER_HEIGHT_M = 0.3  # [m] of the pointers; they sit on the base's axis
 AHEAD, LEFT = 0.0, math.pi / 2
 REST_PERIODS = 6  # periods for which the arm must stand before somebody reads
 
-Vector = NDArray[np.float64]
 
-
-def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float, scale: float) -> Vector:
+def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float, scale: float) -> FloatArray:
     """Return the spot's shift (2,) in [m] to the left and up, as a person reads it with a ruler.
 
     Args:
@@ -46,7 +44,7 @@ class LaserSurvey:
         """`scene` is a simulated world's; `scale` that of the ruler, in [m]."""
         self._scene, self._scale = scene, scale
         self._command, self._stood = np.empty(0), 0
-        self._first: tuple[Transform, Vector] | None = None
+        self._first: tuple[Transform, FloatArray] | None = None
         self._last, self._swings = np.empty(0), 0
         self._ahead: list[SpotShift] = []
         self._left: list[SpotShift] = []
@@ -64,13 +62,13 @@ class LaserSurvey:
         else:
             self._read(hand)
 
-    def _count(self, robot: Robot, hand: Vector) -> None:
+    def _count(self, robot: Robot, hand: FloatArray) -> None:
         if self._last.size and not np.array_equal(hand, self._last):
             way = float(np.linalg.norm(hand - self._last))
             self._swings += way >= robot.spec.suspension.swing_from_mm / 1e3
         self._last = hand
 
-    def _read(self, hand: Vector) -> None:
+    def _read(self, hand: FloatArray) -> None:
         if self._first is None:
             self._first, self._swings = (self._scene.world_T_base.copy(), hand), 0
             return

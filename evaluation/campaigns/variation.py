@@ -9,8 +9,6 @@ from pathlib import Path
 from random import Random
 from typing import Annotated, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from handcart.backends.description.robot_names import robot_path
@@ -22,6 +20,7 @@ from handcart.files.yaml.yaml_document import Changes, Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
+from handcart.robotics.numerics.arrays import FloatArray
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
@@ -144,10 +143,10 @@ class Variation(FileModel):
 
 
 @lru_cache(maxsize=4)
-def _hypercube(numbers: int, trials: int, seed: int) -> NDArray[np.float64]:
+def _hypercube(numbers: int, trials: int, seed: int) -> FloatArray:
     from scipy.stats.qmc import LatinHypercube
 
-    shares: NDArray[np.float64] = LatinHypercube(numbers, rng=seed).random(trials)
+    shares: FloatArray = LatinHypercube(numbers, rng=seed).random(trials)
     return shares
 
 

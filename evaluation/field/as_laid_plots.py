@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.legend import add_legend
 from handcart.evaluation.viewing.drawing.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .as_laid_report import REPORT_NAME, AsLaid
 from .laid_placement import Place, Placement
@@ -20,7 +20,6 @@ from .total_station import TotalStation
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 FIX, CLOUD, ODOMETRY, ESTIMATE, TRUTH = ORANGE, GREEN, BLUE, VERMILION, BLACK
 LAID, UNSEEN = PURPLE, GREY
@@ -95,7 +94,7 @@ def _tall(survey: Laying) -> float:
     return float(np.clip(PLOT_WIDTH_IN * (high + 2.0) / (long + 2.0), *PLOT_HEIGHTS_IN))
 
 
-def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
+def _thinned(points: Sequence[Place] | Sequence[FloatArray]) -> FloatArray:
     """(2, n) not more than can be seen."""
     return np.array(points[:: 1 + len(points) // MAX_DRAWN_POINTS]).T
 

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import orjson
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
@@ -20,20 +19,20 @@ from handcart.primitives.field.target import Laid
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.earth_frame import EarthFrame
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 ELLIPSE_PROBABILITY = 0.95
 ELLIPSE_CORNERS = 36  # of an ellipse
 REPORT_NAME = "as_laid"
-Array = NDArray[np.float64]
 
 
 class AsLaid(NamedTuple):
     """One sensor."""
 
     name: str
-    place: Array
+    place: FloatArray
     """(2,) x and y in [m]."""
-    covariance: Array
+    covariance: FloatArray
     """(2, 2) in [m²]."""
 
     @property
@@ -45,7 +44,7 @@ class AsLaid(NamedTuple):
         return large, small, math.atan2(float(axes[1, 1]), float(axes[0, 1]))
 
     @property
-    def outline(self) -> Array:
+    def outline(self) -> FloatArray:
         """(n, 2) points of the ellipse, closed, in [m]."""
         large, small, turn = self.ellipse
         angle = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS + 1)
@@ -68,7 +67,7 @@ def as_laid(robot: Robot, model: WorldModel) -> list[AsLaid]:
     ]
 
 
-def _smoothed(laid: Laid, pose: Array, covariance: Array) -> AsLaid:
+def _smoothed(laid: Laid, pose: FloatArray, covariance: FloatArray) -> AsLaid:
     place = Pose2(*pose.tolist()).apply(np.array([laid.beside])).reshape(2)
     away = place - pose[:2]
     by_pose = np.array([[1.0, 0.0, -away[1]], [0.0, 1.0, away[0]]])
@@ -134,6 +133,6 @@ def _geojson(sensors: list[AsLaid], earth: EarthFrame) -> dict[str, Any]:
     return {"type": "FeatureCollection", "features": features}
 
 
-def _on_earth(place: Array, earth: EarthFrame) -> list[float]:
+def _on_earth(place: FloatArray, earth: EarthFrame) -> list[float]:
     latitude, longitude = earth.to_earth(float(place[0]), float(place[1]))
     return [round(longitude, 9), round(latitude, 9)]

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Gps
@@ -21,6 +20,7 @@ from handcart.networks.task.preparing import Prepared
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
 from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread, nees
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .as_laid_report import AsLaid
 from .field_effects import FIELD_EFFECTS
@@ -34,7 +34,6 @@ TRACK_NAMES = ("fixes", "particles", "odometry", "estimate", "truth")
 CLOUD_EVERY = 10.0  # [m] of the way between two clouds of particles that are drawn
 DRAWN_PARTICLES = 64  # of their particles
 MAX_NOTE_PERIOD_S = 5.0  # [s] at most between two notes
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -194,7 +193,7 @@ class FieldSurvey(Survey):
         }
         return min(away, key=lambda name: away[name], default="")
 
-    def _nees(self, seen: list[Placement]) -> Array:
+    def _nees(self, seen: list[Placement]) -> FloatArray:
         own = 0.0 if self.station is None else self.station.sigma**2
         believed = np.array([(each.believed.x, each.believed.y) for each in seen])
         off = np.array([each.measured for each in seen], dtype=np.float64) - believed

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.field.spec import StationSpec
 from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import FloatArray
 
 REFLECTOR_HEIGHT_M = 0.06  # [m] above the frame `hand`
-Array = NDArray[np.float64]
 
 
 class Sight(NamedTuple):
@@ -22,7 +21,7 @@ class Sight(NamedTuple):
 
     time: float
     """[s]"""
-    place: Array
+    place: FloatArray
     """(3,) of the reflector, in [m]."""
 
 
@@ -70,7 +69,7 @@ class TotalStation:
         """Sigma of a reading, along each axis, in [m]."""
         return self._spec.accuracy_mm / 2e3
 
-    def _hidden(self, reflector: Array) -> bool:
+    def _hidden(self, reflector: FloatArray) -> bool:
         base = inverse(self._scene.world_T_base)
         place, there = (base[:3, :3] @ point + base[:3, 3] for point in (self._place, reflector))
         return _cut(self._body, place, there) or _cut(self._solids, self._place, reflector)
@@ -79,9 +78,9 @@ class TotalStation:
 class _Boxes(NamedTuple):
     """Boxes that may be in between."""
 
-    poses: Array
+    poses: FloatArray
     """(n, 4, 4)."""
-    halves: Array
+    halves: FloatArray
     """(n, 3) of their sizes, in [m]."""
 
     @classmethod
@@ -91,7 +90,7 @@ class _Boxes(NamedTuple):
         return cls(poses, np.array([box.size for box in boxes]).reshape(-1, 3) / 2)
 
 
-def _cut(boxes: _Boxes, start: Array, end: Array) -> bool:
+def _cut(boxes: _Boxes, start: FloatArray, end: FloatArray) -> bool:
     """Return whether the line between two points (3,) passes through any box (slab method)."""
     turns, middles = boxes.poses[:, :3, :3], boxes.poses[:, :3, 3]
     here, ray = np.einsum("ni,nij->nj", start - middles, turns), (end - start) @ turns

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.bags.bag_messages import Bag, BagError, BagMessage, read_bag
 from handcart.files.errors import FileError, Finding, InputError
@@ -17,6 +16,7 @@ from handcart.files.extras import lack
 from handcart.files.suggest import listed, suggest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .odometry_track import poses_at
 
@@ -25,7 +25,6 @@ OLD_TRANSFORMS = "tf/msg/tfMessage"
 ODOM_FRAMES = ("odom", "odom_combined", "odometry")
 MAX_COUNT_CHANGE = 3
 """Beams by which scans of one lidar may differ: some drivers deliver one more or less."""
-Array = NDArray[np.float64]
 
 
 def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
@@ -111,7 +110,9 @@ def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
     return found
 
 
-def _odometry(path: Path, bag: Bag, transforms: dict[str, list[Any]]) -> tuple[Array, Array, str, str]:
+def _odometry(
+    path: Path, bag: Bag, transforms: dict[str, list[Any]]
+) -> tuple[FloatArray, FloatArray, str, str]:
     """Return times, poses (n, 3), the base's frame and where they come from."""
     topic = next((topic for topic, kind in bag.topics.items() if kind == ODOMETRY), None)
     messages = [message for message in bag.messages if message.topic == topic]
@@ -129,7 +130,9 @@ def _odometry(path: Path, bag: Bag, transforms: dict[str, list[Any]]) -> tuple[A
     raise _refused(path, wrong)
 
 
-def _finite(times: Array, poses: Array, base: str, words: str) -> tuple[Array, Array, str, str]:
+def _finite(
+    times: FloatArray, poses: FloatArray, base: str, words: str
+) -> tuple[FloatArray, FloatArray, str, str]:
     good = np.isfinite(poses).all(axis=1) & (np.abs(poses) < 1e6).all(axis=1)
     return times[good], poses[good], base, words
 
@@ -157,7 +160,7 @@ def _mount(transforms: dict[str, list[Any]], base: str, frame: str) -> tuple[Pos
 def _log(
     path: Path,
     scans: list[BagMessage],
-    odometry: tuple[Array, Array],
+    odometry: tuple[FloatArray, FloatArray],
     mounted: tuple[Pose2, bool],
     notes: list[str],
 ) -> ScanLog:
@@ -188,7 +191,7 @@ def _log(
     )
 
 
-def _ranges(scan: Any, count: int) -> Array:
+def _ranges(scan: Any, count: int) -> FloatArray:
     """Return the ranges (count,) of a scan by REP 117; a beam that is missing at the end is unknown."""
     raw = np.asarray(scan.ranges, dtype=np.float64)[:count]
     ranges = np.full(count, math.nan)

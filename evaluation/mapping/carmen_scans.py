@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.csv_table import number_in
 from handcart.files.errors import FileError, Finding
@@ -18,10 +17,10 @@ from handcart.files.findings import Findings
 from handcart.files.regular_file import decode_text, read_regular_file
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .odometry_track import poses_at
 
-Array = NDArray[np.float64]
 CARMEN_SUFFIXES = (".log", ".clf", ".carmen", ".gz")
 MAX_BYTES = 1 << 29
 MAX_SHOWN_LINES = 10
@@ -35,7 +34,7 @@ AFTER_RANGES = 9
 class _Scans(NamedTuple):
     """What the lines of a log say."""
 
-    scans: list[tuple[Array, float, float, float]]
+    scans: list[tuple[FloatArray, float, float, float]]
     """Ranges, start of the beams, width of the view in [rad], reach in [m]."""
     times: list[float]
     poses: list[tuple[float, ...]]

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from handcart.files.csv_table import number_in
@@ -20,8 +19,8 @@ from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regul
 from handcart.files.yaml.yaml_document import parse_document
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 MAX_BYTES = 1 << 29
 HEADER_MARK = "---"
 POSE_COLUMNS = ("time_s", "x_m", "y_m", "heading_rad")
@@ -81,7 +80,7 @@ def read_csv_scans(path: Path) -> ScanLog:
     return _log(_table(path, lines, marks[1] + 1), header)
 
 
-def _table(path: Path, lines: list[str], first: int) -> Array:
+def _table(path: Path, lines: list[str], first: int) -> FloatArray:
     """Return the numbers (n, 4 + beams) of the table, whose titles are in line `first`, counted from 0."""
     rows, findings = csv.reader(lines[first:]), Findings()
     titles = [title.strip() for title in next(rows, [])]
@@ -123,7 +122,7 @@ def _numbers(row: list[str], path: Path, line: int, findings: Findings) -> list[
     return found
 
 
-def _log(table: Array, header: Loaded[ScansHeader]) -> ScanLog:
+def _log(table: FloatArray, header: Loaded[ScansHeader]) -> ScanLog:
     lidar = header.value.lidar
     ranges = table[:, 4:].copy()
     ranges[(ranges < max(lidar.range_min_m, 1e-6))] = math.nan

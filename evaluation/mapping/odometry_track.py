@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+
 MAX_GAP_S = 1.0
 """Distance in time of a scan from the nearest odometry beyond which it is skipped."""
 
 
-def poses_at(times: Array, track_times: Array, track: Array) -> tuple[Array, NDArray[np.bool_]]:
+def poses_at(times: FloatArray, track_times: FloatArray, track: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Return the pose (n, 3) at each time, and whether (n,) the odometry is near enough.
 
     Args:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.checks.jump_gate import JumpGate
 from handcart.evaluation.offline_localization.logs.drive_log import MIN_PERIOD_SHARE, DriveLog
@@ -19,6 +18,7 @@ from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 from handcart.robotics.navigation.outdoors.suppositions import suppositions
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 TRACK_PERIOD_S = 1.0  # between points of the track
 CLOUD_COUNT = 5  # instants with recorded particles: as in figure 3 of Ohki et al. (2012)
@@ -33,7 +33,6 @@ STEERED_NOISE: dict[str, Any] = {
     "gyro_scale": 0.05,
 }
 """Noise of turn rates that come from wheels or steering instead of a gyro."""
-Array = NDArray[np.float64]
 
 
 class NoRanges(InputError):
@@ -55,26 +54,26 @@ class ReplayedFix(NamedTuple):
 class Replayed(NamedTuple):
     """Result of the localization of a log."""
 
-    times: Array
+    times: FloatArray
     """(k,) in [s]."""
-    poses: Array
+    poses: FloatArray
     """(k, 3) estimated poses: x, y in [m], heading in [rad]."""
-    covariances: Array
+    covariances: FloatArray
     """(k, 3, 3) covariances of the poses."""
-    known: NDArray[np.bool_]
+    known: BoolArray
     """(k,) whether the heading was known."""
-    truth: Array
+    truth: FloatArray
     """(k, 3) reference poses of the log; NaN where they are unknown."""
     fixes: list[ReplayedFix]
     log_likelihood: float
     """Log-likelihood of the fixes; NaN for a localizer that does not compute it."""
-    clouds: list[tuple[float, Array]]
+    clouds: list[tuple[float, FloatArray]]
     """Times in [s] and particles (3, n) at some instants; empty without a particle filter."""
     ranges: tuple[int, int] = (0, 0)
     """Numbers of the ranges that a localizer by beacons received, and of those that it rejected."""
 
     @property
-    def errors(self) -> Array:
+    def errors(self) -> FloatArray:
         """(k, 3) difference of estimate and reference, in [m] and [rad]."""
         away = self.poses - self.truth
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
@@ -177,7 +176,7 @@ def replay(
     known_rows = np.isfinite(log.fixes.sum(axis=1))
     rows: list[int] = []
     poses, covariances, known, fixes = [], [], [], []
-    due, clouds = log.times[0], list[tuple[float, Array]]()
+    due, clouds = log.times[0], list[tuple[float, FloatArray]]()
     kept = set(np.linspace(0, len(log.times) - 1, CLOUD_COUNT).astype(int).tolist())
     for row in range(len(log.times)):
         if row:  # the first row has no previous time

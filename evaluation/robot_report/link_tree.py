@@ -5,12 +5,12 @@ from __future__ import annotations
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.urdf_contents import joints_of
 from handcart.robotics.kinematics.urdf_frames import link_poses
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class LinkTree:
@@ -68,7 +68,7 @@ def _end(joint: ElementTree.Element, tag: str) -> str:
     return "" if found is None else found.get("link", "")
 
 
-def _axis(element: ElementTree.Element | None) -> NDArray[np.float64]:
+def _axis(element: ElementTree.Element | None) -> FloatArray:
     words = "1 0 0" if element is None else element.get("xyz", "1 0 0")
     axis = np.array([float(word) for word in words.split()])
     return axis / max(1e-9, float(np.linalg.norm(axis)))

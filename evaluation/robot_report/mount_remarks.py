@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from handcart.backends.description.robot_file import RobotFile
@@ -15,6 +14,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.urdf_contents import bodies_of, joints_of, link_names, links_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame, link_poses
 from handcart.robotics.kinematics.urdf_mounts import joints_above
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .masses import corners_of
 from .remark import Remark
@@ -24,7 +24,6 @@ MAX_TILT_DEG = 3.0  # of its plane against the floor
 FOOT_TOLERANCE_M = 0.01  # above the lowest wheel, within which a body touches the floor
 MIN_SECTOR_DEG = 0.5  # smallest sector of the robot itself that is reported
 MARGIN_M = 0.005  # from the centre of mass to the edge of the support polygon
-Points = NDArray[np.float64]
 
 
 def mount_remarks(robot: RobotFile) -> list[Remark]:
@@ -86,7 +85,7 @@ def whole_degrees(sector: tuple[float, float]) -> tuple[int, int]:
     return start, end if end <= 180 else end - 360
 
 
-def hidden_sector(points: Points) -> tuple[float, float] | None:
+def hidden_sector(points: FloatArray) -> tuple[float, float] | None:
     """Return the bearings in [rad] between which a convex outline hides the surroundings.
 
     Args:
@@ -104,7 +103,7 @@ def hidden_sector(points: Points) -> tuple[float, float] | None:
     return start, start + 2.0 * math.pi - float(gaps[widest])
 
 
-def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str, Points]]:
+def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str, FloatArray]]:
     """Yield links fixed to the base, each with a body's outline (n, 2) in the lidar's plane, in the sensor
     frame.
     """
@@ -155,12 +154,12 @@ def _standing_remarks(urdf: str) -> Iterator[Remark]:
     yield Remark("", f"{wrong}, its middle of mass {at} is not above them: with physics it tips; {allowed}")
 
 
-def _feet(urdf: str, wheels: set[str]) -> Points | None:
+def _feet(urdf: str, wheels: set[str]) -> FloatArray | None:
     """Return the points (n, 2) where bodies touch the floor, in [m] in the base frame; None without wheel
     bodies.
     """
     poses = link_poses(urdf)
-    lowest: list[tuple[str, Points]] = []
+    lowest: list[tuple[str, FloatArray]] = []
     for body in bodies_of(urdf):
         base_T_link = inverse(poses["base"]) @ poses[body.name]
         points = corners_of(body) @ base_T_link[:3, :3].T + base_T_link[:3, 3]
@@ -173,7 +172,7 @@ def _feet(urdf: str, wheels: set[str]) -> Points | None:
     return np.vstack([low[:, :2] for _, low in lowest if low[:, 2].min() <= floor + FOOT_TOLERANCE_M])
 
 
-def _middle_of_mass(urdf: str) -> Points | None:
+def _middle_of_mass(urdf: str) -> FloatArray | None:
     """Return the robot's centre of mass (2,) in [m] in the base frame, joints at zero; None without any
     mass.
     """
@@ -186,7 +185,7 @@ def _middle_of_mass(urdf: str) -> Points | None:
     return np.asarray((inverse(poses["base"]) @ np.append(middle, 1.0))[:2])
 
 
-def _stands(feet: Points, middle: Sequence[float] | Points) -> bool:
+def _stands(feet: FloatArray, middle: Sequence[float] | FloatArray) -> bool:
     """Return whether a point is inside the convex hull of the feet (n, 2)."""
     try:
         hull = ConvexHull(feet)

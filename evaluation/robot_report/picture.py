@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import bodies_of
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .masses import corners_of
 from .reach import HandReach
@@ -105,7 +105,7 @@ def _draw(
     axes.set_axisbelow(True)
 
 
-def _shade(axes: Axes, points: NDArray[np.float64]) -> None:
+def _shade(axes: Axes, points: FloatArray) -> None:
     """Shade the cells that the hand reached, projected into the view."""
     low = np.floor(points.min(axis=0) / REACH_CELL_M).astype(int) - 1
     cells = np.floor(points / REACH_CELL_M).astype(int) - low
@@ -115,5 +115,5 @@ def _shade(axes: Axes, points: NDArray[np.float64]) -> None:
     axes.contourf(x, y, counts.T, levels=[0.5, np.inf], colors=[REACHED])
 
 
-def _outline(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _outline(points: FloatArray) -> FloatArray:
     return np.asarray(points[ConvexHull(points).vertices])

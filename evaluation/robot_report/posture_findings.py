@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_names import robot_path
@@ -15,6 +14,7 @@ from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import read_document
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .masses import corners_of
 
@@ -89,7 +89,7 @@ def moved_links(arm: ArmModel) -> set[str]:
 
 
 def _facts(
-    name: str, joints: NDArray[np.float64], arm: ArmModel, collision: CollisionModel, moved: Collection[str]
+    name: str, joints: FloatArray, arm: ArmModel, collision: CollisionModel, moved: Collection[str]
 ) -> PostureFacts:
     shapes = [shape for shape in arm.link_shapes(joints) if shape.name in moved]
     out = {shape.name: 0.0 for shape in shapes}

@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pointing import VERTICAL_COSINE, pointing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .masses import corners_of
 from .self_contact import Pair
@@ -23,8 +23,6 @@ START_COUNT = 60
 FEWER_STARTS = 20  # for each of several rolls
 ROLL_COUNT = 12  # rolls that are tried if any is allowed
 LINK_MARGIN_M = 0.008  # between the arm's own links
-
-Vector = NDArray[np.float64]
 
 
 class HandAim(NamedTuple):
@@ -82,7 +80,7 @@ def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
     return PostureSearch(list(robot.joint_units.user_units(best.tolist())), len(found), ())
 
 
-def _reaching(arm: ArmModel, poses: Sequence[Transform]) -> Iterator[Vector]:
+def _reaching(arm: ArmModel, poses: Sequence[Transform]) -> Iterator[FloatArray]:
     """Yield postures with the hand at one of some poses, by inverse kinematics from random starts."""
     count = START_COUNT if len(poses) == 1 else FEWER_STARTS
     starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (count, arm.dof))
@@ -92,12 +90,12 @@ def _reaching(arm: ArmModel, poses: Sequence[Transform]) -> Iterator[Vector]:
         yield from (q for q in arrived if q is not None)
 
 
-def _touching(model: CollisionModel, postures: Sequence[Vector]) -> list[tuple[Pair, float]]:
+def _touching(model: CollisionModel, postures: Sequence[FloatArray]) -> list[tuple[Pair, float]]:
     pairs = Counter((min(pair), max(pair)) for q in postures for pair in set(model.contacts(q)))
     return [(pair, count / len(postures)) for pair, count in pairs.most_common()]
 
 
-def _extent(arm: ArmModel, q: Vector) -> float:
+def _extent(arm: ArmModel, q: FloatArray) -> float:
     """Return the robot's largest distance from the base's axis in [m], with a small penalty for bent
     joints.
     """

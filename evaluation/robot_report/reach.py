@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 SAMPLES, FEWER = (
     6000,
@@ -29,7 +29,7 @@ class HandReach:
         points: (n, 3) positions of the hand in the base frame in [m], of random postures.
     """
 
-    def __init__(self, arm: ArmModel, free: CollisionModel, points: NDArray[np.float64]) -> None:
+    def __init__(self, arm: ArmModel, free: CollisionModel, points: FloatArray) -> None:
         self.points = points
         self._arm, self._free = arm, free
         self._near = cKDTree(points)
@@ -66,9 +66,7 @@ class HandReach:
             found.append(posture is not None)
         return found
 
-    def _posture(
-        self, place: tuple[float, float, float], last: NDArray[np.float64]
-    ) -> NDArray[np.float64] | None:
+    def _posture(self, place: tuple[float, float, float], last: FloatArray) -> FloatArray | None:
         """Search a posture by inverse kinematics, from the last posture and from random ones."""
         if self._near.query(place)[0] > OUT_OF_REACH_M:
             return None

@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import SERIES_COLOURS
 from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.placement.placement_division import Division
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 DRAWN_POSTURES = 7  # of the arm in a segment
 DRAWN_BASE_M = (0.9, 0.65)  # [m] length and width of the base that is drawn
@@ -25,7 +23,7 @@ class DividedPath(NamedTuple):
     """Content of one panel."""
 
     title: str
-    bases: Floats
+    bases: FloatArray
     """(b, 3): base poses that the division numbers."""
     division: Division
 
@@ -82,7 +80,7 @@ def _label(ax: Any, panel: DividedPath, path: ToolPath) -> None:
     ax.set_ylabel("y [m]")
 
 
-def _draw_base(ax: Any, base: Floats, colour: str) -> None:
+def _draw_base(ax: Any, base: FloatArray, colour: str) -> None:
     cos, sin = np.cos(base[2]), np.sin(base[2])
     half = 0.5 * np.array(DRAWN_BASE_M)
     corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 1)]) * half
@@ -94,7 +92,7 @@ def _draw_base(ax: Any, base: Floats, colour: str) -> None:
     )
 
 
-def _draw_arm(ax: Any, arm: PitchArm, base: Floats, part: ToolPath, colour: str) -> None:
+def _draw_arm(ax: Any, arm: PitchArm, base: FloatArray, part: ToolPath, colour: str) -> None:
     some = np.linspace(0, len(part.points) - 1, DRAWN_POSTURES).astype(int)
     shoulder = arm.shoulders(np.atleast_2d(base))[0]
     for angles in arm.joints(base, part)[some]:

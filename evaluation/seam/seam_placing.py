@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.viewing.drawing.picture_file import write_png
@@ -33,8 +32,6 @@ FLOOR_MARGIN_M = 1.0  # [m] of floor beside what the arm reaches
 START_DISTANCE_M = 0.8  # [m] from the first place that the robot sets out
 SPARE_PLACES = 1  # places more than needed, in case that one is taken
 OCCUPIED_MARGIN_M = 0.05  # [m] of floor on both sides of a seam that counts as occupied
-
-Floats = NDArray[np.float64]
 
 
 class NoToolArm(InputError):

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
@@ -19,10 +18,9 @@ from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.track import MOST_OFF, Track
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad, LimitUse
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .seam_effects import SEAM_EFFECTS
-
-Floats = NDArray[np.float64]
 
 ROUNDING_M = 1e-9
 SENSOR_ERROR_M = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK allows
@@ -36,8 +34,8 @@ class SeamStretch:
         self.score = 0.0
         """Integral along the part, in [m]."""
         self.times: list[float] = []
-        self.joints: list[Floats] = []
-        self.tips: list[Floats] = []
+        self.joints: list[FloatArray] = []
+        self.tips: list[FloatArray] = []
 
 
 @dataclass(frozen=True)
@@ -105,7 +103,7 @@ class SeamSurvey(Survey):
     def go_on(self, noted: list[StretchNotes]) -> None:
         self.stretches = [_again(each, self.run.robot.arm_model.dof) for each in noted]
 
-    def errors(self) -> list[tuple[Floats, Floats]]:
+    def errors(self) -> list[tuple[FloatArray, FloatArray]]:
         """Return times (k,) in [s] and distances (k,) of the tool from the seam in [m], for each stretch."""
         return [
             (np.array(each.times), distances(np.array(each.tips), each.part.points))
@@ -203,7 +201,7 @@ _PART = {"points": (3,), "rotations": (3, 3), "tangents": (3,), "turns": (3,), "
 """Shapes of what a `ToolPath` has for each of its points."""
 
 
-def distances(points: Floats, path: Floats) -> Floats:
+def distances(points: FloatArray, path: FloatArray) -> FloatArray:
     """Distances (k,) of points (k, 3) from the straight lines through the points (p, 3) of a path, in [m]."""
     starts, ways = path[:-1], np.diff(path, axis=0)
     to = points[:, None] - starts[None]

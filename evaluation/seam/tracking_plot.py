@@ -6,19 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import BLACK, BLUE, GREY, VERMILION
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 PAPER_MM = ((1.0, "Shin (2005), figure 5a, standing: below 1 mm"), (25.0, "figure 5b, moving: above 25 mm"))
 LOG_FROM = 10.0  # where the largest of the errors is that many times the smallest of the panels'
 
 
 def draw_tracking_errors(
-    runs: Sequence[tuple[str, Floats, Floats]], target: Path, limit_mm: float | None = None
+    runs: Sequence[tuple[str, FloatArray, FloatArray]], target: Path, limit_mm: float | None = None
 ) -> None:
     """Distance of the tool from its path over time, one panel for each of the runs, all of one scale.
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import ByteArray
 
 FRAMES_PER_S = 25
 _FLAGS = "frag_keyframe+empty_moov+default_base_moof"
@@ -41,7 +42,7 @@ class Mp4:
         self.frames = 0
         """Number of frames written so far."""
 
-    def write(self, picture: NDArray[np.uint8]) -> None:
+    def write(self, picture: ByteArray) -> None:
         """Append a frame, (height, width, 3) in RGB; raise OSError if the disk is full."""
         import cv2  # its colour conversion takes a tenth of FFmpeg's, which is half of the encoding time
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.legend import add_legend
@@ -31,6 +30,7 @@ from handcart.networks.runs.flight_recorder import READINGS_SUFFIX
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 PLANNED_COLOUR, DRIVEN_COLOUR, RESTORED_COLOUR, SENSED_COLOUR, GRAPH_COLOUR = (
     BLUE,
@@ -161,7 +161,7 @@ def _draw_map(axis: Any, grid: GridMap, radius: float) -> None:
     axis.set_ylabel("y [m]")
 
 
-def _window(grid: GridMap, track: RunTrack, radius: float) -> NDArray[np.float64]:
+def _window(grid: GridMap, track: RunTrack, radius: float) -> FloatArray:
     """Return the limits of the drawn area, [[x_min, x_max], [y_min, y_max]] in [m].
 
     The area is the known part of the map; on a map without a known part, the driven path.
@@ -179,7 +179,7 @@ def _window(grid: GridMap, track: RunTrack, radius: float) -> NDArray[np.float64
     return np.column_stack([low - more, high + more])
 
 
-def _tall(window: NDArray[np.float64], beside: bool) -> float:
+def _tall(window: FloatArray, beside: bool) -> float:
     """Return the height of the map in [in], by its shape; `beside`: a picture is drawn next to it."""
     across, along = window[:, 1] - window[:, 0]
     needed = PICTURE_WIDTH_IN * (MAPS_SHARE if beside else 1.0) * along / across
@@ -204,9 +204,7 @@ def _draw_robot(axis: Any, track: RunTrack, radius: float) -> None:
         _draw_footprint(axis, track.pose[-1], radius, "-", "robot at the end")
 
 
-def _draw_footprint(
-    axis: Any, pose: NDArray[np.float64] | None, radius: float, style: str, label: str
-) -> None:
+def _draw_footprint(axis: Any, pose: FloatArray | None, radius: float, style: str, label: str) -> None:
     from matplotlib.patches import Circle
 
     if pose is None:
@@ -217,7 +215,7 @@ def _draw_footprint(
     axis.plot([x, nose[0]], [y, nose[1]], color=DRIVEN_COLOUR, ls=style, lw=1.2)
 
 
-def _pose_at_the_end(track: RunTrack, stretch: ActionStretch) -> NDArray[np.float64] | None:
+def _pose_at_the_end(track: RunTrack, stretch: ActionStretch) -> FloatArray | None:
     """Return the robot's pose at the end of an action's own motion, before restoring; None if not
     recorded.
     """
@@ -293,12 +291,12 @@ def _draw_fail(run_dir: Path, stretch: ActionStretch, grid: GridMap, track: RunT
     save_figure(figure, run_dir / EVIDENCE_FOLDER / f"{name}.svg")
 
 
-def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
+def _named(run_dir: Path, name: str) -> list[FloatArray]:
     """Return the points with this name from the evidence of all actions, in order of the actions."""
     return [points[name] for points in _points(run_dir).values() if name in points]
 
 
-def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
+def _points(run_dir: Path) -> dict[str, dict[str, FloatArray]]:
     found = {}
     for path in sorted((run_dir / EVIDENCE_FOLDER).glob("*.npz")):
         if path.name.endswith(READINGS_SUFFIX):
@@ -308,7 +306,7 @@ def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
     return found
 
 
-def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, NDArray[np.uint8]] | None:
+def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, ByteArray] | None:
     """Return name and pixels (RGB, reduced) of the last picture, preferably by one of the primitives
     `shown`.
     """

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.robot.robot import Robot
@@ -15,6 +14,7 @@ from handcart.files.errors import InputError
 from handcart.files.extras import lack
 from handcart.networks.events.events import Ended, Event, Restoring, Started
 from handcart.networks.events.run_observer import RunObserver
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .mp4 import FRAMES_PER_S, Mp4
 
@@ -23,8 +23,6 @@ INSET_HEIGHT_SHARE = 0.3  # height of the camera picture, relative to the frame
 INSET_DURATION_S = 1.0  # for which the last camera picture is shown
 _MARGIN, _FRAME = 16, 2  # around the inset [px]
 _PAPER, _INK = (245, 245, 245), (30, 30, 30)
-
-Colours = NDArray[np.uint8]
 
 
 class NoVideo(InputError):
@@ -46,7 +44,7 @@ class Video(RunObserver):
                 record.
         """
         self._next, self._words = 0.0, ""
-        self._seen: NDArray[np.uint8] | None = None
+        self._seen: ByteArray | None = None
         self._seen_at = -np.inf
         self._lacks = ""
         if path.suffix.lower() != ".mp4":
@@ -111,7 +109,7 @@ class Video(RunObserver):
             self._next += 1.0 / FRAMES_PER_S
             self._mp4.write(frame)
 
-    def _frame(self, robot: Robot) -> Colours:
+    def _frame(self, robot: Robot) -> ByteArray:
         """Return the current frame, in RGB, with the height `HEIGHT_PX`."""
         picture = robot.backend.view() if self._view else None
         if picture is None:
@@ -130,11 +128,11 @@ class Video(RunObserver):
         return frame
 
 
-def _in_colour(grey: NDArray[np.uint8]) -> Colours:
+def _in_colour(grey: ByteArray) -> ByteArray:
     return np.repeat(grey[..., None], 3, axis=2)
 
 
-def _as_high(picture: Colours, height: int) -> Colours:
+def _as_high(picture: ByteArray, height: int) -> ByteArray:
     """Return a copy of a picture scaled to this height, with an even width."""
     width = 2 * round(picture.shape[1] * height / picture.shape[0] / 2)
     if picture.shape[:2] == (height, width):
@@ -142,7 +140,7 @@ def _as_high(picture: Colours, height: int) -> Colours:
     return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
 
 
-def _put_in(frame: Colours, picture: Colours) -> None:
+def _put_in(frame: ByteArray, picture: ByteArray) -> None:
     """Draw a picture with a border into the upper right corner of a frame."""
     small = _as_high(picture, round(INSET_HEIGHT_SHARE * frame.shape[0]))
     small = cv2.copyMakeBorder(small, *(_FRAME,) * 4, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)

@@ -6,8 +6,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, ConfigDict, Field
 
 from handcart.files.errors import FileError, Finding, UnsafePath
@@ -26,6 +24,7 @@ from handcart.robotics.navigation.maps.grid_map import (
     unknown_read_as_free,
 )
 from handcart.robotics.navigation.maps.turned_map import TooManyCells, is_level, turned_occupancy
+from handcart.robotics.numerics.arrays import Int8Array
 
 from .movingai_map import MOVINGAI_SUFFIX, read_movingai
 
@@ -74,7 +73,7 @@ class MapFile(FileModel):
 class OccupancyFile(NamedTuple):
     """Content of a map file, independent of its use."""
 
-    values: NDArray[np.int8]
+    values: Int8Array
     """(h, w) in percent, -1 for unknown, row 0 at the bottom."""
     resolution: float
     """Side of a cell, in [m]."""
@@ -145,7 +144,7 @@ def read_occupancy(path: Path) -> OccupancyFile:
     return _placed(loaded, values, _warning(loaded, grey))
 
 
-def _placed(loaded: Loaded[MapFile], values: NDArray[np.int8], warning: str | None) -> OccupancyFile:
+def _placed(loaded: Loaded[MapFile], values: Int8Array, warning: str | None) -> OccupancyFile:
     """Return the map with its origin; a turned one is resampled along the axes of the map frame.
 
     Raises:

@@ -6,12 +6,12 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.picture import MAX_PIXELS
 from handcart.files.regular_file import decode_text, read_regular_file
 from handcart.robotics.navigation.maps.grid_map import FREE_VALUE, OCCUPIED_VALUE, UNKNOWN_VALUE
+from handcart.robotics.numerics.arrays import Int8Array
 
 MOVINGAI_SUFFIX = ".map"
 MAX_BYTES = MAX_PIXELS + (1 << 20)
@@ -28,7 +28,7 @@ _MEANING = {
 _HEADER = (("type", r"type\s+octile"), ("height", r"height\s+(\d{1,6})"), ("width", r"width\s+(\d{1,6})"))
 
 
-def read_movingai(path: Path) -> NDArray[np.int8]:
+def read_movingai(path: Path) -> Int8Array:
     """Occupancy (h, w) in percent, -1 for water, row 0 at the bottom (the last in the file).
 
     Raises:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array
 
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
+
 DENSE_MAX_ROWS = 100
 """Rows up to which a full matrix is faster than a sparse one."""
 
@@ -27,7 +27,7 @@ class LinearSolver:
         """
         rows, to, p = zip(*links, strict=True) if links else ((), (), ())
         follows = csc_array((p, (rows, to)), shape=(size, size))
-        self._inverse: Floats | None = None
+        self._inverse: FloatArray | None = None
         if size <= DENSE_MAX_ROWS:
             self._inverse = np.linalg.inv(np.eye(size) - follows.toarray())
             return
@@ -38,9 +38,9 @@ class LinearSolver:
         whole = (eye_array(size) - follows).tocsc()
         self._factors = splu(whole, permc_spec=order, diag_pivot_thresh=threshold)
 
-    def solve(self, right: Floats, transposed: bool = False) -> Floats:
+    def solve(self, right: FloatArray, transposed: bool = False) -> FloatArray:
         """Return x, or that of the transposed equations; `right` has one column or several."""
-        solution: Floats
+        solution: FloatArray
         if self._inverse is None:
             solution = self._factors.solve(right, "T" if transposed else "N")
         else:

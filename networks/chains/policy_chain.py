@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from handcart.robotics.numerics.arrays import FloatArray
+
 from .chain_rows import ChainEnd, ChainLink, ChainRows
 from .ends import AT_GOAL, Ends
-from .linear_solver import Floats, LinearSolver
+from .linear_solver import LinearSolver
 from .moments import Moments
 from .policy import Chances as Chances
 from .policy import Policy
@@ -67,13 +69,13 @@ class _Solution:
         slopes = self._by_action(count, self._plain.solve(begins, True) * self._gain(complete[:, 0, 0]))
         return Chain(known, starts, slopes)
 
-    def _by_action(self, count: int, values: Floats) -> tuple[float, ...]:
+    def _by_action(self, count: int, values: FloatArray) -> tuple[float, ...]:
         found, actions = np.zeros(count), np.array(self._rows.action)
         acts = actions >= 0
         np.add.at(found, actions[acts], values[acts])
         return tuple(map(float, found))
 
-    def _into(self, skips: bool) -> Floats:
+    def _into(self, skips: bool) -> FloatArray:
         """Return the probabilities (rows, ends) of ending in each row, with skips that lead to the goal."""
         into = np.zeros((self._size, len(ChainEnd)))
         for row, end, p, _ in self._rows.ends:
@@ -84,7 +86,7 @@ class _Solution:
             into[self._rows.skipped_to_goal, ChainEnd.GOAL] += 1.0
         return into
 
-    def _moments(self, solver: LinearSolver, into: Floats) -> Floats:
+    def _moments(self, solver: LinearSolver, into: FloatArray) -> FloatArray:
         """Return moments of the cost by rows and ends: probability, E[C; end], E[C²; end]."""
         cost = np.array(self._rows.cost)[:, None]
         p = solver.solve(into)
@@ -93,7 +95,7 @@ class _Solution:
         second = solver.solve(2.0 * cost * first - cost**2 * p)
         return np.stack((p, first, second), axis=-1)
 
-    def _gain(self, goal: Floats) -> Floats:
+    def _gain(self, goal: FloatArray) -> FloatArray:
         """Return for each row by how much P(goal) after a Success exceeds that after a Fail."""
         gain = np.zeros(self._size)
         success = np.zeros(self._size)

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.whole_file import write_whole
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array
 
 if TYPE_CHECKING:
     from handcart.backends.robot.robot import Robot
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 class RunTrack(NamedTuple):
     """A run, period by period."""
 
-    time: NDArray[np.float64]
+    time: FloatArray
     """(n,) the robot's time, in [s]."""
-    pose: NDArray[np.float64]
+    pose: FloatArray
     """(n, 3) estimated map_T_base: x and y in [m], heading in [rad]."""
-    action: NDArray[np.int32]
+    action: Int32Array
     """(n,) number of the action that ran, from 1; 0 before the first."""
-    restoring: NDArray[np.bool_]
+    restoring: BoolArray
     """(n,) whether it restored."""
 
 

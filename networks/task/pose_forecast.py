@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
@@ -24,6 +23,7 @@ from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import ScanBeams, map_ranges
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .place_room import PLACES_KEY, PlaceRoom
 from .task_file import Task
@@ -32,8 +32,6 @@ MIN_STEP_M = 0.3  # between two scans of the forecast
 MAX_SCANS = 100
 USUAL_NEED = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
 MIN_RANGE_SIGMA_M = 0.01
-
-Array = NDArray[np.float64]
 
 
 class PoseForecast(NamedTuple):
@@ -89,7 +87,12 @@ def _silence_words(name: str, forecast: PoseForecast, first: Pose2, lidar: Range
 
 
 def forecast_pose(
-    field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, start: Pose2, route: Array, need: PoseNeed
+    field: LikelihoodField,
+    robot: RobotFile,
+    lidar: RangeSpec,
+    start: Pose2,
+    route: FloatArray,
+    need: PoseNeed,
 ) -> PoseForecast:
     """Drive a route on the map with the localizer of the robot, and scans as the map has them.
 
@@ -130,7 +133,7 @@ def forecast_pose(
     return PoseForecast(undetermined(spread, need), blind, length, silent, silent_at)
 
 
-def _poses(route: Array, start: Pose2, step: float) -> Iterator[Pose2]:
+def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:
     """Poses along a route, no farther than `step` [m] from each other, each heading to where it came from."""
     last = start
     for one, other in pairwise(route):

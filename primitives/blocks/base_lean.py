@@ -6,20 +6,18 @@ import math
 from collections.abc import Generator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.suspension.suspension_model import base_motion
+from handcart.robotics.numerics.arrays import FloatArray
 
 TILT_AVERAGING_S = 1.0  # at rest
 GRAVITY_M_S2 = 9.81
 
-Vector = NDArray[np.float64]
 
-
-def felt_beside(robot: Robot) -> Generator[None, None, Vector]:
+def felt_beside(robot: Robot) -> Generator[None, None, FloatArray]:
     """Return the measured roll and pitch (2,) in [rad], less those of the suspension's model.
 
     The model's tilt is that for the current pose of the hand. The accelerations are averaged while the
@@ -36,7 +34,7 @@ def felt_beside(robot: Robot) -> Generator[None, None, Vector]:
     return np.asarray(np.array([math.atan2(y, z), math.atan2(-x, math.hypot(y, z))]) - modelled)
 
 
-def unmodelled_leans(robot: Robot, then: Vector, now: Vector) -> tuple[Transform, Transform]:
+def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[Transform, Transform]:
     """Return the tilts that the suspension's model misses, then and now, as motions (4, 4) of the base.
 
     The model is linear in the position of the hand; the weight of a real arm is not. Mounting error and

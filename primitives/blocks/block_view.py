@@ -6,7 +6,6 @@ import math
 from collections.abc import Generator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.motions.arm_motion import move_to_pose
@@ -16,6 +15,7 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.blocks.block_finder import MAX_TURN_RAD, find_block
 from handcart.robotics.perception.blocks.nearest_face import nearest_face
 from handcart.robotics.perception.drawing.overlay import draw_overlay
@@ -96,7 +96,7 @@ def _as_block(seen: Pose2, expected: Pose2) -> Pose2:
     return seen.compose(Pose2(0.0, 0.0, math.pi)) if turned else seen
 
 
-def _outline(place: Pose2, camera_T_top: Transform, length: float, width: float) -> NDArray[np.float64]:
+def _outline(place: Pose2, camera_T_top: Transform, length: float, width: float) -> FloatArray:
     """(4, 3) corners in the camera frame."""
     corners = place.apply(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * (length / 2, width / 2))
     return apply(camera_T_top, np.column_stack([corners, np.zeros(4)]))

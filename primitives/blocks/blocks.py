@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.base import WheelTravel
@@ -16,6 +15,7 @@ from handcart.files.yaml.yaml_document import read_document
 from handcart.primitives.blocks.building import Building
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.blocks.block_finder import MIN_FACE_SIZE_M
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Fixed(NamedTuple):
     """Swings of the loaded arm since the measurement."""
 
     @property
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> FloatArray:
         """(3, 3) of `pose`, of x, y in [m] and heading in [rad]."""
         return np.diag([self.sigma[0], self.sigma[0], self.sigma[1]]) ** 2
 

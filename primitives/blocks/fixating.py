@@ -7,7 +7,6 @@ from collections.abc import Generator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.backends.robot.robot import Robot
@@ -29,6 +28,7 @@ from handcart.robotics.manipulation.suspension.fixation import (
     placing_posture,
 )
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.landmarks.constellation import BasePrior, Kind, PlannedMark
 
 from .building import LandmarkPlan
@@ -89,7 +89,7 @@ def sought(
     marks: Mapping[str, LandmarkPlan],
     planned: Pose2,
     stands: Pose2,
-    covariance: NDArray[np.float64],
+    covariance: FloatArray,
 ) -> Sought:
     """Return a landmark of the plan to search for, from a base planned at `planned` and believed at `stands`.
 
@@ -177,7 +177,7 @@ def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixatio
     return Fixed(name, place, pose, sigma, reach, attitude, travel, robot.attitude.moved)
 
 
-def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> NDArray[np.float64]:
+def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> FloatArray:
     """Return the covariance (3, 3) of the mean of poses, of x, y in [m] and heading in [rad].
 
     Args:

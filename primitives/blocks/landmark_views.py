@@ -7,7 +7,6 @@ from collections.abc import Generator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes.evidence import Evidence
@@ -15,6 +14,7 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.manipulation.suspension.fixation import PlannedView
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.constellation import (
     MIN_LOG_RATIO,
@@ -183,7 +183,7 @@ class LandmarkViews:
             places.setdefault(mark.kind, []).append(to_base.compose(mark.place))
         return places
 
-    def _found(self, image: NDArray[np.uint8], base_T_camera: Transform) -> list[_Seen]:
+    def _found(self, image: ByteArray, base_T_camera: Transform) -> list[_Seen]:
         found: list[_Seen] = []
         for kind in {mark.kind: None for mark in self._sought.among}:
             camera_T_level = inverse(base_T_camera) @ Pose2(0.0, 0.0, 0.0).lift(kind.height)
@@ -213,10 +213,10 @@ class LandmarkViews:
         )
         return again or any(self._inside(base_T_camera, kind, [at])[0] for kind, at in seen.at.items())
 
-    def _inside(self, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]) -> NDArray[np.bool_]:
+    def _inside(self, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]) -> BoolArray:
         return wholly_in_view(self._robot.camera.model, base_T_camera, kind, places)
 
-    def _shown(self, kind: Kind, places: Sequence[Pose2]) -> NDArray[np.bool_]:
+    def _shown(self, kind: Kind, places: Sequence[Pose2]) -> BoolArray:
         inside = [self._inside(camera, kind, places) for camera in self._cameras]
         return np.any(inside, axis=0) if inside else np.zeros(len(places), dtype=bool)
 

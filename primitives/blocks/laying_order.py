@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator, Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.errors import Finding
 from handcart.files.models.loading import Loaded
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .drawing import Drawing, DrawnBlock
 from .supports import SUPPORT_TOLERANCE_M
@@ -20,7 +20,6 @@ from .supports import SUPPORT_TOLERANCE_M
 MIN_SUPPORT_MARGIN_M = 0.003  # by which a block's middle lies inside of what carries it
 MAX_OVERLAP_M2 = 1e-6  # of overlap that two blocks may have
 
-Floats = NDArray[np.float64]
 Rectangle = tuple[tuple[float, float], tuple[float, float], float]
 
 
@@ -84,7 +83,7 @@ def _carries(drawing: Drawing, lower: DrawnBlock, upper: DrawnBlock) -> bool:
     return _area(_common(*feet)) > MAX_OVERLAP_M2
 
 
-def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock]) -> Floats:
+def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock]) -> FloatArray:
     """(n, 2) corners of where it is carried."""
     length, width, _ = drawing.block
     foot = _rectangle(block.place.floor, length, width)
@@ -100,7 +99,7 @@ def _rectangle(floor: Pose2, length: float, width: float) -> Rectangle:
     return (floor.x, floor.y), (length, width), math.degrees(floor.theta)
 
 
-def _common(one: Rectangle, other: Rectangle) -> Floats:
+def _common(one: Rectangle, other: Rectangle) -> FloatArray:
     """(n, 2) corners of what two rectangles share, in [m]."""
     middle = np.array(one[0])  # near the origin, as OpenCV reckons in single precision
     beside = (other[0][0] - one[0][0], other[0][1] - one[0][1])
@@ -110,13 +109,13 @@ def _common(one: Rectangle, other: Rectangle) -> Floats:
     return np.asarray(np.asarray(corners, dtype=np.float64).reshape(-1, 2) + middle)
 
 
-def _area(corners: Floats) -> float:
+def _area(corners: FloatArray) -> float:
     if len(corners) < 3:
         return 0.0
     return float(cv2.contourArea(cv2.convexHull((corners - corners[0]).astype(np.float32))))
 
 
-def _inside(corners: Floats, floor: Pose2) -> float:
+def _inside(corners: FloatArray, floor: Pose2) -> float:
     """Return the distance of a pose inside the hull of corners (n, 2), in [m]; negative outside."""
     hull = cv2.convexHull((corners - floor[:2]).astype(np.float32))
     return float(cv2.pointPolygonTest(hull, (0.0, 0.0), True))

@@ -6,7 +6,6 @@ from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import PrivateAttr
 from typing_extensions import override
 
@@ -33,6 +32,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
 from handcart.robotics.manipulation.suspension.suspension_model import base_motion
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .base_lean import felt_beside, unmodelled_leans
 from .base_turn import fused, turn_by_gyros, turn_by_model
@@ -90,7 +90,7 @@ class Stack(ActionPrimitive):
     hand: ClassVar = LETS_GO
 
     _placed: Placed | None = PrivateAttr(default=None)
-    _felt_then: NDArray[np.float64] = PrivateAttr()
+    _felt_then: FloatArray = PrivateAttr()
     """Roll and pitch beside the model, when the base was fixed."""
     _leans: tuple[Transform, Transform] = PrivateAttr(default_factory=lambda: (np.eye(4), np.eye(4)))
     """Tilts of the base beyond the model at the fixation and now, as motions (4, 4)."""

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
@@ -18,6 +17,7 @@ from handcart.primitives.books.catalogue import Book
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 MASK_MARGIN_PX = 5  # beside a held book that don't count: its own blur, and how exactly it sits in the hand
@@ -28,11 +28,11 @@ _ALONG = np.linspace(-0.5, 0.5, 9)
 class HandView(NamedTuple):
     """A picture, and from where it was taken."""
 
-    image: NDArray[np.uint8]
+    image: ByteArray
     camera: CameraModel
     camera_T_shelf: Transform
     """(4, 4), by the measured joints."""
-    mask: NDArray[np.bool_]
+    mask: BoolArray
     """(height, width), True where the shelf is seen rather than hand or held book."""
 
 
@@ -56,7 +56,7 @@ def held_book(robot: Robot, book: Book) -> Box | None:
     return held_box(robot, book) if gripper is not None and holds(robot, book) else None
 
 
-def _free(robot: Robot, held: Box | None) -> NDArray[np.bool_]:
+def _free(robot: Robot, held: Box | None) -> BoolArray:
     camera = robot.camera.model
     shown = np.full((camera.height, camera.width), 255, dtype=np.uint8)
     camera_T_hand = inverse(robot.camera.hand_T_camera)
@@ -83,7 +83,7 @@ def _fingers(robot: Robot) -> Sequence[Box]:
     return [Box(hand_T_base @ body.pose, body.size) for body in bodies if isinstance(body, Box)]
 
 
-def _edges(box: Box) -> NDArray[np.float64]:
+def _edges(box: Box) -> FloatArray:
     """Points (108, 3) on a box's edges, in its frame: a lens bends the lines between corners."""
     ends = list(product((-0.5, 0.5), repeat=2))
     lines = [

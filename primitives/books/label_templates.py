@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.books.call_number import CallNumber
 
 PX_PER_M = 8000.0
@@ -18,7 +18,7 @@ WORD_SPACE_RATIO = 0.45  # between words, in heights of a capital
 PAPER, INK = 244, 22
 
 
-def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, NDArray[np.uint8]]:
+def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, ByteArray]:
     """Each label upright, its text running left to right, at `PX_PER_M` pixels a metre."""
     import matplotlib  # for its fonts alone; takes as long to import as the rest of a task's check
 
@@ -29,7 +29,7 @@ def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, NDArray[n
     return {number: _label(str(number), face, cap) for number in numbers}
 
 
-def _label(text: str, face: ImageFont.FreeTypeFont, cap: float) -> NDArray[np.uint8]:
+def _label(text: str, face: ImageFont.FreeTypeFont, cap: float) -> ByteArray:
     words = text.split(" ")
     widths = [face.getlength(word) for word in words]
     margin, height = MARGIN * PX_PER_M, round(WIDTH * PX_PER_M)

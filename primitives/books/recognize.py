@@ -6,7 +6,6 @@ from collections.abc import Generator, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import PrivateAttr
 from typing_extensions import override
 
@@ -25,6 +24,7 @@ from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.tag_family import TagFamily
@@ -34,7 +34,6 @@ TAG_POSTURE = "look_at_tag"
 VIEW_OFFSETS_M = ((0.0, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.0))  # of views: left and up, in [m]
 MIN_SIGHTINGS = 3  # views in which the tag was read
 VIEW_MAX_PICTURES = 2  # from each view, until the tag is read
-Vector = NDArray[np.float64]
 
 TAG_SIDE = 0.010  # [m] of the tag's black square
 REARMOST, FOREMOST = -0.04, 0.14  # [m] from the tray's rear: where a spine can stand
@@ -44,9 +43,9 @@ DEPTH_WEIGHT = 5e-4  # of a distance along a line of sight: 1 % of 0.2 m, agains
 
 class _Sighting(NamedTuple):
     number: int
-    eye: Vector
+    eye: FloatArray
     """The camera (3,) in the base frame, in [m]."""
-    place: Vector
+    place: FloatArray
     """The tag's middle (3,) by this picture alone, in [m]."""
 
 
@@ -95,7 +94,7 @@ class Recognize(ActionPrimitive):
                 self._seen += [sighting for _, sighting in found]
                 return
 
-    def _show(self, image: NDArray[np.uint8], tags: list[Tag]) -> None:
+    def _show(self, image: ByteArray, tags: list[Tag]) -> None:
         if tags or not self._seen:
             self.evidence.pictures["tray"] = draw_overlay(image, tags)
 
@@ -133,7 +132,7 @@ def _sighting(tag: Tag, camera: CameraModel, base_T_camera: Transform) -> _Sight
     return _Sighting(tag.id, base_T_camera[:3, 3], (base_T_camera @ camera_T_tag)[:3, 3])
 
 
-def _place(seen: Sequence[_Sighting]) -> Vector:
+def _place(seen: Sequence[_Sighting]) -> FloatArray:
     """Return the best intersection of the lines of sight, (3,) in [m].
 
     Least squares over the distances from the lines, with little weight along them: several lines give the
@@ -148,7 +147,7 @@ def _place(seen: Sequence[_Sighting]) -> Vector:
     return np.asarray(np.linalg.solve(normal, right))
 
 
-def _on_tray(robot: Robot, place: Vector) -> bool:
+def _on_tray(robot: Robot, place: FloatArray) -> bool:
     tray = robot.spec.tray_shape
     ahead, aside = place[0] - tray.rear, place[1] - tray.middle[1]
     return bool(REARMOST < ahead < FOREMOST and abs(aside) < ASIDE_ON_TRAY)

@@ -6,7 +6,6 @@ from collections.abc import Generator, Sequence
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from typing_extensions import override
 
@@ -36,6 +35,7 @@ from handcart.robotics.manipulation.suspension.suspension_identification import 
     fit_sightings,
 )
 from handcart.robotics.manipulation.suspension.swing_yaw import SwingYaw, fit_swing_yaw
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.landmarks.landmark import square_corners
 
 from .sightings import above, creep, see
@@ -129,9 +129,7 @@ class CalibrateSuspension(ActionPrimitive):
                 sightings.append(Sighting(swing, printed, seen.landmark.rays))
         return sightings
 
-    def _swing(
-        self, robot: Robot, scene: HandSurroundings
-    ) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
+    def _swing(self, robot: Robot, scene: HandSurroundings) -> Generator[None, None, tuple[FloatArray, int]]:
         """Headings (n, m) of the base over the first landmark, and the swings between rows."""
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
         here = above(robot, base_T_mark, VIEW_HEIGHTS_M[0])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Generator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.robot.robot import Robot
@@ -28,6 +27,7 @@ from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.car_route import plan_car_route
 from handcart.robotics.navigation.routes.tangent_path import CarPath
 from handcart.robotics.navigation.routes.ways import Way, Ways
+from handcart.robotics.numerics.arrays import FloatArray
 
 WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
 MAP_MATCH_TOLERANCE_M = 0.12  # from anything on the map: pose error, noise and half a cell together
@@ -72,7 +72,7 @@ def _shortage(way: Way) -> Measured | None:
 
 def plan_tracker(
     robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance, reverse: bool = False
-) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
+) -> Generator[None, None, tuple[PathTracker | CarTracker, FloatArray]]:
     """Return a tracker for a route to a place, and the route's points (n, 2) in [m].
 
     The route is the planned detour to the place, or a new route on the map. A car always gets a new one
@@ -135,7 +135,7 @@ class FieldObstacleMonitor:
         """Watch for a footprint of `radius`, in [m]."""
         self._radius = radius + WATCHED_ROOM
 
-    def unexpected(self, robot: Robot) -> NDArray[np.float64]:
+    def unexpected(self, robot: Robot) -> FloatArray:
         """(n, 2) points of this period's scan, in the field's frame, in [m].
 
         Without a lowered hand's own, and without what may be the ground: that is for the guard of the base,
@@ -146,17 +146,15 @@ class FieldObstacleMonitor:
             points = points[~may_be_ground(points, robot.range_sensor_height, robot.localization.tilt)]
         return robot.pose.apply(points)
 
-    def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+    def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
         """(m, 2) those of the points that are near the one in the way (2,)."""
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
-    def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+    def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
         """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m]."""
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 
-    def obstacle(
-        self, route: NDArray[np.float64], sensed: NDArray[np.float64]
-    ) -> tuple[float, NDArray[np.float64]] | None:
+    def obstacle(self, route: FloatArray, sensed: FloatArray) -> tuple[float, FloatArray] | None:
         """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
         is free.
         """
@@ -171,16 +169,16 @@ class ObstacleMonitor:
         self._field = LikelihoodField(grid)
         self._radius = radius + WATCHED_ROOM
 
-    def unexpected(self, robot: Robot) -> NDArray[np.float64]:
+    def unexpected(self, robot: Robot) -> FloatArray:
         """(n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
         points = robot.pose.apply(robot.range_sensor.scan().points())
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 
-    def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+    def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
         """(n, 2) those of the points that are remembered: all."""
         return sensed
 
-    def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+    def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
         """Return (n, 2) points of this period's scan around a point (2,) that the base would touch, in [m].
 
         Obstacles close to a mapped wall are distinguished from it by lying a cell in front of it.
@@ -190,9 +188,7 @@ class ObstacleMonitor:
         before = near[self._field.read(near) > max(LEAST_OFF, self._field.map.resolution)]
         return np.vstack([blocking, before])
 
-    def obstacle(
-        self, route: NDArray[np.float64], sensed: NDArray[np.float64]
-    ) -> tuple[float, NDArray[np.float64]] | None:
+    def obstacle(self, route: FloatArray, sensed: FloatArray) -> tuple[float, FloatArray] | None:
         """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
         is free.
         """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.localization.lidar import MAX_BLIND_SHARE, Lidar
@@ -12,6 +11,7 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
 from handcart.robotics.navigation.maps.expected_echoes import ExpectedEchoes, expected_echoes
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray
 
 BLOCKED_S = 1.0  # for which most beams show nothing, until the lidar counts as blocked or dirty
 LOOK_S = 1.0  # between two comparisons with the map
@@ -87,7 +87,7 @@ class LidarWatch:
                 cause=causes.SENSOR_FAULT,
             )
 
-    def _compare_sectors(self, scan: Scan, walls: ExpectedEchoes, expected: NDArray[np.bool_]) -> None:
+    def _compare_sectors(self, scan: Scan, walls: ExpectedEchoes, expected: BoolArray) -> None:
         """Raise `NeedsPerson` if a sector of the lidar misses walls that other beams saw.
 
         Only walls that returned an echo to a beam of this drive count, so objects above the scan plane,

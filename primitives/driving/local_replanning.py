@@ -6,7 +6,6 @@ import math
 from collections.abc import Generator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.robot import Robot
@@ -21,6 +20,7 @@ from handcart.robotics.navigation.following.sideways_tracking import make_tracke
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .driving import no_way, plan_drive
 
@@ -42,8 +42,6 @@ BACK_OFF_MAX_TRIES = 8
 NEARER_M = 0.1  # by which the rest of the way has to shrink
 NEARER_TIMEOUT_S = 60.0  # within which it has to
 NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is more
-
-Floats = NDArray[np.float64]
 
 
 class LocalReplanning:
@@ -71,7 +69,7 @@ class LocalReplanning:
         self._nearest, self._nearer_at = np.inf, robot.time
 
     @property
-    def points(self) -> Floats:
+    def points(self) -> FloatArray:
         """(n, 2) what was sensed beside the map, in [m]."""
         return self._layer.points
 
@@ -141,12 +139,17 @@ class LocalReplanning:
             self._apply(end.value, robot, tracker)
 
     def _answer(
-        self, pose: Pose2, route: Floats | None, avoided: Floats, lead: float = 0.0, better: bool = True
+        self,
+        pose: Pose2,
+        route: FloatArray | None,
+        avoided: FloatArray,
+        lead: float = 0.0,
+        better: bool = True,
     ) -> RouteLook:
         grid = self._layer.merged().with_points(avoided)
         return self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
 
-    def _avoided(self, robot: Robot) -> Floats:
+    def _avoided(self, robot: Robot) -> FloatArray:
         return avoided_points(robot, self._model)
 
     def _apply(self, look: RouteLook, robot: Robot, tracker: PathTracker) -> None:
@@ -206,7 +209,7 @@ class LocalReplanning:
         if look.kind == "new":
             self._apply(look, robot, tracker)
 
-    def way_back_blocked(self, robot: Robot, ahead: Floats) -> bool:
+    def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
         """Return whether something is on the recorded way back that was not there when the base came."""
         if len(ahead) < 2:
             return False
@@ -240,7 +243,7 @@ class LocalReplanning:
             robot.base.drive(*(tracker.hold if waits else tracker.command)(robot.pose, robot.period))
             yield
 
-    def give_up_waiting(self, ahead: Floats) -> Discrepancy:
+    def give_up_waiting(self, ahead: FloatArray) -> Discrepancy:
         """Return why the drive ends: something stands in the way, and no other way leads on."""
         obstacle = self._nearest_to_route(ahead)
         x, y = obstacle
@@ -252,7 +255,7 @@ class LocalReplanning:
             cause=causes.BLOCKED,
         )
 
-    def _nearest_to_route(self, ahead: Floats) -> tuple[float, float]:
+    def _nearest_to_route(self, ahead: FloatArray) -> tuple[float, float]:
         """Return the sensed point nearest to where the route is not free, in [m]."""
         there = None if self._look is None else self._look.obstacle
         x, y = there if there is not None else ahead[-1].tolist()

@@ -7,7 +7,6 @@ from collections.abc import Generator
 from typing import Annotated, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
@@ -34,6 +33,7 @@ from handcart.robotics.navigation.locating.next_view import (
     look_alike,
     next_view,
 )
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .lidar_watch import LidarWatch
 
@@ -49,8 +49,6 @@ MAX_POSITION_SIGMA_M, MAX_HEADING_SIGMA_RAD = 0.10, math.radians(2.0)  # of a po
 PRIOR = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of the best hypothesis, before its scan is matched
 SEARCH_S = 1.0  # of the robot's time, for one search of the map
 NAMED_HYPOTHESES = 4
-
-Array = NDArray[np.float64]
 
 
 class Locate(ActionPrimitive):
@@ -182,7 +180,7 @@ class Locate(ActionPrimitive):
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             yield
 
-    def _drive(self, robot: Robot, route: Array) -> Generator[None, None, float]:
+    def _drive(self, robot: Robot, route: FloatArray) -> Generator[None, None, float]:
         """Drive along a route, up to where something holds the base back; return the distance, in [m]."""
         limits = robot.drive_limits
         limits = limits._replace(speed=min(limits.speed, SPEED_M_S))
@@ -202,12 +200,12 @@ class Locate(ActionPrimitive):
             raise Discrepancy("the base doesn't get on", measured=driven, cause=causes.NO_PROGRESS)
         return tracker.progress
 
-    def _surroundings(self, robot: Robot, tried: Array) -> Surroundings:
+    def _surroundings(self, robot: Robot, tried: FloatArray) -> Surroundings:
         seen = robot.localization.local_map
         assert seen is not None, "the pose was forgotten"
         return Surroundings(seen.grid, robot.pose, robot.spec.footprint_radius_m, tried)
 
-    def _next_view(self, around: Surroundings, poses: Array, left: float, reach: float) -> View | None:
+    def _next_view(self, around: Surroundings, poses: FloatArray, left: float, reach: float) -> View | None:
         """Return the next place to look from; None if no place within `left`, in [m], would tell more."""
         assert self._field is not None
         if left <= 0.0 or (self._hypotheses is not None and len(self._hypotheses.looks) >= MAX_LOOKS):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -17,6 +15,7 @@ from handcart.primitives.knowledge.world_model import Detour, ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.navigation.maps.bump_area import UNSEEN_SIZE_M
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .driving import goal_pose, no_way, plan_car_drive, plan_drive
 
@@ -49,9 +48,7 @@ class Modify(ActionPrimitive):
             robot, model, found.route and found.route.points, found.route.length if found.route else 0.0
         )
 
-    def _take(
-        self, robot: Robot, model: ModelView, points: NDArray[np.float64] | None, length: float
-    ) -> None:
+    def _take(self, robot: Robot, model: ModelView, points: FloatArray | None, length: float) -> None:
         if points is None:
             sensed = Measured("RangeSensor", "points sensed that are not on the map", len(model.obstacles))
             if len(model.bumps):

@@ -6,7 +6,6 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Annotated, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
@@ -38,6 +37,7 @@ from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .docking import DOCK_TOLERANCE, NOT_DETERMINED, dock
 from .driving import (
@@ -92,7 +92,7 @@ class MoveTo(ActionPrimitive):
 
     _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
     _local: LocalReplanning | None = PrivateAttr(default=None)
-    _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
+    _ahead: FloatArray = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
     _restores: bool = PrivateAttr(default=False)
     _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
@@ -201,7 +201,7 @@ class MoveTo(ActionPrimitive):
 
     def _planned(
         self, robot: Robot, model: ModelView, goal: Pose2
-    ) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
+    ) -> Generator[None, None, tuple[PathTracker | CarTracker, FloatArray]]:
         """Return a tracker for a route from here, and its points (n, 2) in [m]."""
         arrived = self._arrived(robot, model)
         if self._local is None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
@@ -16,14 +15,12 @@ from handcart.robotics.manipulation.placement.standing_places import OpenFloor, 
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL, SENSED_ROOM
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 STAND_MARGIN_M = 0.002  # between the arm and what stands around
 AVOIDED_RADIUS_M = 0.15  # from where it couldn't be done
 COLLISION_CHECK_STRIDE = 4  # points of a path between looks for contacts
 MAX_START_INTRUSION_M = 0.3  # that the base may stand too near to something, when it sets out
-
-Floats = NDArray[np.float64]
-Masks = NDArray[np.bool_]
 
 
 class StandingRoom:
@@ -34,7 +31,7 @@ class StandingRoom:
         spec: RobotFile,
         arm: ArmModel,
         grid: GridMap,
-        sensed: Floats,
+        sensed: FloatArray,
         here: Pose2,
         boxes: tuple[Box, ...] = (),
         avoided: tuple[Pose2, ...] = (),
@@ -73,7 +70,7 @@ class StandingRoom:
         ]
         return tuple(np.ascontiguousarray(each).tobytes() for each in known)
 
-    def blocked(self, bases: Floats) -> Masks:
+    def blocked(self, bases: FloatArray) -> BoolArray:
         """Return which of base poses (b, 3) have no room, or no route, by the map."""
         no_way = ~self._floor.leads_to(bases, self._reached)
         no_way |= self._clearances.at(bases[:, :2]) < self._radius
@@ -81,7 +78,7 @@ class StandingRoom:
             no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED_RADIUS_M
         return no_way
 
-    def free(self, base: Floats, angles: Floats) -> bool:
+    def free(self, base: FloatArray, angles: FloatArray) -> bool:
         """Return whether robot and arm touch nothing from a base pose (3,), at home and at the angles (p,
         n).
         """
@@ -92,7 +89,7 @@ class StandingRoom:
         collision = CollisionModel(self._arm, self._boxes, world_T_base=stand, margin=STAND_MARGIN_M)
         return not any(collision.in_collision(q) for q in angles[::COLLISION_CHECK_STRIDE])
 
-    def _way_out(self, here: Pose2) -> Masks:
+    def _way_out(self, here: Pose2) -> BoolArray:
         """Return (h, w) cells connected by routes to poses near `here`, because the base's actual pose is not
         the planned one.
         """

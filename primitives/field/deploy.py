@@ -9,7 +9,6 @@ from contextlib import suppress
 from typing import Annotated, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Selector, Sequence
 from pydantic import Field as Limited
@@ -32,6 +31,7 @@ from handcart.primitives.preconditions.hand_use import Hand, HandUse
 from handcart.primitives.restoring.arm_command import hold_measured
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.manipulation.arms.scara import base_to_world, world_to_base
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .field import Field
 from .field_work import FieldWork
@@ -56,8 +56,6 @@ MAX_TOP_DROP_M = 0.02  # by which its top may be lower than upright
 REACH_SIGMAS = 3.0  # sigmas within which a target is taken to be
 GROUND_NAMES = ("the ground", "floor")  # as worlds call it
 DRIVE_LIFT_M = 0.145  # that the fingers are lifted further before the base drives on
-
-Vector = NDArray[np.float64]
 
 
 class Deploy(TreePrimitive):
@@ -311,7 +309,7 @@ class Deploy(TreePrimitive):
             )
         yield from self._lead_clear(robot, arm, better, moved)
 
-    def _lead_clear(self, robot: Robot, arm: SensorArm, place: Vector, way: float) -> Periods:
+    def _lead_clear(self, robot: Robot, arm: SensorArm, place: FloatArray, way: float) -> Periods:
         """Lead the tip to a place `way` [m] away; lift the sensor where it touches rising ground."""
         yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - MAX_GROUND_SLOPE * way))
         for _ in range(LIFT_MAX_TRIES):
@@ -336,7 +334,7 @@ class Deploy(TreePrimitive):
         return Laid(self.target, x, y, covariance, (ahead, left), robot.time)
 
 
-def _spread(robot: Robot, away: Vector) -> Vector:
+def _spread(robot: Robot, away: FloatArray) -> FloatArray:
     """(2, 2) covariance in [m²] of a point that is `away` (2,) from the base in the field's axes, in [m]."""
     by_pose = np.array([[1.0, 0.0, -away[1]], [0.0, 1.0, away[0]]])
     by_arm = (robot.spec.arm.accuracy_mm / 1e3) ** 2 if robot.spec.arm else 0.0

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field as Limited
 
 from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.place import DirectedTolerance
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import FloatArray
 
 Positive = Annotated[float, Limited(gt=0.0)]
 
@@ -58,7 +58,7 @@ class Field(FileModel):
     """Height of the part of a sensor between the fingers."""
 
     @property
-    def discs(self) -> NDArray[np.float64]:
+    def discs(self) -> FloatArray:
         """Return x, y and radius of the rocks, (n, 3) in [m]."""
         return np.array([[rock.x_m, rock.y_m, rock.radius_m] for rock in self.rocks]).reshape(-1, 3)
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
@@ -20,6 +19,7 @@ from handcart.files.models.loading import load
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import Companion, NamedFiles, Section
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .field import Field
 from .target import Laid, Target
@@ -64,7 +64,7 @@ class FieldWork(Section):
         return {name: place_of(target, ground) for name, target in self.targets.items()}
 
     @override
-    def discs(self) -> NDArray[np.float64]:
+    def discs(self) -> FloatArray:
         return np.empty((0, 3)) if self.field is None else self.field.discs
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:

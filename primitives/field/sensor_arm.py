@@ -6,7 +6,6 @@ import math
 from collections.abc import Generator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
@@ -19,6 +18,7 @@ from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.arms.scara import world_to_base
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .field import Field
 from .scara_arm import scara_of
@@ -34,8 +34,6 @@ MAX_YIELD_M = 0.06  # that it gives way
 AT_HOME = 0.02  # [rad] and [m] of a joint's command from the posture `home`
 FREE_TIME_S = 0.4  # without a push, until nothing leans there any more
 FORCE_SMOOTHING_S = 0.1  # over which the force is smoothed
-
-Vector = NDArray[np.float64]
 
 
 class SensorArm:
@@ -90,26 +88,26 @@ class SensorArm:
                 cause=field_causes.MAGAZINE_EMPTY,
             )
 
-    def place_of(self, point: Vector) -> Vector:
+    def place_of(self, point: FloatArray) -> FloatArray:
         """Return a ground point (2,) of the field in the arm's frame, (2,) in [m], as estimated now."""
         robot = self._robot
         return self.place_beside(
             world_to_base(robot.pose, robot.localization.tilt, np.array([*point, 0.0]))[:2]
         )
 
-    def place_beside(self, point: Vector) -> Vector:
+    def place_beside(self, point: FloatArray) -> FloatArray:
         """Return a point (2,) of the base frame in the arm's own frame, (2,) in [m]."""
         mount = self.scara.mount
         cos, sin = math.cos(mount[3]), math.sin(mount[3])
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
 
-    def check_near(self, place: Vector, unsure: float) -> None:
+    def check_near(self, place: FloatArray, unsure: float) -> None:
         """Raise `Discrepancy` where a place can't be reached, even if it is off by `unsure` [m]."""
         x, y, *_ = self.scara.mount
         if math.hypot(place[0] - x, place[1] - y) > self.scara.upper + self.scara.fore + unsure:
             raise _out_of_reach(place)
 
-    def reach(self, place: Vector) -> Periods:
+    def reach(self, place: FloatArray) -> Periods:
         """Bring the tip over a place, from home through the middle state; checked to be free beforehand."""
         here = self._robot.arm.command()
         begin = self._middle if here[0] > self._middle[0] else here
@@ -122,7 +120,7 @@ class SensorArm:
         for end in way:
             yield from self.lead(end)
 
-    def _check_free(self, begin: Vector, way: list[Vector]) -> None:
+    def _check_free(self, begin: FloatArray, way: list[FloatArray]) -> None:
         """Raise `Discrepancy` where links, hand or sensor come to wheels or body on the way there."""
         collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD_NAME))
         path = [self._robot.arm.command(), begin]
@@ -140,7 +138,7 @@ class SensorArm:
                 f"{hits[0][0]} would touch {hits[0][1]} on the way to the target", cause=causes.NO_ARM_PATH
             )
 
-    def line_free(self, place: Vector) -> bool:
+    def line_free(self, place: FloatArray) -> bool:
         """Return whether the tip can move straight to a place and from there all the way down."""
         here = self._robot.arm.command()
         line = line_postures(self.scara, here, place)
@@ -151,7 +149,7 @@ class SensorArm:
         path.append(np.array([*path[-1][:2], self.scara.slide[1]]))
         return collision.path_free(np.array(path), step=0.03)
 
-    def lead(self, end: Vector) -> Periods:
+    def lead(self, end: FloatArray) -> Periods:
         """Bring the tip to a place in a straight line, by resolved rates."""
         robot, joints = self._robot, self._robot.arm.command()
         rates = ResolvedRate(self.scara, self.scara.tip(joints), end, RateLimits(rate=self._top()))
@@ -219,7 +217,7 @@ class SensorArm:
         yield from follow(self._robot, np.array([self._robot.arm.command(), self._middle]))
 
 
-def _out_of_reach(place: Vector) -> Discrepancy:
+def _out_of_reach(place: FloatArray) -> Discrepancy:
     return Discrepancy(
         f"the arm doesn't reach the target from here: it is at ({place[0]:.2f}, {place[1]:.2f}) m",
         cause=causes.OUT_OF_REACH,

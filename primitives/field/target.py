@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from handcart.primitives.knowledge.place_name import Names
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 TargetName = Annotated[str, Field(min_length=1), Names("targets")]
 """The name of a target in the field."""
@@ -45,7 +45,7 @@ class Laid(NamedTuple):
     """Time of the release, in [s]."""
 
     @property
-    def spread(self) -> NDArray[np.float64]:
+    def spread(self) -> FloatArray:
         """(2, 2) covariance in [m²]."""
         xx, xy, yy = self.covariance
         return np.array([[xx, xy], [xy, yy]])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
@@ -22,17 +21,16 @@ from handcart.robotics.navigation.maps.bump_area import (
     bump_fronts,
     leading_points,
 )
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .world_model import ModelView, WorldModel
 
 ROOM_M = 0.05  # [m] beside the footprint where the base is, in which nothing is taken to be
 
-Floats = NDArray[np.float64]
-
 
 def remember_bump(
     robot: Robot, model: WorldModel | ModelView, forwards: bool, blocked: Blocked | None = None
-) -> Floats:
+) -> FloatArray:
     """Note in the world model that the base does not get on; return (3,) its row of `bumps`.
 
     Either the base touches something, or the arm that it carries.
@@ -57,7 +55,7 @@ def remember_bump(
     return bump
 
 
-def _arm_outlines(robot: Robot) -> list[Floats]:
+def _arm_outlines(robot: Robot) -> list[FloatArray]:
     """Return of each body of the arm (k, 2) points in the base frame in [m], as it is measured."""
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None:
@@ -82,7 +80,7 @@ def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> No
     robot.base.keep_off(felt)
 
 
-def _away(robot: Robot, points: Floats) -> Floats:
+def _away(robot: Robot, points: FloatArray) -> FloatArray:
     """Return those of points (n, 2) on the map in [m] that the footprint leaves free where the base is."""
     distance = np.hypot(points[:, 0] - robot.pose.x, points[:, 1] - robot.pose.y)
     return np.asarray(points[distance > robot.spec.footprint_radius_m + ROOM_M])
@@ -112,7 +110,7 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     )
 
 
-def _words(blocked: Blocked, bump: NDArray[np.float64], spec: RobotFile) -> str:
+def _words(blocked: Blocked, bump: FloatArray, spec: RobotFile) -> str:
     x, y = _touched(bump, spec.footprint_radius_m)
     there = f"at about ({x:.2f}, {y:.2f}) m"
     if blocked.slips:
@@ -120,7 +118,7 @@ def _words(blocked: Blocked, bump: NDArray[np.float64], spec: RobotFile) -> str:
     return f"the base doesn't move, though it is driven: something stops it {there}, or its drives are off"
 
 
-def avoided_points(robot: Robot, model: WorldModel | ModelView) -> Floats:
+def avoided_points(robot: Robot, model: WorldModel | ModelView) -> FloatArray:
     """Return (n, 2) points on the map in [m] to plan around: sensed, or run into."""
     arm = _away(robot, bump_areas(model.arm_bumps, 0.0))
     return np.vstack([model.obstacles, bump_areas(model.bumps, robot.spec.footprint_radius_m), arm])
@@ -131,6 +129,6 @@ def last_bump(spec: RobotFile, model: WorldModel | ModelView) -> tuple[float, fl
     return _touched(model.bumps[-1], spec.footprint_radius_m) if len(model.bumps) else None
 
 
-def _touched(bump: NDArray[np.float64], radius: float) -> tuple[float, float]:
+def _touched(bump: FloatArray, radius: float) -> tuple[float, float]:
     x, y, direction = bump.tolist()
     return x + radius * math.cos(direction), y + radius * math.sin(direction)

@@ -11,7 +11,6 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
@@ -21,6 +20,7 @@ from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.files.yaml.yaml_document import Document
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .meant_contact import MeantContact
 from .place import Place
@@ -104,7 +104,7 @@ class Section:
         """Places of the map that these files add."""
         return {}
 
-    def discs(self) -> NDArray[np.float64]:
+    def discs(self) -> FloatArray:
         """Return (n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
         return np.empty((0, 3))
 

@@ -9,7 +9,6 @@ from dataclasses import field as dataclass_field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.robot.robot import Robot
@@ -18,6 +17,7 @@ from handcart.files.errors import HandcartError
 from handcart.files.suggest import suggest
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .meant_contact import MeantContact
 from .place import Place
@@ -49,7 +49,7 @@ class Detour(NamedTuple):
     """A route that was planned around what was sensed."""
 
     goal: str
-    points: NDArray[np.float64]
+    points: FloatArray
     """(n, 2) on the map, in [m]."""
 
 
@@ -65,15 +65,15 @@ class WorldModel:
 
     map: GridMap
     places: Mapping[str, Place]
-    obstacles: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 2)))
+    obstacles: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 2)))
     """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
-    sensed_cells: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 4)))
+    sensed_cells: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 4)))
     """(n, 4) cells in which something was sensed lately that is not on the map: x, y in [m], score, and time
     of the last hit in [s]; beams that pass clear them (`ScanLayer`)."""
-    bumps: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 3)))
+    bumps: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 3)))
     """(n, 3) where the base ran into something that no sensor shows: map_T_base in [m], and direction of the
     motion on the map in [rad]; kept for the run."""
-    arm_bumps: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 3)))
+    arm_bumps: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 3)))
     """(n, 3) points of the arm then, one of which may have touched: x and y on the map in [m], direction of
     the motion in [rad]; kept for the run."""
     detour: Detour | None = None
@@ -87,10 +87,10 @@ class WorldModel:
 
     LEARNED: ClassVar = {
         "places": dict[str, Place],
-        "obstacles": NDArray[np.float64],
-        "sensed_cells": NDArray[np.float64],
-        "bumps": NDArray[np.float64],
-        "arm_bumps": NDArray[np.float64],
+        "obstacles": FloatArray,
+        "sensed_cells": FloatArray,
+        "bumps": FloatArray,
+        "arm_bumps": FloatArray,
         "detour": Detour | None,
         "in_hand": str,
     }
@@ -111,7 +111,7 @@ class WorldModel:
         self._noted = self._now()
 
     @property
-    def discs(self) -> NDArray[np.float64]:
+    def discs(self) -> FloatArray:
         """(n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
         return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
 
@@ -255,13 +255,13 @@ class ModelView:
     if TYPE_CHECKING:
         map: GridMap
         places: Mapping[str, Place]
-        obstacles: NDArray[np.float64]
-        sensed_cells: NDArray[np.float64]
-        bumps: NDArray[np.float64]
-        arm_bumps: NDArray[np.float64]
+        obstacles: FloatArray
+        sensed_cells: FloatArray
+        bumps: FloatArray
+        arm_bumps: FloatArray
         detour: Detour | None
         speed_limits: SpeedLimits | None
-        discs: NDArray[np.float64]
+        discs: FloatArray
 
     def __init__(self, model: WorldModel, primitive: Declares, part: object = None) -> None:
         """See a model, or a section of it."""

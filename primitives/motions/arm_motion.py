@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
@@ -15,8 +14,9 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
-from handcart.robotics.manipulation.motions.motion_planner import Path, plan_motion, plan_straight
+from handcart.robotics.manipulation.motions.motion_planner import plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
+from handcart.robotics.numerics.arrays import FloatArray
 
 ARM_MARGIN_M = 0.005  # between the arm and anything
 ALLOWED_CONTACTS = ((HELD_NAME, "tray"),)  # what the hand holds was taken from there
@@ -26,8 +26,6 @@ SLIDE_LAGS = 0.03  # [m] the same of joints that slide
 GOAL_TOLERANCE_RAD = 1e-4  # to a goal that needs no motion
 MORE_STARTS = 40  # of the inverse kinematics, where its first posture can't be reached
 MORE_GOALS = 3  # postures that a way is looked for to then
-
-Vector = NDArray[np.float64]
 
 
 def move_to_posture(
@@ -63,7 +61,7 @@ def move_to_pose(
 
 
 def move_to_joints(
-    robot: Robot, joints: Vector, held: Shape | None = None, around: Sequence[Shape] = ()
+    robot: Robot, joints: FloatArray, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
     """Move to joint angles (n,) in [rad], without collisions with the robot and known bodies.
 
@@ -108,7 +106,7 @@ def move_straight(
     yield from follow(robot, path)
 
 
-def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
+def follow(robot: Robot, path: FloatArray) -> Periods:
     """Move along straight joint lines (m, n) in [rad], from where the arm was last commanded.
 
     Raises:
@@ -138,8 +136,8 @@ def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = 
 
 
 def _plan_another_way(
-    collision: CollisionModel, here: Vector, base_T_hand: Transform, seed: int
-) -> Path | None:
+    collision: CollisionModel, here: FloatArray, base_T_hand: Transform, seed: int
+) -> FloatArray | None:
     """Plan to one of several postures that have the hand at a pose; None if none of them can be reached."""
     found = collision.arm.solutions(base_T_hand, here, restarts=MORE_STARTS, seed=seed)
     free = [joints for joints in found if not collision.in_collision(joints)]
@@ -148,13 +146,13 @@ def _plan_another_way(
     return next((way for way in ways if way is not None), None)
 
 
-def _no_way(robot: Robot, collision: CollisionModel, here: Vector, joints: Vector) -> Discrepancy:
+def _no_way(robot: Robot, collision: CollisionModel, here: FloatArray, joints: FloatArray) -> Discrepancy:
     hits = collision.contacts(joints) or collision.contacts(here)
     beyond = _beyond(robot, here, "is at") or _beyond(robot, joints, "would go to")
     return Discrepancy(beyond or f"the arm finds no free way{_between(hits)}", cause=causes.NO_ARM_PATH)
 
 
-def _beyond(robot: Robot, angles: Vector, verb: str) -> str:
+def _beyond(robot: Robot, angles: FloatArray, verb: str) -> str:
     """Return which joints are beyond their limits, in words, where any is."""
     arm, units = robot.arm_model, robot.spec.joint_units
     limits = enumerate(zip(angles, arm.lower, arm.upper, arm.endless, strict=True))

@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
@@ -16,6 +15,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import PERIOD_ROUNDING, hold_measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Pushed(NamedTuple):
@@ -77,7 +77,7 @@ def relax(robot: Robot) -> Generator[None, None, None]:
     yield from hold_measured(robot)
 
 
-def _within_speeds(path: NDArray[np.float64], step: NDArray[np.float64]) -> NDArray[np.float64]:
+def _within_speeds(path: FloatArray, step: FloatArray) -> FloatArray:
     """Add rows to a path (m, n) so that no joint moves more than its `step` (n,) from one to the next."""
     rows = [path[:1]]
     for begin, end in pairwise(path):

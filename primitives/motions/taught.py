@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.numerics.arrays import FloatArray
 
 
-def taught_postures(robot: Robot, name: str, fewest: int) -> list[NDArray[np.float64]]:
+def taught_postures(robot: Robot, name: str, fewest: int) -> list[FloatArray]:
     """The postures `name_1`, `name_2`, ... of the robot's file, each (n,) in [rad].
 
     Raises:
         Discrepancy: fewer than `fewest` were taught; the words say how to teach them.
     """
     postures = {} if robot.spec.arm is None else robot.spec.arm.postures
-    found: list[NDArray[np.float64]] = []
+    found: list[FloatArray] = []
     while f"{name}_{len(found) + 1}" in postures:
         found.append(np.array(robot.spec.posture(f"{name}_{len(found) + 1}")))
     if len(found) < fewest:

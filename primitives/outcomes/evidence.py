@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .calibrated import Calibrated
 from .cause import Cause, cause_of
@@ -17,9 +16,9 @@ class Evidence:
 
     facts: dict[str, float | str] = field(default_factory=dict)
     """Figures and texts; names include the unit."""
-    pictures: dict[str, NDArray[np.uint8]] = field(default_factory=dict)
+    pictures: dict[str, ByteArray] = field(default_factory=dict)
     """Pictures by name, grey (h, w) or BGR (h, w, 3), with findings drawn in."""
-    points: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    points: dict[str, FloatArray] = field(default_factory=dict)
     """(n, 2) on the map in [m]; name to points."""
     decisive: str = ""
     """Name of the picture that decided the outcome; empty for the last one."""

@@ -6,12 +6,12 @@ import math
 from collections.abc import Generator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.blocked_motion import Blocked
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .trace import Trace
 
@@ -22,8 +22,6 @@ BACK_OFF_TIMEOUT_S = 20.0
 SPACING_M = 0.01  # between poses of the way in: estimates tremble
 LEAD_M = 0.1  # of way in which a wrong heading is corrected
 MAX_CURVATURE_PER_M = 2.0
-
-Floats = NDArray[np.float64]
 
 
 def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, None, None]:
@@ -62,7 +60,7 @@ def _away(robot: Robot, blocked: Blocked) -> float:
     return math.copysign(pose.distance(blocked.pose), -ahead)
 
 
-def _way_in(trace: Trace, blocked: Blocked, length: float) -> tuple[Floats, Floats]:
+def _way_in(trace: Trace, blocked: Blocked, length: float) -> tuple[FloatArray, FloatArray]:
     """Return (n,) distances in [m] back from where the base was stopped, and headings (n,) there in [rad].
 
     Up to `length`, in [m], or to where the base last came from the other side, or turned without driving.

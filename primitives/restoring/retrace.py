@@ -7,7 +7,6 @@ from collections.abc import Generator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
@@ -16,6 +15,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_regulator, make_tracker
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .arm_command import command_moment as _command
 from .arm_command import moves_fingers
@@ -156,7 +156,7 @@ def _drive_back(
     yield from _play_back(robot, left)
 
 
-def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _way_back(stretch: Sequence[Moment]) -> tuple[FloatArray, FloatArray]:
     """Return points (n, 2) from the end to the start, and the distance along them for each moment, in [m].
 
     Estimated poses jitter: points closer than `POINT_SPACING_M` would give a wrong direction.

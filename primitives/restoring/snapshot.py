@@ -7,7 +7,6 @@ from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
@@ -17,6 +16,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes.residual import Residual, ResidualKind, Residuals
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.numerics.arrays import FloatArray
 
 RESIDUAL_SIGMAS = 3.0  # sigmas
 REST_PERIODS = 5  # periods without any motion that count as rest
@@ -38,9 +38,9 @@ class Snapshot:
     """map_T_base."""
     pose_sigma: tuple[float, float]
     """Sigma of the position in [m] and of the heading in [rad]."""
-    joints: NDArray[np.float64]
+    joints: FloatArray
     """(n,) measured, in [rad]; (0,) without an arm."""
-    joint_command: NDArray[np.float64]
+    joint_command: FloatArray
     """(n,) in [rad]."""
     gripper_command: float
     """Commanded width in [m]; 0 without a gripper."""
@@ -188,7 +188,7 @@ def _unsure(start: Snapshot, now: Snapshot) -> tuple[float, float]:
     return added[0], added[1]
 
 
-def _readings(robot: Robot) -> NDArray[np.float64]:
+def _readings(robot: Robot) -> FloatArray:
     arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return np.concatenate(
         [

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Moment(NamedTuple):
@@ -18,7 +18,7 @@ class Moment(NamedTuple):
 
     pose: Pose2
     """map_T_base as estimated."""
-    joints: NDArray[np.float64]
+    joints: FloatArray
     """(n,) commanded, in [rad]; (0,) without an arm."""
     grip: float
     """Commanded opening, in [m]; 0 without a gripper."""

@@ -6,7 +6,6 @@ import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from typing_extensions import override
 
@@ -26,6 +25,7 @@ from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with, place_alongside
 from handcart.robotics.manipulation.placement.placer import Placements, Placer
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .kept_divisions import KeptDivisions
 from .seam_placer import placer_of
@@ -128,7 +128,7 @@ def _named(found: Placements, work: SeamWork, driven: ToolPath | None) -> tuple[
     return tuple(parts)
 
 
-def _way(part: SeamPart) -> NDArray[np.float64]:
+def _way(part: SeamPart) -> FloatArray:
     """(k, 3) base poses on the way of a part, both ends included."""
     end = part.pose if part.end is None else part.end.pose
     count = 2 + int(part.pose.distance(end) / WAY_CHECK_SPACING_M)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
@@ -17,8 +14,7 @@ from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with
 from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
 from handcart.robotics.navigation.following.straight_way import StraightWay
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 START_ACCELERATION_SHARE = 0.5  # of the acceleration limit; the rest is for corrections
 MOST_BESIDE = 0.06  # [m] from its place
@@ -49,7 +45,7 @@ class DrivenBase:
     """
 
     def __init__(
-        self, robot: Robot, follower: ToolFollower, tools: ToolPath, start: Pose2, near: Floats
+        self, robot: Robot, follower: ToolFollower, tools: ToolPath, start: Pose2, near: FloatArray
     ) -> None:
         """Before the tool's first point.
 
@@ -68,11 +64,11 @@ class DrivenBase:
         self._way = StraightWay(start, robot.drive_limits)
         self._joints = near
 
-    def ahead(self, index: int) -> Floats:
+    def ahead(self, index: int) -> FloatArray:
         """(k, 2) where the base is still to come by from a point of the tool's on, in [m], on the map."""
         return self._spots[max(0, index - 1) :]
 
-    def joints(self, index: int) -> Floats:
+    def joints(self, index: int) -> FloatArray:
         """Drive for the next period; return the arm's joints (n,) for the tool's point `index` at its end.
 
         Raises:

@@ -6,7 +6,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.csv_table import CsvRow, number_in, read_csv
 from handcart.files.errors import FileError, Finding
@@ -14,6 +13,7 @@ from handcart.files.findings import Findings
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import FloatArray
 
 SEAM_COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
 MAX_SEAM_POINTS = 50_000  # points
@@ -65,11 +65,11 @@ def _row(file: str, row: CsvRow, findings: Findings) -> list[float]:
     return values
 
 
-def _pose(row: list[float]) -> NDArray[np.float64]:
+def _pose(row: list[float]) -> FloatArray:
     return transform(row[:3], [math.radians(angle) for angle in row[3:]])
 
 
-def _words(point: NDArray[np.float64]) -> str:
+def _words(point: FloatArray) -> str:
     return "(" + ", ".join(f"{value:.3f}" for value in point) + ") m"
 
 

@@ -6,7 +6,6 @@ import math
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
@@ -44,6 +43,7 @@ from handcart.robotics.manipulation.tracking.tracking_time import (
     time_evenly,
     time_tracking,
 )
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .divide import seam_of
 from .driven_base import START_ACCELERATION_SHARE, DrivenBase, way_from_here
@@ -57,8 +57,6 @@ TOOL_CONTACT_FORCE_N = 15.0
 TOOL_SIGMAS = 3.0  # sigma
 TOOL_REACH_M = 1.2  # from the base to the tool, about
 
-Floats = NDArray[np.float64]
-
 
 class _Plan(NamedTuple):
     """Planned motion for a part of the seam."""
@@ -66,7 +64,7 @@ class _Plan(NamedTuple):
     timed: TimedTracking
     tools: ToolPath
     """Path of the tool, one point each period."""
-    way_in: Floats
+    way_in: FloatArray
     """(m, n) joint angles that lead to the first point."""
 
 
@@ -220,7 +218,7 @@ def _check_known(robot: Robot) -> None:
         )
 
 
-def _lead(pose: Floats) -> ToolPath:
+def _lead(pose: FloatArray) -> ToolPath:
     """Return a straight path from a pose (4, 4) of the tool back along it."""
     return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, LEAD_DISTANCE_M, 7)])
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
 _STEEP = 1e-300  # what is parallel to a side counts as this much across it
 
-Array = NDArray[np.float64]
-
 
 @compiled
-def boxes_ahead(start: Array, ways: Array, middles: Array, turns: Array, halves: Array) -> Array:
+def boxes_ahead(
+    start: FloatArray, ways: FloatArray, middles: FloatArray, turns: FloatArray, halves: FloatArray
+) -> FloatArray:
     """Return the shares (n,) of ways at which they meet the first of some boxes; infinite if they meet none.
 
     The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986). From inside, a box is met where

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class EarthFrame:
@@ -26,9 +27,7 @@ class EarthFrame:
         x, y = self._to_field.transform(longitude_deg, latitude_deg)
         return float(x), float(y)
 
-    def points_to_field(
-        self, latitudes_deg: NDArray[np.float64], longitudes_deg: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def points_to_field(self, latitudes_deg: FloatArray, longitudes_deg: FloatArray) -> FloatArray:
         """(n, 2) in [m] of latitudes and longitudes (n,) in [deg]."""
         return np.stack(self._to_field.transform(longitudes_deg, latitudes_deg), axis=1)
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
-
-Array = NDArray[np.float64]
 
 
 @compiled
-def ground_ahead(start: Array, ways: Array, corner: Array, cell: float, heights: Array, top: float) -> Array:
+def ground_ahead(
+    start: FloatArray, ways: FloatArray, corner: FloatArray, cell: float, heights: FloatArray, top: float
+) -> FloatArray:
     """Shares (n,) of ways at which they first come under a field of heights; infinite where they don't.
 
     Heights are bilinear between their points, and looked up each half cell along a way; between two of those

@@ -6,7 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def wrap(angle: float) -> float:
@@ -42,11 +43,11 @@ class Pose2(NamedTuple):
         """This pose in the frame of `other`."""
         return other.inverse().compose(self)
 
-    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def apply(self, points: FloatArray) -> FloatArray:
         """Points (n, 2) of this pose's own frame, in the frame of this pose, in [m]."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         rotation = np.array([[cos, sin], [-sin, cos]])
-        moved: NDArray[np.float64] = points @ rotation + np.array([self.x, self.y])
+        moved: FloatArray = points @ rotation + np.array([self.x, self.y])
         return moved
 
     def distance(self, other: Pose2) -> float:
@@ -57,7 +58,7 @@ class Pose2(NamedTuple):
         """Size of the turn between the two headings, in [rad], 0 to pi."""
         return abs(wrap(self.theta - other.theta))
 
-    def lift(self, z: float = 0.0) -> NDArray[np.float64]:
+    def lift(self, z: float = 0.0) -> FloatArray:
         """Return the pose in space, (4, 4), at height `z` in [m]."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return np.array(

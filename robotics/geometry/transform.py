@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-Transform = Annotated[NDArray[np.float64], (4, 4)]
+from handcart.robotics.numerics.arrays import FloatArray
+
+Transform = Annotated[FloatArray, (4, 4)]
 
 
 def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> Transform:
@@ -27,9 +28,7 @@ def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.
     )
 
 
-def rotations(
-    roll: NDArray[np.float64], pitch: NDArray[np.float64], yaw: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def rotations(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> FloatArray:
     """world_R_base (n, 3, 3) of angles (n,) in [rad], yaw about z first, then pitch about y, roll about x."""
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
     rows = [
@@ -47,9 +46,9 @@ def inverse(a_T_b: Transform) -> Transform:
     return result
 
 
-def apply(a_T_b: Transform, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def apply(a_T_b: Transform, points: FloatArray) -> FloatArray:
     """Points (n, 3) given in b, in a."""
-    moved: NDArray[np.float64] = points @ a_T_b[:3, :3].T + a_T_b[:3, 3]
+    moved: FloatArray = points @ a_T_b[:3, :3].T + a_T_b[:3, 3]
     return moved
 
 

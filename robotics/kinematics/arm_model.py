@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, meshes, shape_of
@@ -14,8 +13,7 @@ from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import followers_of, urdf_of_arm
-
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray, IndexArray
 
 
 class ArmModel:
@@ -70,9 +68,9 @@ class ArmModel:
         self._led = np.array([self._index(name) for name in led], dtype=np.intp)
         types = {each.get("name"): each.get("type") for each in known_urdf(urdf_text).findall("joint")}
         self.endless = np.array([types[name] == "continuous" for name in joint_names], dtype=bool)
-        self.lower: Vector = self._model.lowerPositionLimit[self._order]
-        self.upper: Vector = self._model.upperPositionLimit[self._order]
-        self.velocity: Vector = self._model.velocityLimit[self._order]
+        self.lower: FloatArray = self._model.lowerPositionLimit[self._order]
+        self.upper: FloatArray = self._model.upperPositionLimit[self._order]
+        self.velocity: FloatArray = self._model.velocityLimit[self._order]
         kinds = [self._model.joints[self._model.getJointId(name)].shortname() for name in joint_names]
         self.slides = np.array([kind.startswith("JointModelP") for kind in kinds], dtype=bool)
         self._lowest = np.where(self.endless, -np.inf, self.lower)
@@ -104,7 +102,7 @@ class ArmModel:
         """Number of joints n."""
         return len(self.joint_names)
 
-    def within(self, q: Vector, rounding: float = 0.0) -> bool:
+    def within(self, q: FloatArray, rounding: float = 0.0) -> bool:
         """Return whether joint angles (n,) are within the limits of all joints that have some.
 
         Args:
@@ -113,18 +111,18 @@ class ArmModel:
         """
         return bool(np.all(q >= self._lowest - rounding) and np.all(q <= self._highest + rounding))
 
-    def clipped(self, q: Vector) -> Vector:
+    def clipped(self, q: FloatArray) -> FloatArray:
         """Return the joint angles (n,) within the limits that are nearest to `q` (n,)."""
         return np.clip(q, self._lowest, self._highest)
 
-    def nearest(self, q: Vector, near: Vector) -> Vector:
+    def nearest(self, q: FloatArray, near: FloatArray) -> FloatArray:
         """Return the same posture with continuous joints in the turn that is nearest to `near`, both (n,)."""
         if not self.endless.any():
             return q
         turns = np.round((near - q) / (2.0 * np.pi))
         return np.where(self.endless, q + 2.0 * np.pi * turns, q)
 
-    def forward(self, q: Vector, frame: str | None = None) -> Transform:
+    def forward(self, q: FloatArray, frame: str | None = None) -> Transform:
         """Return base_T_frame (4, 4) at the joint angles `q` (n,) in [rad]; `frame` is any link, the tip if
         None.
         """
@@ -139,7 +137,7 @@ class ArmModel:
             placement = self._last_poses[key] = placed.homogeneous
         return placement.copy()
 
-    def jacobian(self, q: Vector) -> NDArray[np.float64]:
+    def jacobian(self, q: FloatArray) -> FloatArray:
         """(6, n): velocity of the tip [m/s; rad/s], in the axes of `base`, for each joint's [rad/s]."""
         aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         root_J = pin.computeFrameJacobian(self._model, self._data, self.ordered(q), self._tip_id, aligned)
@@ -147,33 +145,33 @@ class ArmModel:
         turn = self._base_T_root.rotation
         return np.vstack((turn @ root_J[:3], turn @ root_J[3:]))
 
-    def gravity_torque(self, q: Vector) -> Vector:
+    def gravity_torque(self, q: FloatArray) -> FloatArray:
         """Torques (n,) in [Nm] that carry the arm's own weight, the base upright."""
         return self.of_arm(pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q)))
 
-    def own_gravity_torques(self, q: Vector) -> tuple[Vector, Vector]:
+    def own_gravity_torques(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the torques that carry the arm's weight if followers have drives of their own, in [Nm].
 
         Returns:
             Those of the arm's joints (n,), without what followers carry, and those of `followers` (k,).
         """
-        torques: Vector = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
+        torques: FloatArray = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
         return torques[self._order], torques[self._led]
 
-    def load_torque(self, q: Vector, point: Vector, mass: float) -> Vector:
+    def load_torque(self, q: FloatArray, point: FloatArray, mass: float) -> FloatArray:
         """Torques (n,) in [Nm] that carry a `mass` in [kg] held by the tip at a `point` (3,) of `base`."""
         jacobian = self.jacobian(q)
         arm = point - self.forward(q)[:3, 3]
         rises = jacobian[2] + jacobian[3] * arm[1] - jacobian[4] * arm[0]
         return np.asarray(mass * _GRAVITY * rises)
 
-    def manipulability(self, q: Vector) -> float:
+    def manipulability(self, q: FloatArray) -> float:
         """Smallest singular value of the Jacobian (0 at a singularity), with 1 m weighed as 1 rad."""
         return float(np.linalg.svd(self.jacobian(q), compute_uv=False)[-1])
 
     def inverse(
-        self, base_T_tip: Transform, near: Vector, restarts: int = 20, seed: int = 0
-    ) -> Vector | None:
+        self, base_T_tip: Transform, near: FloatArray, restarts: int = 20, seed: int = 0
+    ) -> FloatArray | None:
         """Joint angles (n,) within the limits that put the tip at `base_T_tip` (4, 4), or None.
 
         The descent from `near` (n,) is taken when it arrives. Otherwise `restarts` seeded random starts are
@@ -182,8 +180,8 @@ class ArmModel:
         return next(self.solutions(base_T_tip, near, restarts, seed), None)
 
     def solutions(
-        self, base_T_tip: Transform, near: Vector, restarts: int = 20, seed: int = 0
-    ) -> Iterator[Vector]:
+        self, base_T_tip: Transform, near: FloatArray, restarts: int = 20, seed: int = 0
+    ) -> Iterator[FloatArray]:
         """Yield different joint angles (n,) for one pose, as they are found.
 
         Args:
@@ -192,7 +190,7 @@ class ArmModel:
             restarts: number of random starts that follow, those closest to `near` first.
             seed: of the random starts.
         """
-        target, found = self._root_T_base * pin.SE3(base_T_tip), list[Vector]()
+        target, found = self._root_T_base * pin.SE3(base_T_tip), list[FloatArray]()
         for start in self._all_starts(target, near, restarts, seed):
             q = self._descend(target, start)
             q = None if q is None else self.nearest(q, near)
@@ -200,13 +198,15 @@ class ArmModel:
                 found.append(q)
                 yield q
 
-    def _all_starts(self, root_T_target: pin.SE3, near: Vector, restarts: int, seed: int) -> Iterator[Vector]:
+    def _all_starts(
+        self, root_T_target: pin.SE3, near: FloatArray, restarts: int, seed: int
+    ) -> Iterator[FloatArray]:
         yield self.clipped(near)
         drawn = self._starts(root_T_target, restarts, np.random.default_rng(seed)) if restarts else []
         starts = [self.nearest(start, near) for start in drawn]
         yield from sorted(starts, key=lambda start: float(np.linalg.norm(start - near)))
 
-    def link_poses(self, q: Vector) -> NDArray[np.float64]:
+    def link_poses(self, q: FloatArray) -> FloatArray:
         """base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order."""
         pin.forwardKinematics(self._model, self._data, self.ordered(q))
         joints, rows, joint_T_bodies = self._mounts
@@ -215,20 +215,20 @@ class ArmModel:
         return np.asarray(base_T_joints[rows] @ joint_T_bodies)
 
     @cached_property
-    def _mounts(self) -> tuple[list[int], NDArray[np.intp], NDArray[np.float64]]:
+    def _mounts(self) -> tuple[list[int], IndexArray, FloatArray]:
         """Joints that carry bodies, which of them carries each body, and joint_T_body (g, 4, 4)."""
         bodies = self._geometry.geometryObjects
         joints, rows = np.unique([body.parentJoint for body in bodies], return_inverse=True)
         placements = np.array([body.placement.homogeneous for body in bodies]).reshape(-1, 4, 4)
         return joints.astype(int).tolist(), rows, placements
 
-    def link_shapes(self, q: Vector) -> list[Shape]:
+    def link_shapes(self, q: FloatArray) -> list[Shape]:
         """All collision bodies of the robot, posed in `base`, each named after its link."""
         names = [self._model.frames[body.parentFrame].name for body in self._geometry.geometryObjects]
         bodies = zip(self._geometry.geometryObjects, names, self.link_poses(q), strict=True)
         return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]
 
-    def moved_shapes(self, q: Vector) -> list[Shape]:
+    def moved_shapes(self, q: FloatArray) -> list[Shape]:
         """Return those of `link_shapes` that the arm moves."""
         bodies = zip(self._geometry.geometryObjects, self.link_shapes(q), strict=True)
         return [shape for body, shape in bodies if body.parentJoint > 0]
@@ -246,7 +246,7 @@ class ArmModel:
         frame = self._model.frames[self._tip_id]
         return frame.parentJoint, frame.placement
 
-    def ordered(self, q: Vector) -> Vector:
+    def ordered(self, q: FloatArray) -> FloatArray:
         """Return the angles (m,) of all movable joints, in Pinocchio's order, given those of the arm (n,)."""
         if self._spread is not None:
             return np.asarray(self._spread @ q + self._offset)
@@ -254,16 +254,16 @@ class ArmModel:
         result[self._order] = q
         return result
 
-    def ordered_rates(self, rates: Vector) -> Vector:
+    def ordered_rates(self, rates: FloatArray) -> FloatArray:
         """Return the same of speeds or accelerations (n,)."""
         return self.ordered(rates) - self._offset
 
-    def effort_limits(self) -> Vector:
+    def effort_limits(self) -> FloatArray:
         """Return the effort limits (n,) of the URDF, in [Nm] or [N]."""
-        limits: Vector = self._model.effortLimit[self._order]
+        limits: FloatArray = self._model.effortLimit[self._order]
         return limits
 
-    def of_arm(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    def of_arm(self, columns: FloatArray) -> FloatArray:
         """Return torques or columns (..., n) of the arm's joints for those (..., m) in Pinocchio's order.
 
         A joint carries what those carry that follow it.
@@ -277,7 +277,7 @@ class ArmModel:
 
     def _following(
         self, followers: Mapping[str, tuple[str, float, float]]
-    ) -> tuple[NDArray[np.float64] | None, Vector]:
+    ) -> tuple[FloatArray | None, FloatArray]:
         """Return how the angles (m,) of all joints follow from those of the arm (n,): factors, offsets.
 
         None in place of the factors (m, n) where no joint mimics another. Pinocchio's own mimic joints can't
@@ -306,7 +306,7 @@ class ArmModel:
             raise ValueError(f"link {frame.name!r} can't be the base: the arm's joints move it")
         return frame.placement
 
-    def _descend(self, root_T_target: pin.SE3, start: Vector) -> Vector | None:
+    def _descend(self, root_T_target: pin.SE3, start: FloatArray) -> FloatArray | None:
         """Levenberg-Marquardt with damping by the error: Sugihara (2011), eq. 15 and 16, limits clamped."""
         q = np.array(start, dtype=np.float64)
         lower, upper = self._lowest, self._highest
@@ -327,17 +327,17 @@ class ArmModel:
             q = np.clip(q + step * min(1.0, _LONGEST_STEP / longest), lower, upper)
         return None
 
-    def _starts(self, root_T_target: pin.SE3, count: int, rng: np.random.Generator) -> list[Vector]:
+    def _starts(self, root_T_target: pin.SE3, count: int, rng: np.random.Generator) -> list[FloatArray]:
         """`count` starts, each the nearest to the target of some random ones: cheaper than more descents."""
         drawn = rng.uniform(self.lower, self.upper, (count, _DRAWN, self.dof))
         return [min(group, key=lambda q: self._distance(root_T_target, q)) for group in drawn]
 
-    def _distance(self, root_T_target: pin.SE3, q: Vector) -> float:
+    def _distance(self, root_T_target: pin.SE3, q: FloatArray) -> float:
         pin.forwardKinematics(self._model, self._data, self.ordered(q))
         root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
         return float(np.linalg.norm(pin.log6(root_T_tip.actInv(root_T_target)).vector))
 
-    def _error(self, root_T_target: pin.SE3, q: Vector) -> tuple[Vector, NDArray[np.float64]]:
+    def _error(self, root_T_target: pin.SE3, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         pin.computeJointJacobians(self._model, self._data, self.ordered(q))
         J = pin.getFrameJacobian(self._model, self._data, self._tip_id, pin.ReferenceFrame.LOCAL)
         root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)

@@ -6,11 +6,11 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from handcart.robotics.numerics.arrays import FloatArray
 
 _LEAST = 4  # corners of a body
 _WORDS = 200  # of what the library says
@@ -86,7 +86,7 @@ def hull_of_mesh(mesh: object, name: str) -> object:
 
 @lru_cache(maxsize=256)
 def _convex(points: bytes, count: int) -> object:
-    corners: NDArray[np.float64] = np.frombuffer(points).reshape(count, 3)
+    corners: FloatArray = np.frombuffer(points).reshape(count, 3)
     for each, how in (
         (corners, "Qt"),
         (corners, "QJ"),
@@ -102,7 +102,7 @@ def _convex(points: bytes, count: int) -> object:
     raise ValueError("a mesh has no convex hull; allowed: a closed surface")
 
 
-def _thinned(corners: NDArray[np.float64], cells: int) -> NDArray[np.float64]:
+def _thinned(corners: FloatArray, cells: int) -> FloatArray:
     """One corner of each cell: coal takes no corner with 256 neighbours, as the tip of a fine cone has."""
     low, size = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
     _, first = np.unique(np.floor(cells * (corners - low) / size), axis=0, return_index=True)

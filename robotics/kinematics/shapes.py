@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +47,14 @@ class Hull:
     """The convex hull of points: `pose` (4, 4) of the frame that the `points` (n, 3) are given in, in [m]."""
 
     pose: Transform
-    points: NDArray[np.float64]
+    points: FloatArray
     name: str = "hull"
 
 
 Shape = Box | Cylinder | Sphere | Hull
 
 
-def corners(shape: Shape) -> NDArray[np.float64]:
+def corners(shape: Shape) -> FloatArray:
     """Return (k, 3) points in [m] whose hull holds a body, in the frame that it is posed in."""
     if isinstance(shape, Hull):
         points = shape.points
@@ -93,7 +93,7 @@ def bottom(shape: Shape) -> float:
     return float(shape.pose[2, 3]) - _reach(shape, -shape.pose[2, :3])
 
 
-def _reach(shape: Shape, way: NDArray[np.float64]) -> float:
+def _reach(shape: Shape, way: FloatArray) -> float:
     """Return how far a body reaches from its origin along a unit vector (3,) of its own frame, in [m]."""
     match shape:
         case Box():

@@ -6,7 +6,6 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh, shape_of
@@ -14,6 +13,7 @@ from handcart.robotics.kinematics.shapes import Box, Cylinder, Shape, Sphere
 from handcart.robotics.kinematics.urdf_frames import origin_of, triple
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import MOVABLE_KINDS
+from handcart.robotics.numerics.arrays import FloatArray
 
 INERTIA_ROUNDED = 1e-9
 """Share of its largest moment by which an inertia may violate a body's conditions, because of rounding."""
@@ -42,9 +42,9 @@ class LinkFacts(NamedTuple):
     name: str
     mass: float | None
     """[kg]; None: the URDF doesn't say."""
-    middle: NDArray[np.float64]
+    middle: FloatArray
     """Its middle of mass in the link's frame, (3,) in [m]."""
-    inertia: NDArray[np.float64]
+    inertia: FloatArray
     """About that, (3, 3) in [kg m²]."""
 
 

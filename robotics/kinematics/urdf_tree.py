@@ -8,10 +8,10 @@ from functools import lru_cache
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.numerics.arrays import FloatArray
 
 MOVABLE_KINDS = ("revolute", "continuous", "prismatic")
 _FREE = ("floating", "planar")
@@ -165,11 +165,11 @@ def _free(joint: Element) -> None:
         joint.remove(mimic)
 
 
-def _numbers(text: str | None, default: str) -> NDArray[np.float64]:
+def _numbers(text: str | None, default: str) -> FloatArray:
     return np.array([float(word) for word in (text or default).split()])
 
 
-def _words(numbers: NDArray[np.float64]) -> str:
+def _words(numbers: FloatArray) -> str:
     return " ".join(repr(float(number)) for number in numbers)
 
 

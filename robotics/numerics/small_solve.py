@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 
 @compiled
-def solved(matrix: Floats, right: Floats) -> Floats:
+def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Return x (n, m) of matrix (n, n) x = right (n, m), by Gaussian elimination with row pivots.
 
     Raises:

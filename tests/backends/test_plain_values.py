@@ -8,7 +8,6 @@ from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from typing_extensions import TypeAliasType
 
 from handcart.backends.plain_values import attributes, from_plain, set_attributes, to_plain
@@ -18,8 +17,7 @@ from handcart.robotics.far import Far, FarArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
-
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Colour(Enum):
@@ -37,7 +35,7 @@ class Spec(FileModel):
 
 @dataclass
 class Thing:
-    pose: Annotated[Vector, (2, 2)]
+    pose: Annotated[FloatArray, (2, 2)]
     colour: Colour
     spec: Spec
 
@@ -51,7 +49,7 @@ class Inner:
 
 class Part:
     STATE: ClassVar = {
-        "joints": Vector,
+        "joints": FloatArray,
         "seen": FarArray,
         "until": Far,
         "points": tuple[Point, ...],

@@ -15,10 +15,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.mujoco.rendering import gl_context
 from handcart.evaluation.trials.video import HEIGHT_PX
+from handcart.robotics.numerics.arrays import FloatArray
 from tests.tools.conftest import Said
 
 pytest.importorskip("av")
@@ -28,7 +28,7 @@ BACKENDS = {"kinematic": 960, "mujoco": 1280, "pybullet": 1280}
 FRAMES = 25
 
 
-def frames_of(film: Path) -> list[NDArray[np.float64]]:
+def frames_of(film: Path) -> list[FloatArray]:
     reader, frames = cv2.VideoCapture(str(film)), []
     while (read := reader.read())[0]:
         frames.append(read[1].astype(float))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
@@ -19,8 +18,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.kinematics.arm_model import ArmModel
-
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class BackendPlant(Plant):
@@ -110,10 +108,10 @@ class BackendPlant(Plant):
             reading = int(torque) if self._gripper.closed_on_something() else 0
             drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, reading)
 
-    def _torques(self, model: ArmModel, arm: Arm, q: Vector) -> Vector:
+    def _torques(self, model: ArmModel, arm: Arm, q: FloatArray) -> FloatArray:
         """Return the torques of the joints (n,), as shares of the rated ones."""
         force = model.forward(q)[:3, :3] @ arm.hand_force()
-        outside: Vector = model.jacobian(q)[:3].T @ force
+        outside: FloatArray = model.jacobian(q)[:3].T @ force
         return np.asarray((model.gravity_torque(q) - outside) / self._rated)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.can_sensor_spec import LineSource
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_sensor import LineSensor
 from .live_sensor import Clock
@@ -26,18 +26,18 @@ class LineImu(LineSensor, Imu):
         super().__init__("the inertial unit", source, clock)
         self._mean = np.zeros(6)
 
-    def rates(self) -> NDArray[np.float64]:
+    def rates(self) -> FloatArray:
         """See `Imu`; raises `StaleSensor`."""
         self.check_fresh()
         return self._mean[:3].copy()
 
-    def accelerations(self) -> NDArray[np.float64]:
+    def accelerations(self) -> FloatArray:
         """See `Imu`; raises `StaleSensor`."""
         self.check_fresh()
         return self._mean[3:].copy()
 
-    def _sound(self, values: NDArray[np.float64]) -> bool:
+    def _sound(self, values: FloatArray) -> bool:
         return len(values) == 6 and bool(np.isfinite(values).all()) and float(np.abs(values).max()) <= _MOST
 
-    def _taken(self, lines: list[NDArray[np.float64]]) -> None:
+    def _taken(self, lines: list[FloatArray]) -> None:
         self._mean = np.mean(lines, axis=0)

@@ -6,13 +6,13 @@ import math
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.can_sensor_spec import LineSource
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_sensor import LineSensor
 from .live_sensor import Clock
@@ -49,8 +49,8 @@ class LineRangeSensor(LineSensor, RangeSensor):
         self.check_fresh()
         return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
 
-    def _sound(self, values: NDArray[np.float64]) -> bool:
+    def _sound(self, values: FloatArray) -> bool:
         return len(values) == self._spec.beams
 
-    def _taken(self, lines: list[NDArray[np.float64]]) -> None:
+    def _taken(self, lines: list[FloatArray]) -> None:
         self._ranges = np.where(lines[-1] > self._spec.reach_m, np.inf, lines[-1])

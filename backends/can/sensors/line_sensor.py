@@ -5,11 +5,10 @@ from __future__ import annotations
 import time
 from abc import abstractmethod
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.can_sensor_spec import LineSource
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_port import LinePort
 from .live_sensor import Clock, LiveSensor
@@ -29,11 +28,11 @@ class LineSensor(LiveSensor):
         self._stamp: int | None = None
 
     @abstractmethod
-    def _taken(self, lines: list[NDArray[np.float64]]) -> None:
+    def _taken(self, lines: list[FloatArray]) -> None:
         """Take in the values of the period's lines, at least one."""
 
     @abstractmethod
-    def _sound(self, values: NDArray[np.float64]) -> bool:
+    def _sound(self, values: FloatArray) -> bool:
         """Return True if the values can be a reading."""
 
     def _take_in(self) -> None:

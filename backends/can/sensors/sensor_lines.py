@@ -19,7 +19,8 @@ from operator import xor
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .strict_number import strict_number
 
@@ -35,7 +36,7 @@ class SensorLine(NamedTuple):
     """RANGE or IMU."""
     stamp: int
     """The sensor's time in [ms]."""
-    values: NDArray[np.float64]
+    values: FloatArray
     """(n,); infinity where a field is empty."""
 
 
@@ -44,7 +45,7 @@ def checksum(body: bytes) -> int:
     return reduce(xor, body, 0)
 
 
-def sensor_line(kind: str, stamp: int, values: NDArray[np.float64]) -> bytes:
+def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
     """A line as a sensor sends it, its end included."""
     fields = ",".join("" if each == math.inf else f"{each:.4f}" for each in values)
     body = f"{kind},{stamp},{fields}".encode()

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.can_sensor_spec import CameraSource
 from handcart.backends.robot.mounted_camera import MountedCamera
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .errors import NoSensor
@@ -52,8 +52,8 @@ class VideoCamera(LiveSensor, Camera):
             self._video.set(cv2.CAP_PROP_FRAME_WIDTH, mounted.model.width)
             self._video.set(cv2.CAP_PROP_FRAME_HEIGHT, mounted.model.height)
         self._lock, self._over = threading.Lock(), threading.Event()
-        self._grabbed: tuple[NDArray[np.uint8], float] | None = None
-        self._image: NDArray[np.uint8] | None = None
+        self._grabbed: tuple[ByteArray, float] | None = None
+        self._image: ByteArray | None = None
         self._thread: threading.Thread | None = None
         try:
             self._grab()
@@ -66,7 +66,7 @@ class VideoCamera(LiveSensor, Camera):
             self._thread = threading.Thread(target=self._go_on, daemon=True)
             self._thread.start()
 
-    def image(self) -> NDArray[np.uint8]:
+    def image(self) -> ByteArray:
         """See `Camera`; raises `StaleSensor`."""
         self.check_fresh()
         assert self._image is not None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
@@ -14,8 +13,8 @@ from handcart.backends.physics.body.joint_group import (
     MIN_TORQUE_RATIO,
     SPEED_ERROR_TIME_S,
     JointGroup,
-    Vector,
 )
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 UNBOUND_TORQUE_NM = 1e6  # [Nm]
 YIELDING_DRIVE_NAME = "{} gives"
@@ -44,20 +43,22 @@ class MujocoJoints(JointGroup):
         self._gain = model.dof_M0[self._speed] / self._step
 
     @override
-    def states(self) -> tuple[Vector, Vector]:
+    def states(self) -> tuple[FloatArray, FloatArray]:
         data = self._engine.data
         return data.qpos[self._at].copy(), data.qvel[self._speed].copy()
 
     @override
-    def turn(self, speeds: Vector, most: Vector) -> None:
+    def turn(self, speeds: FloatArray, most: FloatArray) -> None:
         self._alone(0.0, most, self._gain * speeds)
 
     @override
-    def follow(self, off: Vector, rates: Vector, most: Vector, catches_up: float) -> None:
+    def follow(self, off: FloatArray, rates: FloatArray, most: FloatArray, catches_up: float) -> None:
         self._alone(self._gain / catches_up, most)
         self._stiff.set_out(self._engine.data.qpos[self._at] + off + catches_up * rates, rates)
 
-    def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
+    def give(
+        self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
+    ) -> None:
         """Move compliantly; see `JointGroup`. An offset that would be corrected too fast is reduced."""
         if self._giving is None:
             raise ValueError("these joints have no drives that give")
@@ -72,23 +73,25 @@ class MujocoJoints(JointGroup):
         self._giving.set_out(begins + damping * rates, rates)
 
     @override
-    def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
+    def stand(
+        self, positions: FloatArray, most: FloatArray, share: float, rates: FloatArray | None = None
+    ) -> None:
         self._alone(self._gain * share / self._step, most)
         if rates is None:
             self._stiff.set_out(positions, np.zeros(len(positions)))
         else:
             self._stiff.set_out(positions - self._engine.chunk * rates, rates)
 
-    def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
+    def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
         """See `JointGroup`; solved implicitly: dampers as strong would shake a chassis in the air."""
         self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND_TORQUE_NM), torques)
         self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))
 
     @override
-    def push(self, torques: Vector) -> None:
+    def push(self, torques: FloatArray) -> None:
         self._engine.data.qfrc_applied[self._speed] = torques
 
-    def _alone(self, pull: float | Vector, most: Vector, torques: float | Vector = 0.0) -> None:
+    def _alone(self, pull: float | FloatArray, most: FloatArray, torques: float | FloatArray = 0.0) -> None:
         """Have the stiff drives do all that is done."""
         self._stiff.serve(pull, self._gain, most, torques)
         if self._giving is not None:
@@ -105,7 +108,11 @@ class _Drives:
         self._goals = _where([int(model.actuator_actadr[number]) for number in numbers])
 
     def serve(
-        self, pull: float | Vector, damping: float | Vector, most: Vector, torques: float | Vector = 0.0
+        self,
+        pull: float | FloatArray,
+        damping: float | FloatArray,
+        most: FloatArray,
+        torques: float | FloatArray = 0.0,
     ) -> None:
         """Put `torques` on, and `pull` times what set-points are ahead, less `damping` times speeds."""
         model, mine = self._engine.model, self._numbers
@@ -118,14 +125,14 @@ class _Drives:
         limits[mine, 0] = -most
         limits[mine, 1] = most
 
-    def set_out(self, positions: Vector, rates: Vector) -> None:
+    def set_out(self, positions: FloatArray, rates: FloatArray) -> None:
         """Have the set-points begin there, and move so."""
         data = self._engine.data
         data.act[self._goals] = positions
         data.ctrl[self._numbers] = rates
 
 
-def _where(numbers: list[int]) -> slice | NDArray[np.int64]:
+def _where(numbers: list[int]) -> slice | IntArray:
     """Return an index of these numbers: a slice, which is faster, if they are consecutive."""
     first = numbers[0] if numbers else 0
     run = slice(first, first + len(numbers))

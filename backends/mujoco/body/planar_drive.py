@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.physics.body.robot_body import PlanarDrive
+from handcart.robotics.numerics.arrays import FloatArray
 
 SITE_NAME = "planar drive"
 AXES = ("ahead", "left", "turn")
@@ -35,7 +35,7 @@ class MujocoPlanarDrive(PlanarDrive):
         limits[self._numbers, 0] = -limits[self._numbers, 1]
 
     @override
-    def drive(self, twist: NDArray[np.float64]) -> None:
+    def drive(self, twist: FloatArray) -> None:
         model = self._engine.model
         model.actuator_gainprm[self._numbers, 0] = self._gain
         model.actuator_biasprm[self._numbers, 2] = -self._gain

@@ -7,10 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
+from handcart.robotics.numerics.arrays import FloatArray, Int32Array, SingleArray
 
 Read = Callable[[bool], Any]
 """Function that returns the `MjSpec` of a robot, with its visuals if True."""
@@ -23,11 +21,11 @@ class PartLook:
     link: str
     kind: int
     """`mjtGeom`."""
-    size: NDArray[np.float64]
-    position: NDArray[np.float64]
-    quaternion: NDArray[np.float64]
-    rgba: NDArray[np.float32]
-    mesh: tuple[NDArray[np.float32], NDArray[np.int32]] | None
+    size: FloatArray
+    position: FloatArray
+    quaternion: FloatArray
+    rgba: SingleArray
+    mesh: tuple[SingleArray, Int32Array] | None
     """Corners (n, 3) in [m], and triangles (m, 3) of them."""
 
 

@@ -5,25 +5,23 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.boxes_ahead import boxes_ahead
 from handcart.robotics.geometry.ground_ahead import ground_ahead
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .mujoco_module import mujoco
 from .world_spec import ROBOT_GROUP
 
 _FAR = 1e10  # [m], whatever the ways are long: what is beyond it MuJoCo does not look at
 
-Array = NDArray[np.float64]
-
 
 class _Field(NamedTuple):
     """Rough but level ground for `ground_ahead`."""
 
-    corner: Array
+    corner: FloatArray
     cell: float
-    heights: Array
+    heights: FloatArray
     top: float
 
     @classmethod
@@ -60,7 +58,7 @@ class LidarBeams:
         self._reach = model.geom_rbound[self._others, None]
         self._fields = {int(each): _Field.of(model, int(each)) for each in self._others[self._grounds]}
 
-    def free_shares(self, data: Any, start: Array, ends: Array) -> Array:
+    def free_shares(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
         """See `Engine`; poses in `data` are those of now."""
         middles = data.geom_xpos[self._others]
         low, high = np.minimum(ends.min(axis=0), start), np.maximum(ends.max(axis=0), start)
@@ -81,7 +79,7 @@ class LidarBeams:
                 shares[met] = np.minimum(shares[met], above / sinks[met])
         return shares
 
-    def _asked(self, data: Any, start: Array, ends: Array) -> Array:
+    def _asked(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
         """Return the free lengths computed by MuJoCo itself."""
         ways = np.ascontiguousarray(ends - start)
         met, share = np.full(len(ways), -1, np.int32), np.zeros(len(ways))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import BoolArray
 
 from .mujoco_module import mujoco
 
@@ -48,7 +49,7 @@ class Leaning:
             self.set(model, leans)
         self._seen = seen
 
-    def set(self, model: Any, leans: NDArray[np.bool_]) -> None:
+    def set(self, model: Any, leans: BoolArray) -> None:
         """Have those trees stay awake, and all others sleep when they come to rest."""
         kinds, policy = mujoco().mjtSleepPolicy, model.tree_sleep_policy
         policy[self.trees] = kinds.mjSLEEP_ALLOWED

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.physics.engine.thing_form import ThingForm
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.sheet import Sheet
-from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 
 class BoxLook(NamedTuple):
@@ -27,9 +24,9 @@ class BoxLook(NamedTuple):
 class TileLook(NamedTuple):
     """Appearance of rough ground; see `Engine.add_tile`."""
 
-    corner: NDArray[np.float64]
+    corner: FloatArray
     cell: float
-    heights: NDArray[np.float64]
+    heights: FloatArray
 
 
 @dataclass
@@ -42,7 +39,7 @@ class Looks:
     tiles: dict[int, TileLook] = field(default_factory=dict)
     sheets: list[Sheet] = field(default_factory=list)
     things: dict[int, ThingForm] = field(default_factory=dict)
-    shown: dict[int, GreyImage] = field(default_factory=dict)
+    shown: dict[int, ByteArray] = field(default_factory=dict)
     """Pictures that things show instead of those that they were made with."""
 
     @property

@@ -7,7 +7,6 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.physics.engine.engine import ContactPoint, Engine, Pinned, Touching
@@ -16,9 +15,9 @@ from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
 from handcart.backends.simulation.world.sheet import Sheet
-from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray, IntArray
 
 from .beams import LidarBeams
 from .growing_model import GrowingModel
@@ -32,7 +31,6 @@ from .saved_data import restore, saved
 from .slipping import Slipping
 from .world_spec import box_inertia, quaternion
 
-Array = NDArray[np.float64]
 SLIP_CHECK_STEPS = 2  # steps of the solver after which it is seen whether what is held slips
 TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is looked at
 
@@ -61,7 +59,7 @@ class MujocoEngine(Engine):
         self._links: dict[int, tuple[int, int]] = {}
         self._bodies: dict[tuple[int, int], int] = {}
         self._leaning = Leaning()
-        self._seen: Array | None = None
+        self._seen: FloatArray | None = None
         """All coordinates when `moved` was last asked; None: everything may have moved."""
 
     # The model
@@ -157,7 +155,7 @@ class MujocoEngine(Engine):
         return number
 
     @override
-    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+    def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
         number = self.grow()
         self.looks.tiles[number] = TileLook(corner, cell, heights)
         self.world.tile(number, corner, cell, heights, friction)
@@ -175,7 +173,7 @@ class MujocoEngine(Engine):
         return number
 
     @override
-    def show(self, body: int, picture: GreyImage) -> None:
+    def show(self, body: int, picture: ByteArray) -> None:
         self.looks.shown[body] = picture
 
     @override
@@ -262,7 +260,7 @@ class MujocoEngine(Engine):
         return self._pressing.contacts(data, body)
 
     @override
-    def free_shares(self, start: Array, ends: Array) -> Array:
+    def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
         data = self.links()
         return self._beams.free_shares(data, start, ends)
 
@@ -281,7 +279,7 @@ class MujocoEngine(Engine):
             raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
         pinned = from_plain(state["pinned"], Pinned | None, "pinned")
         self._check_pinned(pinned)
-        leans = from_plain(state["leans"], NDArray[np.int64], "leans")
+        leans = from_plain(state["leans"], IntArray, "leans")
         if leans.shape != self._leaning.trees.shape:
             raise NotAState("no saved state: the engine's world has other bodies")
         own = {name: state[name] for name in state if name not in ("pinned", "leans")}

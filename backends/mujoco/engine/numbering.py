@@ -6,7 +6,8 @@ from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import BoolArray, IntArray
 
 _NOBODY = (-1, -1)
 
@@ -53,8 +54,8 @@ class Numbering:
             )
         self._numbers = np.array(list(self.things), np.int64)
         first = np.array([each.position for each in self.things.values()], np.int64)
-        self._where: NDArray[np.int64] = first[:, None] + np.arange(7)
+        self._where: IntArray = first[:, None] + np.arange(7)
 
-    def moved(self, changed: NDArray[np.bool_]) -> frozenset[int]:
+    def moved(self, changed: BoolArray) -> frozenset[int]:
         """Things of which some of all coordinates (n,) have `changed`."""
         return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())

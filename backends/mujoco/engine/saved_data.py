@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.plain_values import from_plain
 from handcart.backends.saved_state import NotAState
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .mujoco_module import mujoco
 
@@ -31,8 +31,8 @@ def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
     """
     if state.keys() != {"mujoco", "asleep"}:
         raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
-    values = from_plain(state["mujoco"], NDArray[np.float64], "engine")
-    asleep = from_plain(state["asleep"], NDArray[np.int64], "engine")
+    values = from_plain(state["mujoco"], FloatArray, "engine")
+    asleep = from_plain(state["asleep"], IntArray, "engine")
     mj, kind = mujoco(), mujoco().mjtState.mjSTATE_INTEGRATION
     if values.shape != (mj.mj_stateSize(model, kind),) or asleep.shape != (model.ntree,):
         raise NotAState("no saved state: the engine's world has other bodies")
@@ -45,7 +45,7 @@ def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
     data.qacc[:] = data.qacc_smooth[:] = data.qacc_warmstart  # of sleepers a step hands it on as it is
 
 
-def _send_to_sleep(model: Any, data: Any, values: NDArray[np.float64], asleep: NDArray[np.int64]) -> None:
+def _send_to_sleep(model: Any, data: Any, values: FloatArray, asleep: IntArray) -> None:
     """Restore a state with its sleeping bodies asleep.
 
     MuJoCo wakes a body that is moved while it sleeps. At a reset it places sleeping bodies at the model's

@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.engine import Pinned
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .mujoco_module import mujoco
 from .pins import Pins
@@ -60,14 +60,14 @@ class Slipping:
             self.hold(model, data, self.pinned, hand, other)
 
 
-def _points(data: Any, pinned: Pinned, hand: int, other: int) -> NDArray[np.float64]:
+def _points(data: Any, pinned: Pinned, hand: int, other: int) -> FloatArray:
     """Return the hand's points in the frame of the held thing, (n, 3) in [m]."""
     world_T_hand = _pose(data.xipos[hand], data.ximat[hand])
     other_T_hand = inverse(_pose(data.xpos[other], data.xmat[other])) @ world_T_hand
     return np.asarray(np.array(pinned.points) @ other_T_hand[:3, :3].T + other_T_hand[:3, 3])
 
 
-def _pose(position: NDArray[np.float64], turn: NDArray[np.float64]) -> Transform:
+def _pose(position: FloatArray, turn: FloatArray) -> Transform:
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = turn.reshape(3, 3), position
     return pose

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from handcart.backends.physics.engine.engine import GRAVITY_M_S2
 from handcart.backends.physics.engine.thing_form import Cuboid, ThingForm, Wedge
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .mujoco_module import mujoco
 
@@ -53,8 +53,6 @@ ROBOT_GROUP = 1
 """Group of the robot's geometries: no beam of its range sensor meets it."""
 GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
 
-Array = NDArray[np.float64]
-
 
 class WorldSpec:
     """The `MjSpec` of a world; bodies are named by their numbers."""
@@ -84,7 +82,9 @@ class WorldSpec:
             body, placed = self.spec.worldbody.add_body(name=f"{number}", mocap=True, **placed), {}
         self.solid(body, f"{number}", friction, type=kind, size=half, **placed)
 
-    def tile(self, number: int, corner: Array, cell: float, heights: Array, friction: float) -> None:
+    def tile(
+        self, number: int, corner: FloatArray, cell: float, heights: FloatArray, friction: float
+    ) -> None:
         """Rough ground; see `Engine.add_tile`."""
         low, span = float(heights.min()), max(float(np.ptp(heights)), 1e-6)
         half = cell * (len(heights) - 1) / 2
@@ -167,7 +167,7 @@ def where(pose: Transform) -> dict[str, Any]:
     return {"pos": pose[:3, 3], "quat": quaternion(pose)}
 
 
-def quaternion(pose: Transform) -> Array:
+def quaternion(pose: Transform) -> FloatArray:
     """(4,) w, x, y, z of a pose (4, 4)."""
     return np.asarray(Rotation.from_matrix(pose[:3, :3]).as_quat()[[3, 0, 1, 2]])
 
@@ -178,7 +178,7 @@ def box_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float
     return mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y)
 
 
-def _corners(wedge: Wedge) -> Array:
+def _corners(wedge: Wedge) -> FloatArray:
     """(8, 3) in [m]."""
     y, z, narrow = wedge.thickness / 2, wedge.height / 2, wedge.thickness / 2 - wedge.chamfer
     outline = ((wedge.base, -y), (wedge.base, y), (wedge.end, narrow), (wedge.end, -narrow))

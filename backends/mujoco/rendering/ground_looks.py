@@ -6,7 +6,8 @@ from functools import cache
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 FLOOR_SIDE, GRASS_SIDE = 2.4, 5.0  # [m] after which the picture begins again
 _PIXELS = 768
@@ -14,11 +15,9 @@ _BOARDS, _LONG = 20, 2  # planks across a picture of the floor, and one after th
 _OAK, _SEAM = np.array([196.0, 168.0, 132.0]), 0.72
 _SOIL, _GREEN = np.array([112.0, 96.0, 70.0]), np.array([104.0, 124.0, 66.0])
 
-Colours = NDArray[np.uint8]
-
 
 @cache
-def floor_picture() -> Colours:
+def floor_picture() -> ByteArray:
     """Planks, each a little lighter or darker than its neighbours, (n, n, 3) in RGB."""
     rng = np.random.default_rng(7)
     wide, long = _PIXELS // _BOARDS, _PIXELS // _LONG
@@ -37,7 +36,7 @@ def floor_picture() -> Colours:
 
 
 @cache
-def grass_picture() -> Colours:
+def grass_picture() -> ByteArray:
     """Short grass on soil, (n, n, 3) in RGB, without an edge where it begins again."""
     rng = np.random.default_rng(8)
     share = np.clip(0.55 + 1.6 * _clouds(rng, 30.0) + 0.7 * _clouds(rng, 6.0), 0.0, 1.0)[..., None]
@@ -46,7 +45,7 @@ def grass_picture() -> Colours:
     return np.asarray(np.clip(shown, 0, 255), dtype=np.uint8)
 
 
-def _clouds(rng: np.random.Generator, size: float) -> NDArray[np.float64]:
+def _clouds(rng: np.random.Generator, size: float) -> FloatArray:
     """Return smooth periodic noise (n, n) with sigma 0.25."""
     noise = np.fft.rfft2(rng.standard_normal((_PIXELS, _PIXELS)))
     down, across = np.fft.fftfreq(_PIXELS)[:, None], np.fft.rfftfreq(_PIXELS)[None]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.mujoco.body.mujoco_body import MujocoBody
 from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.backends.physics.sensors.engine_camera import SAMPLES_PER_SIDE, EngineCamera
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .studio import Studio
 from .style import CAMERA_STYLE
@@ -29,10 +28,8 @@ class MujocoCamera(EngineCamera):
         size = SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height
         return Studio(self._engine, self._body.looks(), CAMERA_STYLE, size)
 
-    def _draw(
-        self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
-    ) -> NDArray[np.uint8]:
-        picture: NDArray[np.uint8] = self.studio.take(world_T_camera, K, world_T_camera[:3, 3])[..., 1]
+    def _draw(self, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]) -> ByteArray:
+        picture: ByteArray = self.studio.take(world_T_camera, K, world_T_camera[:3, 3])[..., 1]
         return picture
 
     @override

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .gl_context import make_context
 from .stage import PictureStage
@@ -36,7 +36,7 @@ class Photographer:
         self._options.geomgroup[:] = 1
         self._rows = np.zeros((size[1], size[0], 3), np.uint8)
 
-    def take(self, world_T_camera: Transform, K: NDArray[np.float64]) -> NDArray[np.uint8]:
+    def take(self, world_T_camera: Transform, K: FloatArray) -> ByteArray:
         """The picture (height, width, 3) in RGB.
 
         Args:
@@ -47,9 +47,7 @@ class Photographer:
         mujoco().mjr_readPixels(self._rows, None, whole, self._context)
         return np.ascontiguousarray(self._rows[::-1])
 
-    def take_with_depth(
-        self, world_T_camera: Transform, K: NDArray[np.float64]
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    def take_with_depth(self, world_T_camera: Transform, K: FloatArray) -> tuple[ByteArray, FloatArray]:
         """Return a picture as `take` does, and the depth of each pixel (height, width).
 
         Depth is in [m] along the optical axis; infinite where nothing is.
@@ -63,7 +61,7 @@ class Photographer:
         depth[part <= 0.0] = np.inf
         return np.ascontiguousarray(self._rows[::-1]), depth
 
-    def _render(self, world_T_camera: Transform, K: NDArray[np.float64]) -> Any:
+    def _render(self, world_T_camera: Transform, K: FloatArray) -> Any:
         """Draw the picture, and return its rectangle."""
         mj, stage = mujoco(), self._stage
         self._gl.make_current()
@@ -77,7 +75,7 @@ class Photographer:
         mj.mjr_render(whole, self._scene, self._context)
         return whole
 
-    def _point(self, eye: Any, world_T_camera: Transform, K: NDArray[np.float64]) -> None:
+    def _point(self, eye: Any, world_T_camera: Transform, K: FloatArray) -> None:
         """Have one of the scene's two eyes see so; OpenGL counts pixels from their edges."""
         width, height = self._size
         (fx, _, cx), (_, fy, cy), _ = K.tolist()

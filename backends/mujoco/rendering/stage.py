@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.mujoco.body.robot_looks import PartLook
 from handcart.backends.mujoco.engine.looks import Looks
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
-from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .stage_spec import LAMP_NAME, StageSpec
 from .style import Style
@@ -31,14 +30,14 @@ class PictureStage:
         spec = StageSpec(looks, robot, style)
         self.model = spec.spec.compile()
         self.data = mujoco().MjData(self.model)
-        self._style, self._shown = style, dict[int, GreyImage]()
+        self._style, self._shown = style, dict[int, ByteArray]()
         names = [name for name in spec.moving if name != LAMP_NAME]
         self._theirs = np.array([engine_model.body(name).id for name in names], dtype=int)
         self._mine = np.array([int(self.model.body(name).mocapid[0]) for name in names], dtype=int)
         self._lamp = int(self.model.body(LAMP_NAME).mocapid[0])
         self._drawn = np.zeros(0)
 
-    def follow(self, engine_data: Any, middle: NDArray[np.float64]) -> bool:
+    def follow(self, engine_data: Any, middle: FloatArray) -> bool:
         """Put everything where it is in the engine, light about `middle` (3,) in [m]; whether it moved."""
         data = self.data
         data.mocap_pos[self._mine] = engine_data.xpos[self._theirs]
@@ -63,7 +62,7 @@ class PictureStage:
             self._shown[number] = picture
         return changed
 
-    def _texture(self, number: int, picture: GreyImage) -> int:
+    def _texture(self, number: int, picture: ByteArray) -> int:
         """Paint a thing's texture, if it has one of that size; gives its number or -1."""
         model = self.model
         found = int(mujoco().mj_name2id(model, mujoco().mjtObj.mjOBJ_TEXTURE, f"{number}"))

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.mujoco.body.robot_looks import PartLook
 from handcart.backends.mujoco.engine.looks import BoxLook, Looks, TileLook
@@ -16,6 +15,7 @@ from handcart.backends.physics.engine.thing_form import BOX_FACES, BOX_NORMALS, 
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.robotics.geometry.transform import transform
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .ground_looks import FLOOR_SIDE, GRASS_SIDE, floor_picture, grass_picture
 from .style import Style
@@ -77,7 +77,7 @@ class StageSpec:
 
     # Colours
 
-    def _texture(self, name: str, picture: NDArray[np.uint8]) -> Any:
+    def _texture(self, name: str, picture: ByteArray) -> Any:
         """A material that shows a picture, grey (h, w) or in colour (h, w, 3)."""
         texture = self.spec.add_texture(name=name, type=mujoco().mjtTexture.mjTEXTURE_2D)
         texture.height, texture.width = picture.shape[:2]

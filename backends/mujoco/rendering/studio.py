@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.mujoco.body.robot_looks import PartLook
 from handcart.backends.mujoco.engine.mujoco_engine import MujocoEngine
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .photographer import Photographer
 from .stage import PictureStage
@@ -26,11 +26,9 @@ class Studio:
         self._engine, self._robot, self._style, self._size = engine, robot, style, size
         self._stage: PictureStage | None = None
         self._photographer: Photographer | None = None
-        self._last: tuple[Transform, NDArray[np.float64], NDArray[np.uint8]] | None = None
+        self._last: tuple[Transform, FloatArray, ByteArray] | None = None
 
-    def take(
-        self, world_T_camera: Transform, K: NDArray[np.float64], middle: NDArray[np.float64]
-    ) -> NDArray[np.uint8]:
+    def take(self, world_T_camera: Transform, K: FloatArray, middle: FloatArray) -> ByteArray:
         """Return a picture; see `Photographer`. The last picture is returned again if nothing moved.
 
         Args:
@@ -51,9 +49,7 @@ class Studio:
         self._last = world_T_camera.copy(), K.copy(), picture
         return picture
 
-    def take_with_depth(
-        self, world_T_camera: Transform, K: NDArray[np.float64]
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    def take_with_depth(self, world_T_camera: Transform, K: FloatArray) -> tuple[ByteArray, FloatArray]:
         """Return a picture and the depth of its pixels; see `Photographer`.
 
         Raises:

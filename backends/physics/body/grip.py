@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.physics.engine.engine import Engine, Pinned, Point
@@ -13,6 +12,7 @@ from handcart.backends.physics.engine.surface import PAD_FRICTION, PAD_SURFACE, 
 from handcart.backends.physics.world.thing_body import THING_FRICTION
 from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .robot_body import RobotBody
 
@@ -64,7 +64,7 @@ class Grip:
         if self.holds is not None:
             self._engine.pin(None)
 
-    def _there(self, other: int) -> NDArray[np.float64]:
+    def _there(self, other: int) -> FloatArray:
         """The pads' points (n, 3) in the frame of the other body."""
         other_T_hand = inverse(self._engine.pose(other)) @ self._body.middle_of_mass("hand")
         return np.asarray((np.c_[self._points, np.ones(len(self._points))] @ other_T_hand.T)[:, :3])
@@ -75,5 +75,5 @@ def pads_in(engine: Engine) -> ContactSurface:
     return PAD_SURFACE._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 
 
-def _tuples(points: NDArray[np.float64]) -> tuple[Point, ...]:
+def _tuples(points: FloatArray) -> tuple[Point, ...]:
     return tuple((float(x), float(y), float(z)) for x, y, z in points)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 FULL_TORQUE_ERROR_RAD = 0.03  # off its set-point by this, a drive that gives has all its torque [rad]
 SPEED_ERROR_TIME_S = 0.03  # a speed that is off counts as this much angle that is off [s]
@@ -21,14 +20,14 @@ class JointGroup(ABC):
     """
 
     @abstractmethod
-    def states(self) -> tuple[Vector, Vector]:
+    def states(self) -> tuple[FloatArray, FloatArray]:
         """Positions and velocities."""
 
     @abstractmethod
-    def turn(self, speeds: Vector, most: Vector) -> None:
+    def turn(self, speeds: FloatArray, most: FloatArray) -> None:
         """Bring them to speeds by torques of at most `most`."""
 
-    def follow(self, off: Vector, rates: Vector, most: Vector, catches_up: float) -> None:
+    def follow(self, off: FloatArray, rates: FloatArray, most: FloatArray, catches_up: float) -> None:
         """Follow set-points for the next chunk by torques of at most `most`.
 
         Args:
@@ -39,7 +38,9 @@ class JointGroup(ABC):
         """
         self.turn(rates + off / catches_up, most)
 
-    def give(self, off: Vector, rates: Vector, effort: Vector, fastest: Vector, catches_up: float) -> None:
+    def give(
+        self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
+    ) -> None:
         """Follow as `follow` does, but yield like springs at an obstacle.
 
         The torque is limited by a joint's distance from its set-point, which is `GIVES` at the full
@@ -59,17 +60,19 @@ class JointGroup(ABC):
         )  # never negative
 
     @abstractmethod
-    def stand(self, positions: Vector, most: Vector, share: float, rates: Vector | None = None) -> None:
+    def stand(
+        self, positions: FloatArray, most: FloatArray, share: float, rates: FloatArray | None = None
+    ) -> None:
         """Bring them to positions with at most `most`; in a step of the solver by `share` of the way.
 
         An engine without chunks has the set-points move at `rates`: they are there when the period ends.
         """
 
-    def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
+    def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
         """Put springs in [Nm/rad], dampers in [Nms/rad] and torques on them for the next chunk."""
         angles, speeds = self.states()
         self.push(torques - stiffness * angles - damping * speeds)
 
     @abstractmethod
-    def push(self, torques: Vector) -> None:
+    def push(self, torques: FloatArray) -> None:
         """Put torques on them for the next chunk, besides what their drives do."""

@@ -10,9 +10,10 @@ from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.urdf.sound_urdf import DEFAULT_HOLDING_EFFORT
-from handcart.backends.simulation.body.simulated_parts import SimulatedArm, Vector
+from handcart.backends.simulation.body.simulated_parts import SimulatedArm
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_tree import followers_of
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .robot_body import RobotBody
 
@@ -29,14 +30,14 @@ class PhysicsArm(SimulatedArm):
     how far it is off, up to the URDF's effort: it gives like a spring where something is in its way.
     """
 
-    STATE: ClassVar = {**SimulatedArm.STATE, "load": tuple[float, Vector]}
+    STATE: ClassVar = {**SimulatedArm.STATE, "load": tuple[float, FloatArray]}
 
     def __init__(
         self,
         robot: RobotFile,
         model: ArmModel,
         body: RobotBody,
-        felt: Callable[[], Vector],
+        felt: Callable[[], FloatArray],
         ahead: float,
         seed: int,
     ) -> None:
@@ -62,14 +63,14 @@ class PhysicsArm(SimulatedArm):
             stands = self._command[model.joint_names.index(leader)]
             body.reset(name, factor * float(stands) + offset)
         self._felt, self._ahead = felt, ahead
-        self.load: tuple[float, Vector] = (0.0, np.zeros(3))
+        self.load: tuple[float, FloatArray] = (0.0, np.zeros(3))
         """Mass in [kg] of what is held, and its middle of mass in the base frame, (3,) in [m]."""
 
     @override
-    def true_joints(self) -> Vector:
+    def true_joints(self) -> FloatArray:
         return self._drives.states()[0]
 
-    def _true_force(self) -> Vector:
+    def _true_force(self) -> FloatArray:
         return self._felt()
 
     def begin(self, period: int) -> None:
@@ -87,7 +88,7 @@ class PhysicsArm(SimulatedArm):
         torques = self._lead(soon, angles, rate) if self._following else self._model.gravity_torque(soon)
         self._drives.push(torques + self._load_torque(soon))
 
-    def _lead(self, soon: Vector, angles: Vector, rates: Vector) -> Vector:
+    def _lead(self, soon: FloatArray, angles: FloatArray, rates: FloatArray) -> FloatArray:
         """Command the followers of the arm's joints by their own drives.
 
         Return the torques (n,) in [Nm] that carry the remaining weight.
@@ -106,7 +107,7 @@ class PhysicsArm(SimulatedArm):
         """A period has ended."""
         self._from = self._command.copy()
 
-    def _load_torque(self, angles: Vector) -> Vector | float:
+    def _load_torque(self, angles: FloatArray) -> FloatArray | float:
         """Return the torques (n,) in [Nm] that carry the load."""
         mass, middle = self.load
         return self._model.load_torque(angles, middle, mass) if mass > 0.0 else 0.0

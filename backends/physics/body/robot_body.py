@@ -6,9 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.physics.engine.surface import ContactSurface
 from handcart.backends.physics.urdf.sound_urdf import casters
 from handcart.backends.physics.urdf.sprung import CHASSIS_LINK
@@ -17,10 +14,9 @@ from handcart.backends.urdf.driven_wheels import DrivenWheels
 from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .joint_group import JointGroup
-
-Floats = NDArray[np.float64]
 
 
 class NoPlanarDrive(InputError):
@@ -35,7 +31,7 @@ class PlanarDrive(ABC):
         """Push with at most a force in [N] along each axis, and turn with at most a torque in [Nm]."""
 
     @abstractmethod
-    def drive(self, twist: Floats) -> None:
+    def drive(self, twist: FloatArray) -> None:
         """Bring the base to speeds (3,) ahead and to the left in [m/s], and to a turn rate in [rad/s]."""
 
 

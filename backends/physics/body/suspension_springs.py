@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.physics.engine.engine import GRAVITY_M_S2
@@ -11,13 +10,12 @@ from handcart.backends.physics.urdf.sprung import PITCH, ROLL
 from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .robot_body import RobotBody
 
 DAMPING_RATIO = 0.6
 _POSTURES = 200
-
-Vector = NDArray[np.float64]
 
 
 class SuspensionSprings:
@@ -55,7 +53,7 @@ class SuspensionSprings:
         self._joints.spring(self._stiffness, self._damping, -self._trim)
 
 
-def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, Vector]:
+def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, FloatArray]:
     """Fit a straight line to the torque of the arm's weight on the upright body, over random postures.
 
     The arm is left in another posture.
@@ -81,7 +79,7 @@ def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, Vector]:
     return rate, trim
 
 
-def _load(body: RobotBody, pivot: float) -> tuple[Vector, float, Vector]:
+def _load(body: RobotBody, pivot: float) -> tuple[FloatArray, float, FloatArray]:
     """Return the load of the sprung masses in their current posture.
 
     Returns:

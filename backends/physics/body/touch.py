@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.engine import Engine, Touching
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.simulation.body.arm_contact import LOAD_NAME
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .robot_body import RobotBody
 
@@ -51,7 +51,7 @@ class ContactReader:
         both = set.intersection(*sides)
         return min(both & set(self._world.bodies.values()), default=None)
 
-    def force(self, held: int | None) -> NDArray[np.float64]:
+    def force(self, held: int | None) -> FloatArray:
         """Return the force of the surroundings on the hand and its object, (3,) in [N], in the world."""
         total, mine, hand = np.zeros(3), self._body.id, self._hand
         if any(each.link in hand and each.other not in (held, mine) for each in self._touching(mine)):

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.surface import TYRE_SURFACE
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .robot_body import RobotBody
 
@@ -17,13 +17,11 @@ COUNTS_PER_TURN = 65536  # of an encoder, a turn
 CATCHES_UP = 0.02  # time constant of the drives' position loop [s]
 MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
 
-Floats = NDArray[np.float64]
-
 
 class WheelDrives:
     """Velocity drives that follow the angle, not only the speed, and encoders that count whole steps."""
 
-    STATE: ClassVar = {"speeds": Floats, "_goal": Floats, "_first": Floats, "_given": Floats}
+    STATE: ClassVar = {"speeds": FloatArray, "_goal": FloatArray, "_first": FloatArray, "_given": FloatArray}
 
     def __init__(self, body: RobotBody, chunk: float, names: Sequence[str]) -> None:
         """Take the wheels at these joints over, each `chunk` in [s]; they rub on the floor as tyres do."""
@@ -35,7 +33,7 @@ class WheelDrives:
         self._first = self._goal = self._angles()
         self._given = np.zeros(len(names))
 
-    def give(self, rolled: Floats) -> None:
+    def give(self, rolled: FloatArray) -> None:
         """The rims have moved on the floor by angles (n,) in [rad] that no encoder sees."""
         self._given = self._given + rolled
         self._goal = self._goal + rolled
@@ -47,7 +45,7 @@ class WheelDrives:
         self._goal = angles + lag + self.speeds * self._chunk
         self._joints.follow(lag, self.speeds, self._most, CATCHES_UP)
 
-    def turned(self, scale: Floats | float = 1.0) -> Floats:
+    def turned(self, scale: FloatArray | float = 1.0) -> FloatArray:
         """(n,): by how much the wheels have turned, in whole steps, in [rad].
 
         Args:
@@ -62,5 +60,5 @@ class WheelDrives:
         """Count from here on."""
         self._first = self._angles() - self._given
 
-    def _angles(self) -> Floats:
+    def _angles(self) -> FloatArray:
         return np.asarray(self._joints.states()[0])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
-from handcart.backends.physics.engine.thing_form import Cuboid, Portrait, Uvs, Wedge
+from handcart.backends.physics.engine.thing_form import Cuboid, Uvs, Wedge
 from handcart.backends.physics.world.thing_body import ThingBody
 from handcart.backends.simulation.books.book import SimulatedBook
 from handcart.backends.simulation.books.painted_books import spine_levels
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 CHAMFER_M = 0.003  # of the leading edges of a book that is returned: covers are rounded [m]
 _COVER = 0.2  # of the spine's grey: no light falls between the books of a row
@@ -49,14 +49,14 @@ class BookBody(ThingBody):
         return tuple(_uvs(face, width) for face in range(6))
 
     @override
-    def first_picture(self) -> NDArray[np.uint8]:
+    def first_picture(self) -> ByteArray:
         return _FROM_AFAR
 
     @override
-    def printed(self) -> NDArray[np.uint8]:
+    def printed(self) -> ByteArray:
         return _picture(self.thing)
 
-    def portrait(self) -> Portrait:
+    def portrait(self) -> ByteArray:
         """Return the print on cloth in the book's colour, and the pages."""
         spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
         grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
@@ -70,14 +70,14 @@ class BookBody(ThingBody):
     def asleep(self) -> bool:
         return self.thing.shelf is not None
 
-    def look(self, eye: NDArray[np.float64]) -> None:
+    def look(self, eye: FloatArray) -> None:
         """Show the print if the eye is near now, otherwise a plain box."""
         printed = self._is_near(eye)
         if printed != self._printed:
             self._printed = printed
             self.engine.show(self.id, _picture(self.thing) if printed else _FROM_AFAR)
 
-    def _is_near(self, eye: NDArray[np.float64]) -> bool:
+    def _is_near(self, eye: FloatArray) -> bool:
         return bool(np.linalg.norm(self.engine.pose(self.id)[:3, 3] - eye) < _PRINTS)
 
 
@@ -92,7 +92,7 @@ def _uvs(face: int, width: int) -> list[tuple[float, float]]:
     return [(u, 0.25), (u, 0.25), (u, 0.75), (u, 0.75)]
 
 
-def _picture(book: SimulatedBook) -> NDArray[np.uint8]:
+def _picture(book: SimulatedBook) -> ByteArray:
     """The spine, then strips for cover and pages."""
     spine = spine_levels(book.spec)[1][0]
     cover = np.full((spine.shape[0], _STRIP), round(_COVER * book.spec.grey), np.uint8)

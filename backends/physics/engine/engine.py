@@ -8,20 +8,18 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.material import WOOD_MATERIAL, Material
 from handcart.backends.simulation.world.sheet import Sheet
-from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .thing_form import ThingForm
 
 MAX_SOLVER_STEP_S = 0.0025  # of the solver, at most [s]
 GRAVITY_M_S2 = 9.81  # [m/s²]
 
-Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
@@ -114,7 +112,7 @@ class Engine(ABC):
         """A box that nothing moves; only one that `moves` may be put elsewhere. `material` is for people."""
 
     @abstractmethod
-    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+    def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
         """Rough ground.
 
         Args:
@@ -133,7 +131,7 @@ class Engine(ABC):
         """A rigid body that moves as it will."""
 
     @abstractmethod
-    def show(self, body: int, picture: GreyImage) -> None:
+    def show(self, body: int, picture: ByteArray) -> None:
         """Have a thing's faces show parts of another picture."""
 
     @abstractmethod
@@ -171,7 +169,7 @@ class Engine(ABC):
         """Return the contact points of a body with others, and of the robot with itself."""
 
     @abstractmethod
-    def free_shares(self, start: Array, ends: Array) -> Array:
+    def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
         """(n,): how far the ways from a point (3,) to others (n, 3) are free of all but the robot.
 
         Shares of the ways; infinite where all of it is free.

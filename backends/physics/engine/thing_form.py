@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.material import PALE_WOOD, Material
-from handcart.backends.simulation.world.thing import GreyImage
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray
 
 Uvs = Sequence[tuple[float, float]]
 """Corners of a face in the picture: u to the right, v up, both from 0 to 1."""
@@ -29,10 +28,6 @@ BOX_FACES = np.array(
 order of `ThingForm.uvs`."""
 BOX_NORMALS = np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)), dtype=float)
 """(6, 3), outwards."""
-
-
-Portrait = NDArray[np.uint8]
-"""A picture in colour, (height, width, 3) in RGB."""
 
 
 class Cuboid(NamedTuple):
@@ -80,14 +75,14 @@ class ThingForm(NamedTuple):
     Four corners for each face, counter-clockwise as seen from outside. Those of the sides begin at the
     lower left, those of the upper face at (-x, -y), those of the lower face at (-x, +y).
     """
-    picture: GreyImage
-    """That the faces show parts of, at first."""
+    picture: ByteArray
+    """Picture in RGB (h, w, 3) that the faces show parts of, at first."""
     sticks: Sticks | None = None
     asleep: bool = False
     """True if it sleeps from the beginning until something touches it."""
     material: Material = PALE_WOOD
     """Material of the unprinted faces, in pictures for people."""
-    printed: Callable[[], GreyImage] | None = None
+    printed: Callable[[], ByteArray] | None = None
     """All that its faces show to a camera that is near, laid out as `uvs` says; None: as `picture`."""
-    portrait: Callable[[], Portrait | None] | None = None
+    portrait: Callable[[], ByteArray | None] | None = None
     """Coloured picture for people; None if nothing is printed."""

@@ -6,7 +6,6 @@ from abc import abstractmethod
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
@@ -19,6 +18,7 @@ from handcart.backends.simulation.sensors.simulated_camera import SceneCamera, S
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .physics_site import physics_of
 
@@ -57,9 +57,7 @@ class EngineCamera(SimulatedCamera):
         return cls(site.robot, site.spec, site.scene.arm, body, world, engine, site.seed)
 
     @abstractmethod
-    def _draw(
-        self, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
-    ) -> NDArray[np.uint8]:
+    def _draw(self, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]) -> ByteArray:
         """Return the picture of a pinhole camera, (height, width) grey.
 
         Args:
@@ -68,11 +66,11 @@ class EngineCamera(SimulatedCamera):
             size: width and height in [px].
         """
 
-    def _take(self) -> NDArray[np.uint8]:
+    def _take(self) -> ByteArray:
         world_T_camera = self._body.link_pose(self.carrier) @ self._true.carrier_T_camera
         return self._lens.take(self.ideal(world_T_camera), self._now)
 
-    def ideal(self, world_T_camera: Transform) -> NDArray[np.uint8]:
+    def ideal(self, world_T_camera: Transform) -> ByteArray:
         """Return the grey picture of a pinhole camera at a pose (4, 4), large enough for the lens."""
         for each in self._world.things.values():
             each.look(world_T_camera[:3, 3])

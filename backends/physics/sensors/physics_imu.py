@@ -7,14 +7,15 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.description.sensor_specs import ImuSpec
-from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu, Vector
+from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.world.scene import Scene
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class PhysicsImu(SimulatedImu):
     """Its accelerometers also feel how the base's motion changes, on the mean over two periods."""
 
-    STATE: ClassVar = {**SimulatedImu.STATE, "_place": Vector, "_speed": Vector, "_sped": Vector}
+    STATE: ClassVar = {**SimulatedImu.STATE, "_place": FloatArray, "_speed": FloatArray, "_sped": FloatArray}
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
         super().__init__(spec, scene, period, seed)
@@ -30,5 +31,5 @@ class PhysicsImu(SimulatedImu):
         self._sped = (speed - self._speed) / self._period
         self._place, self._speed = place, speed
 
-    def _carried(self) -> Vector:
+    def _carried(self) -> FloatArray:
         return np.asarray(super()._carried() + self._sped)

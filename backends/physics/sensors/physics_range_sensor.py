@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.description.sensor_specs import RangeSpec
@@ -16,6 +15,7 @@ from handcart.backends.simulation.sensors.simulated_range_sensor import Simulate
 from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .physics_site import physics_of
 
@@ -45,7 +45,7 @@ class PhysicsRangeSensor(SimulatedRangeSensor):
         faults = RangeFaults.of(site.robot.errors)
         return cls(site.spec, mount, there.body, there.engine, site.seed, faults)
 
-    def _cast(self) -> NDArray[np.float64]:
+    def _cast(self) -> FloatArray:
         reach = self._spec.reach_m
         pose = self._body.base_pose() @ self._base_T_sensor
         ends = self._ends @ pose[:3, :3].T + pose[:3, 3]

@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from handcart.robotics.geometry.transform import Transform
@@ -15,12 +14,12 @@ from handcart.robotics.kinematics.shapes import Hull, Shape, bottom
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.kinematics.urdf_frames import link_poses, triple
 from handcart.robotics.kinematics.urdf_reading import read_urdf
+from handcart.robotics.numerics.arrays import FloatArray
 
 WIDTH_RATIO = 0.4
 """Width of a disc as a share of its radius; a mesh's own width is unreliable, because some include motors."""
 MIN_AXLE_COSINE = 0.9
 """Least part of an axle along the base's y."""
-Vector = NDArray[np.float64]
 
 
 def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
@@ -52,15 +51,15 @@ def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def _axis(joint: Element) -> Vector:
+def _axis(joint: Element) -> FloatArray:
     axis = joint.find("axis")
     way = np.array([1.0, 0.0, 0.0] if axis is None else triple(axis, "xyz"))
     return np.asarray(way / np.linalg.norm(way))
 
 
 def _disc(
-    hulls: list[Hull], base_T_wheel: Transform, axis: Vector, tread: float
-) -> tuple[Vector, Vector, float] | None:
+    hulls: list[Hull], base_T_wheel: Transform, axis: FloatArray, tread: float
+) -> tuple[FloatArray, FloatArray, float] | None:
     """Return middle (3,) in [m] and axis (3,) of a disc in the wheel's frame, and its radius in [m].
 
     None for a wheel that is not upright.
@@ -80,12 +79,12 @@ def _posed(hull: Hull, base_T_wheel: Transform) -> Shape:
     return Hull(base_T_wheel @ hull.pose, hull.points, hull.name)
 
 
-def _corners(hulls: list[Hull]) -> Iterator[Vector]:
+def _corners(hulls: list[Hull]) -> Iterator[FloatArray]:
     """Corners (n, 3) in the wheel's frame."""
     return (each.points @ each.pose[:3, :3].T + each.pose[:3, 3] for each in hulls)
 
 
-def _put_disc(link: Element, middle: Vector, axis: Vector, radius: float) -> None:
+def _put_disc(link: Element, middle: FloatArray, axis: FloatArray, radius: float) -> None:
     for old in link.findall("collision"):
         link.remove(old)
     collision = SubElement(link, "collision")

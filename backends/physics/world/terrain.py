@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.robotics.numerics.arrays import FloatArray
 
 # [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
 CELL_M = 0.05
@@ -19,8 +19,6 @@ WAVE_COUNT = 48  # of which the ground is made
 WAVE_LENGTH_RATIOS = (2.0, 8.0)  # of them, in `roughness_length_m`
 STANDS_ON = 0.6  # [m]: length and width between the wheels over which roll and pitch are counted
 GROUND_FRICTION = 1.0
-
-Array = NDArray[np.float64]
 
 
 class Terrain:
@@ -45,7 +43,7 @@ class Terrain:
         """Existing tiles, in the order of their creation."""
         self.bodies: list[int] = []
 
-    def height(self, x: Array, y: Array) -> Array:
+    def height(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """(...,) at places (...,), all in [m]."""
         phases = x[..., None] * self._waves[0] + y[..., None] * self._waves[1] + self._phases
         return np.asarray(self._size * np.cos(phases).sum(axis=-1))

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.physics.engine.engine import Engine
-from handcart.backends.physics.engine.thing_form import Cuboid, Portrait, Sticks, ThingForm, Uvs, Wedge
-from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
+from handcart.backends.physics.engine.thing_form import Cuboid, Sticks, ThingForm, Uvs, Wedge
+from handcart.backends.simulation.world.thing import Side, Thing
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
 BOX_SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "+z", "-z")
@@ -59,15 +59,15 @@ class ThingBody:
         faces = self.thing.faces()
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
-    def first_picture(self) -> GreyImage:
+    def first_picture(self) -> ByteArray:
         """Return the picture of its faces at its creation."""
         return _picture(self.thing.faces(), self.thing.grey)
 
-    def printed(self) -> GreyImage:
+    def printed(self) -> ByteArray:
         """Return the picture of its faces for a close camera."""
         return self.first_picture()
 
-    def portrait(self) -> Portrait | None:
+    def portrait(self) -> ByteArray | None:
         """Return the coloured picture for people; None if all faces are plain."""
         faces, material = self.thing.faces(), self.thing.material
         if not faces:
@@ -83,7 +83,7 @@ class ThingBody:
         """Return whether it sleeps from the beginning until something touches it."""
         return False
 
-    def look(self, eye: NDArray[np.float64]) -> None:
+    def look(self, eye: FloatArray) -> None:
         """A picture is taken from `eye` (3,) in [m]; have it look as it should."""
         self.engine.show(self.id, self.first_picture())
 
@@ -104,7 +104,7 @@ def _part_of(number: int, printed: bool) -> Uvs:
     return ((left, 0.0), (right, 0.0), (right, 1.0), (left, 1.0))
 
 
-def _picture(faces: Mapping[Side, GreyImage], grey: int) -> GreyImage:
+def _picture(faces: Mapping[Side, ByteArray], grey: int) -> ByteArray:
     """All sides beside each other, each as wide and high as the largest picture of one."""
     shades = [min(255, round(grey * share)) for share in _SHADE]
     size = min(_MOST, max((max(each.shape) for each in faces.values()), default=_STRIP))
@@ -113,7 +113,7 @@ def _picture(faces: Mapping[Side, GreyImage], grey: int) -> GreyImage:
     )
 
 
-def _part(picture: GreyImage | None, shade: int, size: int) -> GreyImage:
+def _part(picture: ByteArray | None, shade: int, size: int) -> ByteArray:
     import cv2
 
     if picture is None:

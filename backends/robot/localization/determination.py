@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
 MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
@@ -36,7 +36,7 @@ class PoseNeed(NamedTuple):
         across = None if self.across is None else share * self.across
         return PoseNeed(share * self.position, share * self.heading, across, self.axis)
 
-    def axes(self, covariance: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def axes(self, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the directions along which a position is compared, and the limit of each.
 
         Args:
@@ -86,7 +86,7 @@ class Undetermined(NamedTuple):
 
 
 def undetermined(
-    covariance: NDArray[np.float64],
+    covariance: FloatArray,
     need: PoseNeed,
     off: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Undetermined | None:
@@ -110,7 +110,7 @@ def undetermined(
     return Undetermined(None, turn, need.heading) if turn > need.heading else None
 
 
-def room_left(covariance: NDArray[np.float64], need: PoseNeed) -> tuple[float, float]:
+def room_left(covariance: FloatArray, need: PoseNeed) -> tuple[float, float]:
     """Return what 3 sigma leave of a need: of the position where it leaves least, in [m], and of the heading.
 
     Args:
@@ -122,9 +122,9 @@ def room_left(covariance: NDArray[np.float64], need: PoseNeed) -> tuple[float, f
     return room, need.heading - DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
 
 
-def sigmas_along(covariance: NDArray[np.float64], axes: NDArray[np.float64]) -> NDArray[np.float64]:
+def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
     """Return (2,) sigmas of a position in [m] along (2, 2) unit vectors in columns."""
-    variances: NDArray[np.float64] = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)
+    variances: FloatArray = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)
     return np.sqrt(np.maximum(variances, 0.0))
 
 

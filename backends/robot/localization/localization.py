@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
@@ -21,6 +20,7 @@ from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
 from handcart.robotics.navigation.locating.scan_jump import ScanJump
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .lidar import Lidar, beams_of
 from .lost import Lost, lifted_by
@@ -111,17 +111,17 @@ class Localization(ABC):
         return self._wheels.odometry.displacement
 
     @property
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> FloatArray:
         """(3, 3) of x, y in [m] and heading in [rad]."""
         return self._wheels.covariance
 
     @property
-    def particles(self) -> NDArray[np.float64] | None:
+    def particles(self) -> FloatArray | None:
         """(3, n) x, y in [m], heading in [rad] of poses that it holds possible; None where it has none."""
         return None
 
     @property
-    def repeatability(self) -> NDArray[np.float64]:
+    def repeatability(self) -> FloatArray:
         """(3, 3) covariance of a pose compared with another one measured at the same place.
 
         Of x, y in [m] and heading in [rad], on the map. The map's error, which both poses share, is
@@ -241,7 +241,7 @@ class Localization(ABC):
         self.still = 0
         self.set_origin()
 
-    def locate(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+    def locate(self, pose: Pose2, covariance: FloatArray) -> None:
         """Take over map_T_base with its covariance (3, 3), in [m, m, rad]: the pose on the map is known."""
         assert self._map_field is not None
         self.local_map = self.lifted = None
@@ -298,7 +298,7 @@ class Localization(ABC):
         self.displacements += 1
         self.still = 0
 
-    def _fresh_points(self) -> NDArray[np.float64]:
+    def _fresh_points(self) -> FloatArray:
         """(n, 2) in [m] of this period's scan; none if it is stale: the same although the wheels rolled."""
         assert self._range_sensor is not None
         scan = self._range_sensor.scan()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
@@ -19,13 +18,11 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .localization import Localization
 from .lost import Lost
 from .sensed import Sensed
-
-Array = NDArray[np.float64]
-
 
 MAX_TRAVEL_WITHOUT_GYRO_M = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
 
@@ -33,7 +30,7 @@ MAX_TRAVEL_WITHOUT_GYRO_M = 0.15  # [m] that the wheels may roll while the gyros
 class OutdoorLocalization(Localization):
     """Filter of all outdoor sensors; scans are not compared with a map."""
 
-    STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": Array, "_felt_at": WheelTravel}
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": FloatArray, "_felt_at": WheelTravel}
     POSE_JUMPS: ClassVar[bool] = True
 
     def __init__(
@@ -80,16 +77,16 @@ class OutdoorLocalization(Localization):
 
     @property
     @override
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> FloatArray:
         return self._filter.covariance
 
     @property
     @override
-    def particles(self) -> Array | None:
+    def particles(self) -> FloatArray | None:
         return self._filter.particles
 
     @property
-    def repeatability(self) -> Array:
+    def repeatability(self) -> FloatArray:
         """See `Localization`: before the heading is known, poses are by wheels and gyros alone."""
         return self.covariance if self.heading_known else self._filter.displacement.covariance
 

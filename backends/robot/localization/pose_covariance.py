@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 SCAN_REPEATABILITY = np.diag([0.004, 0.004, 0.0015]) ** 2  # [m², rad²]: scatter of scan matches at one place
 
 
-def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
+def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
     """Return the sigma of a position along its worst direction in [m], and of the heading in [rad].
 
     Args:
@@ -21,12 +22,12 @@ def worst_sigmas(covariance: NDArray[np.float64]) -> tuple[float, float]:
     return math.sqrt(max(0.0, worst)), math.sqrt(max(0.0, turn))
 
 
-def repeatability_of(covariance: NDArray[np.float64], map_error: NDArray[np.float64]) -> NDArray[np.float64]:
+def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
     """Return `Localization.repeatability` (3, 3) of a pose by scans, `map_error` (3, 3) in its covariance."""
     return np.asarray(remove_part(covariance, map_error) + SCAN_REPEATABILITY)
 
 
-def remove_part(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
+def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
     """Subtract a part (3, 3) from a covariance (3, 3); no variance of the rest is negative."""
     rest = covariance - part
     if _is_positive(rest):
@@ -35,7 +36,7 @@ def remove_part(covariance: NDArray[np.float64], part: NDArray[np.float64]) -> N
     return np.asarray((axes * np.maximum(variances, 0.0)) @ axes.T)
 
 
-def _is_positive(matrix: NDArray[np.float64]) -> bool:
+def _is_positive(matrix: FloatArray) -> bool:
     """Return whether a symmetric matrix (3, 3) has no variance of 0 or below: its leading minors."""
     (a, _, _), (b, c, _), (d, e, f) = matrix.tolist()
     minor = a * c - b * b

@@ -6,7 +6,6 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
@@ -15,6 +14,7 @@ from handcart.backends.plain_values import Kinds, attributes
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
 from handcart.robotics.navigation.localization.start_search import SURE_FIT
 from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .lidar import MIN_ECHOES, Lidar, beams_of
 from .localization import Localization
@@ -25,7 +25,7 @@ from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
 class ScanLocalization(Localization):
     """Wheels carry the pose on, scans correct it."""
 
-    STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": NDArray[np.float64]}
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": FloatArray}
 
     def __init__(self, backend: Backend, matching: ScanLocalizer, lidar: RangeSensor | None) -> None:
         """Begin with a robot at rest, and match a scan at once."""
@@ -40,7 +40,7 @@ class ScanLocalization(Localization):
 
     @property
     @override
-    def repeatability(self) -> NDArray[np.float64]:
+    def repeatability(self) -> FloatArray:
         return repeatability_of(self.covariance, self._matching.map_error)
 
     @property
@@ -104,7 +104,7 @@ class ScanLocalization(Localization):
         super().set_state(state)
 
 
-def _turned(heading: float) -> NDArray[np.float64]:
+def _turned(heading: float) -> FloatArray:
     """(3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
     cos, sin = math.cos(heading), math.sin(heading)
     return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

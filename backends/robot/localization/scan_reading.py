@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.description.range_spec import RangeSpec
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 WITHIN_FOOTPRINT_M = 0.05
 """Inside the footprint's edge by at least this much, a return is the robot itself, or dirt on the lidar."""
@@ -48,9 +48,9 @@ def _least_sound(raw: Scan, spec: RangeSpec, footprint_radius: float) -> float:
     return max(0.0, spec.range_min_m, within)
 
 
-def _missing(ranges: NDArray[np.float64], spec: RangeSpec) -> NDArray[np.bool_]:
+def _missing(ranges: FloatArray, spec: RangeSpec) -> BoolArray:
     """(n,) of which beams nothing came back."""
-    missing: NDArray[np.bool_] = ranges > spec.reach_m
+    missing: BoolArray = ranges > spec.reach_m
     if "zero" in spec.no_return:
         missing |= np.isfinite(ranges) & (ranges <= 0.0)
     if "below_min" in spec.no_return:
@@ -60,7 +60,7 @@ def _missing(ranges: NDArray[np.float64], spec: RangeSpec) -> NDArray[np.bool_]:
     return missing
 
 
-def _within(raw: Scan, radius: float) -> NDArray[np.bool_]:
+def _within(raw: Scan, radius: float) -> BoolArray:
     """(n,) which readings end within a radius of the base's middle, in [m]."""
     mount = raw.base_T_sensor
     reach = np.where(np.isfinite(raw.ranges), raw.ranges, 1e6)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.capabilities.gps import Fix
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Sensed(NamedTuple):
     """Outdoor readings of the last period."""
 
-    rates: NDArray[np.float64]
+    rates: FloatArray
     """(3,) of the gyros, in [rad/s]."""
-    accelerations: NDArray[np.float64]
+    accelerations: FloatArray
     """(3,) in [m/s²]."""
-    rolled: NDArray[np.float64]
+    rolled: FloatArray
     """(2,) by the left and right wheel, in [m]."""
     fix: Fix | None
-    ranges: NDArray[np.float64] | None = None
+    ranges: FloatArray | None = None
     """(k,) to the beacons, in [m]; NaN of those that weren't heard."""

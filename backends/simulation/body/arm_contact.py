@@ -7,7 +7,6 @@ from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest, Thing
@@ -15,8 +14,9 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
+from handcart.robotics.numerics.arrays import FloatArray, IndexArray, IntArray
 
-from .near_pairs import Boxes, Pairs, near_boxes, near_spheres
+from .near_pairs import Boxes, near_boxes, near_spheres
 from .rigid_body import RigidBody, meet
 
 LOAD_NAME = "load"
@@ -33,9 +33,9 @@ class _Bodies(NamedTuple):
 
     names: list[str]
     geometry: list[RigidBody]
-    poses: NDArray[np.float64]
+    poses: FloatArray
     """(b, 4, 4) in the world."""
-    radii: NDArray[np.float64]
+    radii: FloatArray
     """(b,) of the spheres about them, in [m]."""
 
     def and_more(self, others: _Bodies) -> _Bodies:
@@ -51,12 +51,12 @@ class _Bodies(NamedTuple):
 class _Links(NamedTuple):
     """Some links of the robot."""
 
-    numbers: NDArray[np.intp]
+    numbers: IndexArray
     names: list[str]
     geometry: list[RigidBody]
-    radii: NDArray[np.float64]
+    radii: FloatArray
 
-    def posed(self, poses: NDArray[np.float64]) -> _Bodies:
+    def posed(self, poses: FloatArray) -> _Bodies:
         """Return the bodies with all links at these poses, (g, 4, 4)."""
         return _Bodies(self.names, self.geometry, poses[self.numbers], self.radii)
 
@@ -109,9 +109,9 @@ class ArmContact:
         self._stood: dict[str, tuple[Transform, Box]] = {}
         self._changes = -1
         self._reach: tuple[object, float] = (None, 0.0)
-        self._last_poses: dict[bytes, NDArray[np.float64]] = {}
+        self._last_poses: dict[bytes, FloatArray] = {}
 
-    def deepest_of_robot(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
+    def deepest_of_robot(self, base: Pose2, joints: FloatArray, skip: Skip | None = None) -> Touch:
         """Return the deepest overlap of the arm, the parts mounted on the base and its load, which move with
         the base.
         """
@@ -132,7 +132,7 @@ class ArmContact:
 
         return self._deepest(bodies, self._near(bodies), left_out)
 
-    def deepest_of_arm(self, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
+    def deepest_of_arm(self, joints: FloatArray, skip: Skip | None = None) -> Touch:
         """Return the deepest overlap of the arm at these joints, with the base at its current pose.
 
         The robot's own tray and its load count as obstacles; `skip(body, other)` excludes pairs.
@@ -152,12 +152,12 @@ class ArmContact:
         """
         return body in self._on_hand
 
-    def _far(self, base: Pose2, joints: NDArray[np.float64]) -> bool:
+    def _far(self, base: Pose2, joints: FloatArray) -> bool:
         """Return whether all solid bodies of the room are beyond the arm's reach."""
         plan = self._scene.full_plan
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
-    def travel(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
+    def travel(self, start: FloatArray, end: FloatArray) -> float:
         """Return the approximate largest travel of any link's middle between two postures, in [m]."""
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
         return math.sqrt(((after - before) ** 2).sum(axis=1).max(initial=0.0))
@@ -180,7 +180,7 @@ class ArmContact:
             reach = max(reach, float(np.hypot(*middle[:2]) + np.linalg.norm(thing.size[:2]) / 2))
         return reach
 
-    def _extent(self, joints: NDArray[np.float64]) -> float:
+    def _extent(self, joints: FloatArray) -> float:
         """Radius about the base's centre that the arm and its load stay in, in [m], on the safe side."""
         key = (joints.tobytes(), self._scene.held)
         if self._reach[0] != key:
@@ -199,9 +199,7 @@ class ArmContact:
         names, geometry = [self._names[i] for i in links], [self._geometry[i] for i in links]
         return _Links(np.array(links, dtype=np.intp), names, geometry, self._radius[links])
 
-    def _moved(
-        self, world_T_base: Transform, poses: NDArray[np.float64], joints: NDArray[np.float64]
-    ) -> _Bodies:
+    def _moved(self, world_T_base: Transform, poses: FloatArray, joints: FloatArray) -> _Bodies:
         """Return the moved links, the fingers at their opening, and the held object."""
         links = self._moved_links.posed(poses)
         for g, i in self._fingers:
@@ -210,7 +208,7 @@ class ArmContact:
         held = self._held(world_T_base, joints)
         return links if held is None else links.and_more(held)
 
-    def _link_poses(self, joints: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _link_poses(self, joints: FloatArray) -> FloatArray:
         """base_T_link (g, 4, 4): asked several times in a period for the same joints."""
         key = joints.tobytes()
         if key not in self._last_poses:
@@ -219,7 +217,7 @@ class ArmContact:
             self._last_poses[key] = self._arm.link_poses(joints)
         return self._last_poses[key]
 
-    def _held(self, world_T_base: Transform, joints: NDArray[np.float64]) -> _Bodies | None:
+    def _held(self, world_T_base: Transform, joints: FloatArray) -> _Bodies | None:
         thing = self._scene.held
         if thing is None:
             return None
@@ -229,12 +227,12 @@ class ArmContact:
             [LOAD_NAME], [RigidBody.box(size)], pose[None], np.array([float(np.linalg.norm(size)) / 2])
         )
 
-    def _near(self, bodies: _Bodies) -> Pairs:
+    def _near(self, bodies: _Bodies) -> IntArray:
         """Bodies, and the numbers of those boxes that may be in their way."""
         there = (self._appears <= self._scene.time) & (self._scene.time < self._leaves)
         return near_boxes(bodies.poses, bodies.radii, self._arrays, there)
 
-    def _deepest(self, bodies: _Bodies, near: Pairs, skip: Skip | None) -> Touch:
+    def _deepest(self, bodies: _Bodies, near: IntArray, skip: Skip | None) -> Touch:
         """The deepest overlap among those pairs of bodies and boxes."""
         worst = NO_TOUCH
         for g, n in near.tolist():
@@ -246,7 +244,7 @@ class ArmContact:
                 worst = Touch(met.depth, name, box.name, met.normal, met.point)
         return worst
 
-    def _against_robot(self, bodies: _Bodies, poses: NDArray[np.float64]) -> Touch:
+    def _against_robot(self, bodies: _Bodies, poses: FloatArray) -> Touch:
         """The deepest overlap of the hand and what it holds with what of the robot the arm doesn't move."""
         hands = self._hands + list(range(len(self._links), len(bodies.names)))
         near = near_spheres(bodies.poses[hands], bodies.radii[hands], poses[self._own], self._own_radii)

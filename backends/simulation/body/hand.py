@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule
 from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .arm_contact import LOAD_NAME, NO_TOUCH, ArmContact, Touch
 from .sliding import push_out, slide
@@ -19,8 +19,6 @@ _GRAZES = 0.003  # [m]
 _HALVINGS = 7
 _PUSHES = 3  # by which a hand that slid is put back out of what it meets
 _CLEAR = 1e-5  # [m]
-
-Vector = NDArray[np.float64]
 
 
 class SimulatedHand:
@@ -45,7 +43,7 @@ class SimulatedHand:
 
     # Motion
 
-    def move(self, target: Vector) -> frozenset[tuple[str, str]]:
+    def move(self, target: FloatArray) -> frozenset[tuple[str, str]]:
         """Strive for the joint angles `target` (n,) in [rad], coming from `scene.joints`.
 
         Sets joints, the pose of what is held and the force; gives the pairs that touch.
@@ -85,7 +83,9 @@ class SimulatedHand:
         if self.scene.held is not None:
             self.carry(self.scene.joints)
 
-    def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
+    def _stop_at_solids(
+        self, start: FloatArray, target: FloatArray
+    ) -> tuple[FloatArray, frozenset[tuple[str, str]]]:
         """Return how far the straight joint line is free; the hand then slides along the obstacle.
 
         A motion that reduces an overlap is always free.
@@ -105,7 +105,7 @@ class SimulatedHand:
         stands = start + free * (target - start)
         return self._slide(stands, target, there), frozenset({(there.body, there.other)})
 
-    def _slide(self, stands: Vector, target: Vector, met: Touch) -> Vector:
+    def _slide(self, stands: FloatArray, target: FloatArray, met: Touch) -> FloatArray:
         """Return the joints at which a touching arm that is commanded further comes to rest; `stands` if it
         sticks.
         """
@@ -125,7 +125,7 @@ class SimulatedHand:
         free, _, there = self._first_hit(stands, end)
         return end if there.depth == 0.0 else stands + free * (end - stands)
 
-    def _first_hit(self, start: Vector, target: Vector) -> tuple[float, float, Touch]:
+    def _first_hit(self, start: FloatArray, target: FloatArray) -> tuple[float, float, Touch]:
         """Return the first overlap on the line from `start` to `target`, in steps too short to miss a thin
         board.
 
@@ -147,7 +147,7 @@ class SimulatedHand:
         """Pairs that a rule decides instead of rigid geometry."""
         return any(rule.decides(body, other) for rule in self.rules.values())
 
-    def _reaction(self, target: Vector, posture: Vector, pushed: float) -> Vector:
+    def _reaction(self, target: FloatArray, posture: FloatArray, pushed: float) -> FloatArray:
         """Return the force in the hand frame, from the distance between the arm's command and its posture."""
         if posture is target:
             return np.zeros(3)
@@ -159,7 +159,7 @@ class SimulatedHand:
         size = float(np.linalg.norm(force))
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
-    def carry(self, start: Vector) -> Vector:
+    def carry(self, start: FloatArray) -> FloatArray:
         """Place what is held with the hand. Gives the force on the hand of what keeps it from going along."""
         scene, thing = self.scene, self.scene.held
         assert thing is not None

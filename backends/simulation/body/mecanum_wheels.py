@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 SIDEWAYS_SIGNS = np.array([-1.0, 1.0, 1.0, -1.0])
 """Of the wheels' travel when the base drives to the left: front left, front right, rear left, rear right."""
@@ -49,7 +49,7 @@ class MecanumWheels:
         cos, sin = math.cos(half), math.sin(half)
         return Pose2(chord * (cos * ahead - sin * left), chord * (sin * ahead + cos * left), turn)
 
-    def twist(self, way: WheelTravel, period: int) -> NDArray[np.float64]:
+    def twist(self, way: WheelTravel, period: int) -> FloatArray:
         """(3,) true travel ahead and to the left in [m], and turn in [rad]; see `motion`."""
         ahead, turned = 0.5 * (way.left + way.right), 0.5 * (way.right - way.left)
         rims = ahead + way.sideways * SIDEWAYS_SIGNS + turned * TURN_SIGNS

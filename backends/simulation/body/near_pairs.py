@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 from handcart.robotics.numerics.compiled import compiled_for
-
-Floats = NDArray[np.float64]
-Pairs = NDArray[np.int64]
-"""(m, 2): numbers of a body and of what it is near, those of the first body first."""
 
 
 class Boxes:
     """Fixed boxes, as arrays."""
 
-    def __init__(self, sizes: Floats, poses: Floats) -> None:
+    def __init__(self, sizes: FloatArray, poses: FloatArray) -> None:
         """Take them in: sizes (n, 3) in [m], poses (n, 4, 4)."""
         self.middles = np.ascontiguousarray(poses[:, :3, 3])
         self.turns = np.ascontiguousarray(poses[:, :3, :3])
         self.halves = 0.5 * sizes
 
 
-def near_boxes(poses: Floats, radii: Floats, boxes: Boxes, there: NDArray[np.bool_]) -> Pairs:
-    """Pairs of a body and a box that the sphere about the body reaches.
+def near_boxes(poses: FloatArray, radii: FloatArray, boxes: Boxes, there: BoolArray) -> IntArray:
+    """Return the pairs (m, 2) of a body and a box that the sphere about the body reaches.
+
+    A row holds the number of the body, then that of the box.
 
     Args:
         poses: (b, 4, 4) of the bodies.
@@ -35,8 +33,19 @@ def near_boxes(poses: Floats, radii: Floats, boxes: Boxes, there: NDArray[np.boo
 
 
 @compiled_for("(f8[:,:,::1], f8[::1], f8[:,:,::1], f8[::1])")
-def near_spheres(poses: Floats, radii: Floats, others: Floats, other_radii: Floats) -> Pairs:
-    """Pairs of bodies, posed (b, 4, 4) and (n, 4, 4), whose spheres (b,) and (n,) about them meet."""
+def near_spheres(
+    poses: FloatArray, radii: FloatArray, others: FloatArray, other_radii: FloatArray
+) -> IntArray:
+    """Return the pairs (m, 2) of bodies whose spheres about their origins meet.
+
+    A row holds the number of a body of the first group, then that of one of the second.
+
+    Args:
+        poses: (b, 4, 4) of the first group, in any common frame.
+        radii: (b,) of their spheres, in [m].
+        others: (n, 4, 4) of the second group.
+        other_radii: (n,) of their spheres, in [m].
+    """
     pairs = np.empty((len(radii) * len(other_radii), 2), dtype=np.int64)
     count = 0
     for i in range(len(radii)):
@@ -52,8 +61,13 @@ def near_spheres(poses: Floats, radii: Floats, others: Floats, other_radii: Floa
 
 @compiled_for("(f8[:,:,::1], f8[::1], f8[:,::1], f8[:,:,::1], f8[:,::1], b1[::1])")
 def _near_boxes(
-    poses: Floats, radii: Floats, middles: Floats, turns: Floats, halves: Floats, there: NDArray[np.bool_]
-) -> Pairs:
+    poses: FloatArray,
+    radii: FloatArray,
+    middles: FloatArray,
+    turns: FloatArray,
+    halves: FloatArray,
+    there: BoolArray,
+) -> IntArray:
     pairs = np.empty((len(radii) * len(there), 2), dtype=np.int64)
     count = 0
     for i in range(len(radii)):

@@ -6,13 +6,13 @@ from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.libraries import fcl, pin
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from handcart.robotics.numerics.arrays import FloatArray
 
 MIN_DEPTH_M = 1e-9  # [m]
 
@@ -32,7 +32,7 @@ class RigidBody(NamedTuple):
         return cls(fcl_body(shape), coal_body(shape))
 
     @classmethod
-    def box(cls, size: NDArray[np.float64]) -> Self:
+    def box(cls, size: FloatArray) -> Self:
         """Return a box of that size (3,) in [m] around its middle."""
         x, y, z = size.tolist()
         return cls(*_box(x, y, z))
@@ -107,7 +107,7 @@ def _box(x: float, y: float, z: float) -> RigidBody:
 
 @lru_cache(maxsize=256)
 def _convex(points: bytes, count: int) -> object:
-    corners: NDArray[np.float64] = np.frombuffer(points).reshape(count, 3)
+    corners: FloatArray = np.frombuffer(points).reshape(count, 3)
     hull = ConvexHull(corners, qhull_options="QJ")
     sides = np.insert(hull.simplices, 0, 3, axis=1)  # FCL wants how many corners a side has before them
     return fcl.Convex(corners.copy(), len(sides), sides.ravel())

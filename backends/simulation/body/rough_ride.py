@@ -6,7 +6,6 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
@@ -14,6 +13,7 @@ from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.far import Far
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE
+from handcart.robotics.numerics.arrays import FloatArray
 
 SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is another
 
@@ -26,7 +26,7 @@ class RoughRide:
 
     STATE: ClassVar = {
         "tilt": tuple[float, float],
-        "_waves": NDArray[np.float64],
+        "_waves": FloatArray,
         "_slip": float,
         "_side": float,
         "_turn_slip": float,
@@ -41,7 +41,7 @@ class RoughRide:
         scale, *waves = keyed(seed, "ground").standard_normal(5).tolist()
         self._scale = self._errs * ground.scale_percent / 100 * scale
         self._rough = math.radians(ground.roughness_deg)
-        self._waves: NDArray[np.float64] = math.sqrt(2.0) * self._rough * np.array(waves[:2])
+        self._waves: FloatArray = math.sqrt(2.0) * self._rough * np.array(waves[:2])
         self.tilt = (float(self._waves[0]) / 2.0, float(self._waves[1]) / 2.0)
         self._slip = self._errs * ground.slip_percent / 100 * waves[2]
         self._side = self._errs * math.radians(ground.side_slip_deg) * waves[3]

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
@@ -21,11 +20,10 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 _DAMPING = 1e-8 * np.eye(6)
 _GIVES = 5e-3  # [rad] by which joints give together at most
-
-Vector = NDArray[np.float64]
 
 
 class CommandedBase(Base):
@@ -73,19 +71,19 @@ class SimulatedArm(Arm):
     """
 
     STATE: ClassVar[Kinds] = {
-        "_command": Vector,
-        "_from": Vector,
+        "_command": FloatArray,
+        "_from": FloatArray,
         "_motions": int,
         "_moving": bool,
-        "_set_out": Vector,
+        "_set_out": FloatArray,
         "swung": bool,
-        "_offset": Vector,
-        "_readings": dict[str, tuple[int, Vector]],
+        "_offset": FloatArray,
+        "_readings": dict[str, tuple[int, FloatArray]],
         "_now": int,
     }
     """Attributes that a checkpoint keeps, with their types."""
 
-    def __init__(self, robot: RobotFile, model: ArmModel, stands: Vector, seed: int) -> None:
+    def __init__(self, robot: RobotFile, model: ArmModel, stands: FloatArray, seed: int) -> None:
         """Begin with encoders that read `stands` (n,) in [rad]."""
         self._model, self._errors, self._seed = model, robot.errors, seed
         top = np.inf if robot.arm is None else robot.joint_speeds()
@@ -98,33 +96,33 @@ class SimulatedArm(Arm):
         """True if a swing of the arm ended in this period: `is_swing`."""
         self._error = ArmError(robot.errors, model, seed)
         self._offset = self._error.offset(self._command, 0)
-        self._readings = dict[str, tuple[int, Vector]]()
+        self._readings = dict[str, tuple[int, FloatArray]]()
         self._now = 0
 
     @abstractmethod
-    def true_joints(self) -> Vector:
+    def true_joints(self) -> FloatArray:
         """Return the true joint angles, (n,) in [rad]."""
 
     @abstractmethod
-    def _true_force(self) -> Vector:
+    def _true_force(self) -> FloatArray:
         """Return the true force on the hand, (3,) in [N] in its frame."""
 
     @override
-    def move(self, joints: Vector) -> None:
+    def move(self, joints: FloatArray) -> None:
         self._command = checked_joints(self._model, joints, self._from, self._most)
 
     @override
-    def command(self) -> Vector:
+    def command(self) -> FloatArray:
         return self._command.copy()
 
     @override
-    def joints(self) -> Vector:
+    def joints(self) -> FloatArray:
         return self._read(
             "joints", lambda: self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3
         )
 
     @override
-    def hand_force(self) -> Vector:
+    def hand_force(self) -> FloatArray:
         return self._read("hand force", self._true_force, self._errors.hand_force_n)
 
     def halt(self) -> None:
@@ -149,11 +147,11 @@ class SimulatedArm(Arm):
         self._moving = changed
         return changed
 
-    def _hand_on_floor(self) -> Vector:
+    def _hand_on_floor(self) -> FloatArray:
         """x and y (2,) of the hand in the base frame where it is commanded to, in [m]."""
         return self._model.forward(self._from)[:2, 3].copy()
 
-    def _read(self, sensor: str, truth: Callable[[], Vector], sigma: float) -> Vector:
+    def _read(self, sensor: str, truth: Callable[[], FloatArray], sigma: float) -> FloatArray:
         last = self._readings.get(sensor)
         if last is None or last[0] != self._now:
             true = truth()
@@ -220,7 +218,7 @@ class ArmError:
         self._drawn = (-1, np.zeros(0), np.zeros(3))
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
-    def offset(self, joints: Vector, motion: int) -> Vector:
+    def offset(self, joints: FloatArray, motion: int) -> FloatArray:
         """(n,) in [rad] at the commanded `joints` (n,), in the arm's motion of that number."""
         _, offset, wrong = self._draw(motion, len(joints))
         if not self._of_hand:
@@ -237,7 +235,7 @@ class ArmError:
             gives *= _GIVES / most
         return np.asarray(offset + gives)
 
-    def _draw(self, motion: int, dof: int) -> tuple[int, Vector, Vector]:
+    def _draw(self, motion: int, dof: int) -> tuple[int, FloatArray, FloatArray]:
         """Return the errors of one motion: of the joints in [rad], of the hand in [mm]."""
         if self._drawn[0] != motion:
             errors, rng = self._errors, keyed(self._seed, "joint repeatability", motion)

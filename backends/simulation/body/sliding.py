@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 HAND_FRICTION = 0.4
 """Coulomb's coefficient between the hand, or what it holds, and what it meets."""
 _ROUNDS = 3  # of Newton's method
 _DAMPING = 1e-6
 
-Vector = NDArray[np.float64]
 
-
-def slide(arm: ArmModel, stands: Vector, target: Vector, point: Vector, normal: Vector) -> Vector | None:
+def slide(
+    arm: ArmModel, stands: FloatArray, target: FloatArray, point: FloatArray, normal: FloatArray
+) -> FloatArray | None:
     """Return the joints at which an arm with its hand on a surface comes to rest on its way to `target`.
 
     The arm is a spring of equal stiffness in all directions. Pressed in by a depth, the hand sticks while
@@ -47,12 +47,12 @@ def slide(arm: ArmModel, stands: Vector, target: Vector, point: Vector, normal: 
     return joints
 
 
-def push_out(arm: ArmModel, joints: Vector, way: Vector) -> Vector:
+def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
     """Return the joints (n,) with the hand moved by `way` (3,) in the base frame, in [m], unturned."""
     return np.clip(joints + _moved_by(arm, joints, way), arm.lower, arm.upper)
 
 
-def _moved_by(arm: ArmModel, joints: Vector, way: Vector) -> Vector:
+def _moved_by(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
     """Joint steps (n,) that move the hand by a way and don't turn it, by damped least squares."""
     J = arm.jacobian(joints)
     twist = np.concatenate((way, np.zeros(3)))

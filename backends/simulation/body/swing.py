@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.robotics.numerics.arrays import FloatArray
 
 
-def is_swing(errors: Errors, loaded: bool, start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
+def is_swing(errors: Errors, loaded: bool, start: FloatArray, end: FloatArray) -> bool:
     """Return whether a finished motion of the arm was a swing, under which casters and tyres yield.
 
     Args:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.simulation.noise.keyed_noise import keyed
@@ -16,6 +15,7 @@ from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .book import SimulatedBook
 from .book_rest import book_rest
@@ -116,7 +116,7 @@ class BookProps(BooksThere):
 
     # In physics
 
-    def awake(self, hand: NDArray[np.float64]) -> Iterable[SimulatedBook]:
+    def awake(self, hand: FloatArray) -> Iterable[SimulatedBook]:
         """See `Props`: the rows within reach, and what is in none."""
         away = np.linalg.norm(self._places - hand, axis=1)
         near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE_DISTANCE_M}

@@ -9,13 +9,13 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.canvas import Canvas
 from handcart.backends.simulation.world.painting import SIDE_CORNERS, SIDE_NORMALS, Painted, paint_box
-from handcart.backends.simulation.world.thing import GreyImage, Rest
+from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .book import SimulatedBook
 from .books_there import BooksThere
@@ -140,7 +140,7 @@ def _board_edge(canvas: Canvas, shelf: SimulatedShelf) -> None:
     canvas.polygon(_in_world(shelf, corners), WOOD_GREY + 20)
 
 
-def _in_world(shelf: SimulatedShelf, corners: tuple[tuple[float, float, float], ...]) -> NDArray[np.float64]:
+def _in_world(shelf: SimulatedShelf, corners: tuple[tuple[float, float, float], ...]) -> FloatArray:
     return np.asarray(np.array(corners, dtype=float) @ shelf.pose[:3, :3].T + shelf.pose[:3, 3])
 
 
@@ -166,7 +166,7 @@ def _book(canvas: Canvas, book: SimulatedBook, shelf: SimulatedShelf | None) -> 
         canvas.texture(spine_levels(book.spec), face, shade)
 
 
-def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: NDArray[np.float64]) -> float | None:
+def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: FloatArray) -> float | None:
     """Return where a glossy spine mirrors a window to the eye, 0 to 1 from its left; None: nowhere."""
     if shelf is None or book.spec.gloss == 0.0:
         return None
@@ -176,7 +176,7 @@ def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: NDArray[np
     return 0.5 - 0.5 * bent if abs(bent) < 1.0 else None
 
 
-def _lit(picture: GreyImage, light: float, streak: float | None, gloss: float) -> GreyImage:
+def _lit(picture: ByteArray, light: float, streak: float | None, gloss: float) -> ByteArray:
     """A spine deeper in a shelf is darker; a mirrored window is a bright streak along it."""
     if light > 0.999 and streak is None:
         return picture
@@ -211,7 +211,7 @@ def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light:
 
 
 @lru_cache(maxsize=512)
-def spine_levels(spec: BookSpec) -> list[tuple[GreyImage, float]]:
+def spine_levels(spec: BookSpec) -> list[tuple[ByteArray, float]]:
     """A book's spine in falling resolution, each with its metres a pixel."""
     shown = None if spec.tag == "none" else spec.accession
     picture = draw_spine(

@@ -10,10 +10,11 @@ from typing_extensions import override
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.arm_contact import FINGER_LINKS, LOAD_NAME
-from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule, Met, Vector
+from handcart.backends.simulation.world.hand_rule import ARM_STIFFNESS_N_M, FORCE_CAP, HandRule, Met
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .book import SimulatedBook
 from .books_there import BooksThere
@@ -78,7 +79,7 @@ class RowRule(HandRule):
         self._entrance.count = count
 
     @override
-    def aim(self, joints: Vector) -> None:
+    def aim(self, joints: FloatArray) -> None:
         self._front = self.front(joints)
         self._follow_entry(self._front)
 
@@ -92,10 +93,10 @@ class RowRule(HandRule):
         return other.startswith(("book ", "left panel", "right panel"))
 
     @override
-    def meet(self, start: Vector, joints: Vector) -> Met:
+    def meet(self, start: FloatArray, joints: FloatArray) -> Met:
         return Met(joints) if self._front is None else self._stop_at_row(self._front, start, joints)
 
-    def carry(self, thing: Thing, world_T_hand: Transform, start: Vector) -> Vector:
+    def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
         """See `HandRule`: a book in its slot aligns; gives the slot's force on the hand."""
         self.strain = 0.0
         if self.entry is None or not self.entry.admitted or not isinstance(thing, SimulatedBook):
@@ -139,7 +140,7 @@ class RowRule(HandRule):
         self.entry = None
         return slot
 
-    def front(self, joints: Vector) -> Front | None:
+    def front(self, joints: FloatArray) -> Front | None:
         """The shelf right before the hand, if the hand points into one."""
         world_T_hand = self._scene.world_T_base @ self._arm.forward(joints)
         for shelf in self._books.shelves.values():
@@ -175,7 +176,7 @@ class RowRule(HandRule):
         front = min(right.front, left.front)
         return Entry(shelf, FreeInterval(right.left, left.right, front), True) if edge > front else None
 
-    def _stop_at_row(self, front: Front, start: Vector, target: Vector) -> Met:
+    def _stop_at_row(self, front: Front, start: FloatArray, target: FloatArray) -> Met:
         scene, shelf = self._scene, front.shelf
         S_T_base = shelf.inverse_pose @ scene.world_T_base
         before, after = S_T_base @ self._arm.forward(start), S_T_base @ self._arm.forward(target)

@@ -9,17 +9,15 @@ from pathlib import Path
 import cv2
 import matplotlib
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from handcart.robotics.numerics.arrays import ByteArray, SingleArray
 from handcart.robotics.perception.landmarks.tag_family import (
     DEFAULT_FAMILY,
     TagFamily,
     dictionary,
     modules_of,
 )
-
-GreyImage = NDArray[np.uint8]
 
 PX_PER_MM = 8
 TAG_SIZE_MM = 10.0  # side of the black square
@@ -60,7 +58,7 @@ def draw_spine(
     family: TagFamily = DEFAULT_FAMILY,
     label_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
-) -> GreyImage:
+) -> ByteArray:
     """A spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm` pixels a
     mm.
 
@@ -91,7 +89,7 @@ def draw_label(
     px_per_mm: int = PX_PER_MM,
     width_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
-) -> NDArray[np.float32]:
+) -> SingleArray:
     """The paper label with `text` turned 90 degrees clockwise (it reads top to bottom), `width_mm` across the
     spine, on one line or each word on its own.
 
@@ -144,7 +142,7 @@ def _face(font: str, cap_height_px: float) -> ImageFont.FreeTypeFont:
 
 def _cover(
     width_mm: float, height_mm: float, grey: int, px_per_mm: int, rng: np.random.Generator
-) -> NDArray[np.float32]:
+) -> SingleArray:
     """Cloth: grain of about half a millimetre, and slow stains."""
     height, width = round(height_mm * px_per_mm), round(width_mm * px_per_mm)
     grain = rng.normal(0.0, 4.0, (max(2, height // (px_per_mm // 2)), max(2, width // (px_per_mm // 2))))
@@ -155,7 +153,7 @@ def _cover(
     return cover
 
 
-def _decorate(spine: NDArray[np.float32], height_mm: float, px_per_mm: int, rng: np.random.Generator) -> None:
+def _decorate(spine: SingleArray, height_mm: float, px_per_mm: int, rng: np.random.Generator) -> None:
     """Bands across the spine, and a title along it, between tag and label."""
     grey = float(np.median(spine))
     contrast = 70.0 if grey < 120.0 else -70.0
@@ -175,7 +173,7 @@ def _decorate(spine: NDArray[np.float32], height_mm: float, px_per_mm: int, rng:
     spine[top : top + room, left : left + across] += np.float32(contrast) * mask
 
 
-def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> NDArray[np.float32]:
+def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> SingleArray:
     side, quiet = round(TAG_SIZE_MM * px_per_mm), round(TAG_QUIET_MM * px_per_mm)
     # Its modules may not divide the side: drawn large and averaged down, their edges stand where they should.
     marker = cv2.aruco.generateImageMarker(dictionary(family), tag_id, modules_of(family) * side).astype(
@@ -188,7 +186,7 @@ def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> NDArray[np.float32]:
     )
 
 
-def _smeared(tag: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
+def _smeared(tag: SingleArray, rng: np.random.Generator) -> SingleArray:
     """The tag after a wet thumb: ink dragged slantwise across it."""
     side = tag.shape[0]
     drag = np.zeros((side | 1, side | 1), dtype=np.float32)
@@ -201,13 +199,13 @@ def _smeared(tag: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.f
     return blurred.astype(np.float32)
 
 
-def _paste(spine: NDArray[np.float32], patch: NDArray[np.float32], centre_row: float) -> None:
+def _paste(spine: SingleArray, patch: SingleArray, centre_row: float) -> None:
     height, width = patch.shape
     top, left = round(centre_row - height / 2), (spine.shape[1] - width) // 2
     spine[top : top + height, left : left + width] = patch
 
 
-def _round_edges(spine: NDArray[np.float32], px_per_mm: int) -> None:
+def _round_edges(spine: SingleArray, px_per_mm: int) -> None:
     """A spine turns away from the light at its two long edges."""
     width = spine.shape[1]
     inward = (np.minimum(np.arange(width), np.arange(width)[::-1]) + 0.5) / (_ROUNDING_MM * px_per_mm)

@@ -7,19 +7,17 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.board_layout import BoardLayout
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.landmarks.landmark import INK, PAPER, draw_landmark
 
 from .spec import MarkSpec
 
 PAPER_MARGIN_M = 0.01  # of paper about what is painted [m]
 M_PER_PX = 1.25e-4
-
-GreyImage = NDArray[np.uint8]
 
 
 class Mark(Sheet):
@@ -31,7 +29,7 @@ class Mark(Sheet):
 
 
 @lru_cache(maxsize=64)
-def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[GreyImage, float]]:
+def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[ByteArray, float]]:
     picture = (
         draw_landmark(size_mm / 1e3, PAPER_MARGIN_M, M_PER_PX)
         if kind == "landmark"
@@ -44,18 +42,18 @@ def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[GreyIma
     return [levels[0], *((_smooth(each), metres) for each, metres in levels[1:])]
 
 
-def _smooth(picture: GreyImage) -> GreyImage:
+def _smooth(picture: ByteArray) -> ByteArray:
     """Edges a pixel wide, so that sampling between pixels doesn't displace them."""
     return cv2.GaussianBlur(picture, (0, 0), 1.0).astype(np.uint8, copy=False)
 
 
-def _other(kind: str, size_mm: float, board: BoardLayout) -> GreyImage:
+def _other(kind: str, size_mm: float, board: BoardLayout) -> ByteArray:
     """A calibration board, a full square, a disc, or a square's outline."""
     margin = round(PAPER_MARGIN_M / M_PER_PX)
     if kind == "board":
         return np.pad(board.board(size_mm).draw(M_PER_PX), margin, constant_values=PAPER)
     side = round(size_mm / 1e3 / M_PER_PX)
-    ink: GreyImage = np.full((side, side), INK, dtype=np.uint8)
+    ink: ByteArray = np.full((side, side), INK, dtype=np.uint8)
     if kind == "disc":
         ink[:] = PAPER
         cv2.circle(ink, (side // 2, side // 2), side // 2, (INK,), cv2.FILLED)

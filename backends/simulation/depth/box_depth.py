@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 NEAREST_M = 0.005
@@ -16,8 +16,6 @@ PARALLEL = 1e-12
 NOTHING, FLOOR = -2, -1
 """Numbers of what a pixel shows that is not one of the boxes."""
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-
-Floats = NDArray[np.float64]
 
 
 class BoxDepth:
@@ -34,7 +32,7 @@ class BoxDepth:
         x, y = (columns - model.K[0, 2]) / model.K[0, 0], (rows - model.K[1, 2]) / model.K[1, 1]
         self._rays = np.stack((x, y, np.ones(self._shape)), axis=2)
 
-    def cast(self, world_T_camera: Transform, boxes: Sequence[Box]) -> tuple[Floats, NDArray[np.int64]]:
+    def cast(self, world_T_camera: Transform, boxes: Sequence[Box]) -> tuple[FloatArray, IntArray]:
         """Return the depth (h, w) in [m] of each pixel, and what it shows (h, w).
 
         Args:
@@ -60,8 +58,8 @@ class BoxDepth:
         camera_T_box: Transform,
         size: tuple[float, float, float],
         number: int,
-        depth: Floats,
-        shown: NDArray[np.int64],
+        depth: FloatArray,
+        shown: IntArray,
     ) -> None:
         window = self._window(camera_T_box, np.array(size))
         if window is None:
@@ -77,7 +75,7 @@ class BoxDepth:
         depth[window] = np.where(hit, enter, depth[window])
         shown[window] = np.where(hit, number, shown[window])
 
-    def _window(self, camera_T_box: Transform, size: Floats) -> tuple[slice, slice] | None:
+    def _window(self, camera_T_box: Transform, size: FloatArray) -> tuple[slice, slice] | None:
         """Rows and columns that may show a box; None if none does."""
         corners = (_CORNERS * size) @ camera_T_box[:3, :3].T + camera_T_box[:3, 3]
         if (corners[:, 2] <= NEAREST_M).all():

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
 from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
-Floats = NDArray[np.float64]
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
@@ -26,7 +26,7 @@ class DepthNoise:
         self._scale = 1.0 + spec.errors.scale_percent / 100 * keyed(seed, "depth scale").standard_normal()
         self._rays = _rays(spec.model)
 
-    def read(self, true: Floats, period: int) -> NDArray[np.float32]:
+    def read(self, true: FloatArray, period: int) -> SingleArray:
         """Return the depths (h, w) in [m] read in a period; NaN without a reading.
 
         Args:
@@ -44,7 +44,7 @@ class DepthNoise:
         depth[lost] = np.nan
         return depth.astype(np.float32)
 
-    def steps(self, true: Floats) -> NDArray[np.bool_]:
+    def steps(self, true: FloatArray) -> BoolArray:
         """(h, w) whether a pixel is too near to a step in depth."""
         if self._errors.edge_px == 0:
             return np.zeros(true.shape, np.bool_)
@@ -58,7 +58,7 @@ class DepthNoise:
         side = 2 * self._errors.edge_px - 1
         return cv2.dilate(found.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
 
-    def grazing(self, true: Floats) -> NDArray[np.bool_]:
+    def grazing(self, true: FloatArray) -> BoolArray:
         """(h, w) whether a surface is seen at too flat an angle."""
         if self._errors.grazing_deg >= 90.0:
             return np.zeros(true.shape, np.bool_)
@@ -68,14 +68,14 @@ class DepthNoise:
         before = self._cosines(_padded(across, 1, 0), _padded(down, 0, 0))
         return np.asarray(np.maximum(after, before) < math.cos(math.radians(self._errors.grazing_deg)))
 
-    def _cosines(self, across: Floats, down: Floats) -> Floats:
+    def _cosines(self, across: FloatArray, down: FloatArray) -> FloatArray:
         """(h, w) cosine between the rays and the normals of a surface with these slopes (h, w, 3)."""
         normals = np.cross(across, down)
         lengths = np.linalg.norm(normals, axis=2) * np.linalg.norm(self._rays, axis=2)
         return np.asarray(np.abs((normals * self._rays).sum(axis=2)) / np.maximum(lengths, 1e-12))
 
 
-def _rays(model: CameraModel) -> Floats:
+def _rays(model: CameraModel) -> FloatArray:
     """(h, w, 3) rays of the pixels, with a length of 1 along the optical axis."""
     rows, columns = np.indices((model.height, model.width), dtype=np.float64)
     flat = model.undistort(np.column_stack((columns.ravel(), rows.ravel())))
@@ -89,7 +89,7 @@ def _neighbours(values: NDArray[Scalar], axis: int) -> tuple[NDArray[Scalar], ND
     return values[:, :-1], values[:, 1:]
 
 
-def _padded(slopes: Floats, axis: int, at: int) -> Floats:
+def _padded(slopes: FloatArray, axis: int, at: int) -> FloatArray:
     """Slopes with their first (0) or last (-1) ones along an axis twice, one for each pixel."""
     twice = np.take(slopes, [at], axis=axis)
     return np.concatenate((twice, slopes) if at == 0 else (slopes, twice), axis=axis)

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
@@ -17,6 +16,7 @@ from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, IntArray
 
 from .box_depth import BoxDepth
 from .simulated_depth_camera import SimulatedDepthCamera, TrueDepth
@@ -72,9 +72,7 @@ def bodies_of(scene: Scene) -> Iterator[Body]:
             )
 
 
-def _coloured(
-    grey: NDArray[np.uint8], shown: NDArray[np.int64], materials: list[Material]
-) -> NDArray[np.uint8]:
+def _coloured(grey: ByteArray, shown: IntArray, materials: list[Material]) -> ByteArray:
     """Return (h, w, 3) in RGB: the brightness of a grey picture in the hue of what each pixel shows."""
     hues = np.ones((len(materials) + 2, 3))  # the last two: nothing, and the floor
     for number, material in enumerate(materials):

@@ -8,7 +8,6 @@ from typing import ClassVar, NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.depth_camera import DepthCamera, DepthImage
@@ -20,6 +19,7 @@ from handcart.backends.simulation.sensors.simulated_sensor import SensorSite, Si
 from handcart.backends.simulation.sensors.true_camera import mount_error
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .depth_noise import DepthNoise
@@ -28,9 +28,9 @@ from .depth_noise import DepthNoise
 class TrueDepth(NamedTuple):
     """What a perfect depth camera sees."""
 
-    colour: NDArray[np.uint8]
+    colour: ByteArray
     """(height, width, 3) in RGB."""
-    depth: NDArray[np.float64]
+    depth: FloatArray
     """(height, width) in [m] along the optical axis; infinite where nothing is."""
 
 
@@ -99,7 +99,7 @@ class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
             base_T_carrier = arm.forward(self._site.joints(), carrier)
         return base_T_carrier @ self._mount.carrier_T_frame
 
-    def _exposed(self, colour: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def _exposed(self, colour: ByteArray) -> ByteArray:
         """Return the colours with the blur and the noise of the robot's file."""
         errors = self._site.robot.errors
         if errors.image_blur_px > 0.0:

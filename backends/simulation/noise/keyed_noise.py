@@ -8,9 +8,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.sensor_table import OLD_KEYS
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .split_seed import SplitSeed
 
@@ -28,7 +28,7 @@ def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
     return np.random.Generator(np.random.Philox(key=key, counter=counter))
 
 
-def keyed_normal(seed: int, purpose: str, period: int, size: int) -> NDArray[np.float64]:
+def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
     """Return the first standard normal numbers (size,) of `keyed`, for values drawn in every period."""
     rng, begun = _stream(int(seed), purpose)
     counter = begun["state"]["counter"]

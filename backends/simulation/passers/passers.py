@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .passer_spec import PasserSpec
 from .walk import Walk, WalkStep
@@ -25,8 +25,6 @@ LEG_SWING_M = 0.20  # of each leg along the walk, at most
 STEP_LENGTH_M = 0.7  # from one foot to the other
 PASSER_GREY = 90
 YIELD_ANGLE_COS = 0.3  # of the direction to the robot, from which the robot counts as ahead
-
-Floats = NDArray[np.float64]
 
 
 class PasserPart(NamedTuple):
@@ -59,7 +57,7 @@ class PasserShape:
 class Passers:
     """People and carts that walk; one clock for each group."""
 
-    STATE: ClassVar[Kinds] = {"clocks": NDArray[np.float64]}
+    STATE: ClassVar[Kinds] = {"clocks": FloatArray}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, specs: Sequence[PasserSpec] = (), seed: int = 0) -> None:
@@ -128,7 +126,7 @@ class Passers:
             found.append(PasserPart(name, x, y, spec.radius_m, low, BODY_HEIGHT_M))
         return found
 
-    def discs(self, height: float) -> Floats:
+    def discs(self, height: float) -> FloatArray:
         """Return what a level lidar at a height in [m] sees: (n, 3) x, y and radius in [m]."""
         rows = [(each.x, each.y, each.radius) for each in self.parts() if each.low <= height < each.high]
         return np.array(rows).reshape(-1, 3)

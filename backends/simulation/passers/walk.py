@@ -5,21 +5,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .passer_spec import PasserSpec
 
 MAX_MITRE = 3.0  # by which a companion's path goes farther out at a corner, at most
 
-Floats = NDArray[np.float64]
-
 
 class WalkStep(NamedTuple):
     """A walker at one instant."""
 
-    position: Floats
+    position: FloatArray
     """(2,) in [m]."""
-    direction: Floats
+    direction: FloatArray
     """(2,) unit vector in which it walks, or walked last."""
     walked: float
     """Distance walked since the start, in [m]."""
@@ -48,7 +47,7 @@ class Walk:
         seconds = np.hypot(*np.diff(path[order], axis=0).T) / (spec.speed_m_s if speed is None else speed)
         self._knots(points[order], [pauses[i] for i in order], seconds)
 
-    def _knots(self, points: Floats, pauses: list[float], seconds: Floats) -> None:
+    def _knots(self, points: FloatArray, pauses: list[float], seconds: FloatArray) -> None:
         """Keep arrival at and departure from each point of one cycle; the last one is the first of the next.
 
         A companion takes as long from point to point (`seconds`) as the passer whose path it follows.
@@ -85,7 +84,7 @@ class Walk:
         total = laps * float(self._walked[-1]) + walked
         return WalkStep(position, self._directions[index], total, 0.0 if stands else pace)
 
-    def _direction(self, index: int) -> Floats:
+    def _direction(self, index: int) -> FloatArray:
         """Return the unit vector of a knot's segment; of the last one before it while it pauses."""
         steps = np.diff(self._places, axis=0)
         order = [*range(index, -1, -1), *range(index + 1, len(steps))]
@@ -96,7 +95,7 @@ class Walk:
         return np.array([1.0, 0.0])
 
 
-def _beside(points: Floats, offset: float, loops: bool) -> Floats:
+def _beside(points: FloatArray, offset: float, loops: bool) -> FloatArray:
     """Return a path (n, 2) that runs beside another one (n, 2), `offset` to its left, in [m]."""
     if offset == 0.0:
         return points

@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.lens_fold import LensKind
 
@@ -44,13 +44,13 @@ class Lens:
         noise = keyed(seed, "noise tile").standard_normal(tile, dtype=np.float32)
         self._noise = noise * np.float32(errors.image_noise_grey)
 
-    def _light(self, rows: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float32]:
+    def _light(self, rows: FloatArray, columns: FloatArray) -> SingleArray:
         angle = keyed(self._seed, "light").uniform(-math.pi, math.pi)
         height, width = self._shape
         across = (columns / width - 0.5) * math.cos(angle) + (rows / height - 0.5) * math.sin(angle)
         return (1.0 + self._errors.light_gradient * across).astype(np.float32)
 
-    def take(self, ideal: NDArray[np.uint8], period: int) -> NDArray[np.uint8]:
+    def take(self, ideal: ByteArray, period: int) -> ByteArray:
         """The picture taken, (height, width), of an ideal one (`size`)."""
         picture = cv2.remap(ideal, self._maps[0], self._maps[1], cv2.INTER_LINEAR)
         if self._errors.image_blur_px > 0.0:
@@ -63,7 +63,7 @@ class Lens:
 
 
 @lru_cache(maxsize=4)
-def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> NDArray[np.float64]:
+def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> FloatArray:
     """Rays (n, 2) of all pixels, row by row: half of what a lens takes to make."""
     camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height, lens)
     rows, columns = np.indices((height, width), dtype=np.float64)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.simulation.world.canvas import Canvas
@@ -14,11 +13,10 @@ from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .lens import Lens
-
-GreyImage = NDArray[np.uint8]
 
 _BACKGROUND, _FLOOR, _WALL, _FURNITURE, METAL_GREY = 150, 95, 165, 110, 90
 _AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
@@ -37,18 +35,16 @@ class Renderer:
     def _lens(self) -> Lens:
         return Lens(self._camera, self._errors, self._seed)
 
-    def render(self, scene: Scene, world_T_camera: Transform, period: int) -> GreyImage:
+    def render(self, scene: Scene, world_T_camera: Transform, period: int) -> ByteArray:
         """The picture (height, width) taken from a pose (4, 4) in this period."""
         return self._lens.take(self.ideal(scene, world_T_camera), period)
 
-    def ideal(self, scene: Scene, world_T_camera: Transform) -> GreyImage:
+    def ideal(self, scene: Scene, world_T_camera: Transform) -> ByteArray:
         """Return the larger ideal picture, without lens, light and noise."""
         return paint_scene(scene, self._lens.K, self._lens.size, world_T_camera)
 
 
-def paint_scene(
-    scene: Scene, K: NDArray[np.float64], size: tuple[int, int], world_T_camera: Transform
-) -> GreyImage:
+def paint_scene(scene: Scene, K: FloatArray, size: tuple[int, int], world_T_camera: Transform) -> ByteArray:
     """Return the picture (height, width) of an ideal pinhole camera.
 
     Args:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 
-def cast_at_discs(
-    discs: NDArray[np.float64], sensor: Pose2, angles: NDArray[np.float64], reach: float
-) -> NDArray[np.float64]:
+def cast_at_discs(discs: FloatArray, sensor: Pose2, angles: FloatArray, reach: float) -> FloatArray:
     """Return the range (n,) in [m] of each beam to the first disc; infinity beyond `reach`.
 
     A disc that contains the sensor is not seen.

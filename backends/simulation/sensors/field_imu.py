@@ -11,8 +11,9 @@ from handcart.backends.description.sensor_specs import ImuSpec
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
-from .simulated_imu import SimulatedImu, Vector
+from .simulated_imu import SimulatedImu
 from .simulated_sensor import SensorSite
 
 
@@ -24,10 +25,10 @@ class FieldImu(SimulatedImu):
 
     STATE: ClassVar = {
         **SimulatedImu.STATE,
-        "_walk": Vector,
+        "_walk": FloatArray,
         "_place": Pose2,
         "_speed": float,
-        "_felt": Vector,
+        "_felt": FloatArray,
     }
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
@@ -40,13 +41,13 @@ class FieldImu(SimulatedImu):
         self._walk, self._place = np.zeros(3), scene.base
         self._speed, self._felt = 0.0, np.zeros(3)
 
-    def _read_rates(self) -> Vector:
+    def _read_rates(self) -> FloatArray:
         noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
         warm = self._warm * math.exp(-self._now * self._period / self._spec.warm_up_s)
         bias = self._bias + warm + self._walk
         return np.asarray(self._scale * self._turned / self._period + bias + noise)
 
-    def _read_accelerations(self) -> Vector:
+    def _read_accelerations(self) -> FloatArray:
         shaken = self._spec.vibration_m_s2 if self._speed != 0.0 else 0.0
         sigma = math.hypot(self._felt_sigma, shaken)
         noise = sigma * keyed_normal(self._seed, "accelerometers", self._now, 3)

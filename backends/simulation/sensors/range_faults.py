@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.simulated_errors import Errors
+from handcart.robotics.numerics.arrays import FloatArray
 
 OWN_BODY_M = 0.12
 """Range of a return of the robot's own body."""
@@ -40,7 +40,7 @@ class RangeFaults(NamedTuple):
         """Whether any share is above 0."""
         return max(self) > 0.0
 
-    def spoil(self, ranges: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    def spoil(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return ranges (n,) in [m] with the faults of one scan."""
         draws = rng.random((len(self), len(ranges)))
         spoiled = ranges.copy()

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 _CORNERS = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
 _GRAZING = 1e-9  # [rad]
 
 
-def cast_rays(
-    plan: FloorPlan, sensor: Pose2, angles: NDArray[np.float64], time: float, reach: float
-) -> NDArray[np.float64]:
+def cast_rays(plan: FloorPlan, sensor: Pose2, angles: FloatArray, time: float, reach: float) -> FloatArray:
     """Return the range (n,) in [m] of each beam to the first outline of the plan; infinity beyond `reach`.
 
     The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986), for all outlines at once, each
@@ -47,11 +45,11 @@ def cast_rays(
 
 
 def _pairs(
-    here: NDArray[np.float64],
-    half: NDArray[np.float64],
-    heading: NDArray[np.float64],
-    angles: NDArray[np.float64],
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    here: FloatArray,
+    half: FloatArray,
+    heading: FloatArray,
+    angles: FloatArray,
+) -> tuple[IntArray, IntArray]:
     """Outlines (k,) and beams (k,) that may meet: the beam's angle is between those of the corners.
 
     `here` (m, 2) is the sensor in the outlines' frames, `heading` (m,) theirs in the sensor frame.
@@ -73,14 +71,12 @@ def _pairs(
     return outline, order[place % len(angles)]
 
 
-def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+def _wrapped(angle: FloatArray) -> FloatArray:
     """Into -pi to pi."""
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def _slab(
-    here: NDArray[np.float64], half: NDArray[np.float64], direction: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _slab(here: FloatArray, half: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the distances (k,) at which beams enter and leave the strips between -half and half (k,)."""
     slope = 1.0 / np.where(np.abs(direction) < 1e-12, 1e-12, direction)
     middle, width = -here * slope, half * np.abs(slope)

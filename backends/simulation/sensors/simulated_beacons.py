@@ -6,7 +6,6 @@ import math
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.beacons import BeaconRanges, Beacons
@@ -14,6 +13,7 @@ from handcart.backends.description.beacons_spec import BeaconsSpec
 from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.world_file import BeaconsThere
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .simulated_sensor import SensorSite, SimulatedSensor
 
@@ -25,7 +25,7 @@ class SimulatedBeacons(Beacons, SimulatedSensor):
     the beacons' true positions and the random walk of their biases. Nothing obstructs the signals.
     """
 
-    STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": NDArray[np.float64]}
+    STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": FloatArray}
 
     def __init__(
         self, spec: BeaconsSpec, there: BeaconsThere, scene: Scene, period: float, seed: int

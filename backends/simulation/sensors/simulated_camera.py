@@ -6,8 +6,6 @@ from abc import abstractmethod
 from functools import cached_property
 from typing import ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.camera import Camera
@@ -20,6 +18,7 @@ from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .simulated_sensor import SensorSite, SimulatedSensor
@@ -36,7 +35,7 @@ class SimulatedCamera(Camera, SimulatedSensor):
         self._errors, self._spec, self._seed = robot.errors, spec, seed
         self._mount = camera_mount(robot, robot.link_of(spec), arm)
         self._now = 0
-        self._last: tuple[int, NDArray[np.uint8]] | None = None
+        self._last: tuple[int, ByteArray] | None = None
 
     @cached_property
     def _known(self) -> MountedCamera:
@@ -47,11 +46,11 @@ class SimulatedCamera(Camera, SimulatedSensor):
         return true_camera(self._spec, self._mount, self._errors, self._seed)
 
     @abstractmethod
-    def _take(self) -> NDArray[np.uint8]:
+    def _take(self) -> ByteArray:
         """This period's picture (h, w)."""
 
     @override
-    def image(self) -> NDArray[np.uint8]:
+    def image(self) -> ByteArray:
         if self._last is None or self._last[0] != self._now:
             picture = self._take()
             picture.flags.writeable = False
@@ -99,6 +98,6 @@ class SceneCamera(SimulatedCamera):
     def _renderer(self) -> Renderer:
         return Renderer(self._true.model, self._scene.robot.errors, self._seed)
 
-    def _take(self) -> NDArray[np.uint8]:
+    def _take(self) -> ByteArray:
         pose = self._scene.world_T(self.carrier) @ self._true.carrier_T_camera
         return self._renderer.render(self._scene, pose, self._now)

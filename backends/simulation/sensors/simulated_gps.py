@@ -6,7 +6,6 @@ import math
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Fix, Gps
@@ -16,6 +15,7 @@ from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.world_file import SkySpec
 from handcart.robotics.far import Far
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .simulated_sensor import SensorSite, SimulatedSensor
 
@@ -25,11 +25,11 @@ class SimulatedGps(Gps, SimulatedSensor):
 
     STATE: ClassVar = {
         "_fix": Fix | None,
-        "_drift": NDArray[np.float64],
+        "_drift": FloatArray,
         "_count": int,
         "_spell": int,
         "_until": Far,
-        "_off": NDArray[np.float64],
+        "_off": FloatArray,
     }
 
     def __init__(
@@ -39,7 +39,7 @@ class SimulatedGps(Gps, SimulatedSensor):
         scene: Scene,
         period: float,
         seed: int,
-        antenna: NDArray[np.float64] | None = None,
+        antenna: FloatArray | None = None,
     ) -> None:
         """Prepare a receiver whose antenna is at (3,) in [m] in the base (default: the robot's first)."""
         self._spec, self._sky, self._scene, self._seed = spec, sky, scene, seed

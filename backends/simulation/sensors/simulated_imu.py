@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.imu import Imu
@@ -14,18 +13,17 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.kinematics.libraries import pin
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .simulated_sensor import SensorSite, SimulatedSensor
 
 GRAVITY_M_S2 = 9.81  # [m/s²]
 
-Vector = NDArray[np.float64]
-
 
 class SimulatedImu(Imu, SimulatedSensor):
     """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
 
-    STATE: ClassVar[Kinds] = {"_turn": Vector, "_turned": Vector, "_now": int}
+    STATE: ClassVar[Kinds] = {"_turn": FloatArray, "_turned": FloatArray, "_now": int}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
@@ -35,8 +33,8 @@ class SimulatedImu(Imu, SimulatedSensor):
         self._felt_sigma = spec.accelerometer_sigma_m_s2
         self._turn = scene.world_T_base[:3, :3]
         self._turned, self._now = np.zeros(3), 0
-        self._rates: tuple[int, Vector, Vector] | None = None
-        self._accelerations: tuple[int, Vector, Vector] | None = None
+        self._rates: tuple[int, FloatArray, FloatArray] | None = None
+        self._accelerations: tuple[int, FloatArray, FloatArray] | None = None
 
     @classmethod
     @override
@@ -44,24 +42,24 @@ class SimulatedImu(Imu, SimulatedSensor):
         return cls(site.spec, site.scene, site.period, site.seed)
 
     @override
-    def rates(self) -> Vector:
+    def rates(self) -> FloatArray:
         last = self._rates
         if last is None or last[0] != self._now or last[1] is not self._turned:
             last = self._rates = (self._now, self._turned, self._read_rates())
         return last[2].copy()
 
     @override
-    def accelerations(self) -> Vector:
+    def accelerations(self) -> FloatArray:
         last = self._accelerations
         if last is None or last[0] != self._now or last[1] is not self._turn:
             last = self._accelerations = (self._now, self._turn, self._read_accelerations())
         return last[2].copy()
 
-    def _read_rates(self) -> Vector:
+    def _read_rates(self) -> FloatArray:
         noise = self._rate_sigma * keyed_normal(self._seed, "gyros", self._now, 3)
         return np.asarray(self._turned / self._period + self._bias + noise)
 
-    def _read_accelerations(self) -> Vector:
+    def _read_accelerations(self) -> FloatArray:
         noise = self._felt_sigma * keyed_normal(self._seed, "accelerometers", self._now, 3)
         return np.asarray(self._turn.T @ self._carried() + noise)
 
@@ -71,6 +69,6 @@ class SimulatedImu(Imu, SimulatedSensor):
         self._turned = pin.log3(self._turn.T @ turn)
         self._turn, self._now = turn, period
 
-    def _carried(self) -> Vector:
+    def _carried(self) -> FloatArray:
         """The acceleration (3,) in [m/s²], in the world, with which the robot is kept from falling freely."""
         return np.array([0.0, 0.0, GRAVITY_M_S2])

@@ -7,7 +7,6 @@ from abc import abstractmethod
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
@@ -16,6 +15,7 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .range_faults import NO_FAULTS, RangeFaults
 from .simulated_sensor import SimulatedSensor
@@ -43,7 +43,7 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
         self._last: tuple[int, Scan] | None = None
 
     @abstractmethod
-    def _cast(self) -> NDArray[np.float64]:
+    def _cast(self) -> FloatArray:
         """True ranges (n,) along the beams, in [m]; infinite, or beyond reach, where nothing is."""
 
     @override
@@ -56,7 +56,7 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
         """A new period begins."""
         self._now = period
 
-    def _noisy(self, true: NDArray[np.float64], period: int) -> Scan:
+    def _noisy(self, true: FloatArray, period: int) -> Scan:
         """Return the scan of a period, with noise and faults, for true ranges (n,) in [m]."""
         noise = keyed_normal(self._seed, "range sensor", period, len(self._angles))
         ranges = np.maximum(true + self._spec.sigma_mm / 1e3 * noise, 0.0)

@@ -7,14 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_spec import SensorSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.robotics.numerics.arrays import FloatArray
 
 S = TypeVar("S", bound=SensorSpec, covariant=True)
 
@@ -37,7 +35,7 @@ class SensorSite(Generic[S]):
     """Control period, in [s]."""
     seed: int
     """Seed of the sensor's errors: two sensors of one kind have different ones."""
-    joints: Callable[[], NDArray[np.float64]]
+    joints: Callable[[], FloatArray]
     """Returns the measured joints of the arm, (n,); empty without an arm."""
     link: str
     """Link of the URDF that it is mounted at; "" for one without a frame."""

@@ -6,42 +6,42 @@ from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 
 _NEAREST = 0.01  # what is nearer to the camera than this isn't shown [m]
 _SHIFT = 4  # OpenCV draws to 1/16 px
 _FAR = 30000.0  # beyond any picture, within OpenCV's fixed-point range [px]
 
-Floats = NDArray[np.float64]
-GreyImage = NDArray[np.uint8]
-Shade = Callable[[GreyImage], GreyImage]
+Shade = Callable[[ByteArray], ByteArray]
 
 
 class Canvas:
     """Paints faces given in the world; an integer pixel is a pixel's centre."""
 
-    def __init__(self, K: Floats, size: tuple[int, int], world_T_camera: Transform, background: int) -> None:
+    def __init__(
+        self, K: FloatArray, size: tuple[int, int], world_T_camera: Transform, background: int
+    ) -> None:
         """`K` (3, 3) in [px], `size` (width, height), `world_T_camera` (4, 4)."""
-        self.picture: GreyImage = np.full((size[1], size[0]), background, dtype=np.uint8)
-        self.eye: Floats = world_T_camera[:3, 3]
+        self.picture: ByteArray = np.full((size[1], size[0]), background, dtype=np.uint8)
+        self.eye: FloatArray = world_T_camera[:3, 3]
         self._K = K
         self._turn = world_T_camera[:3, :3]
         self._projection = K @ self._turn.T
 
-    def seen_from_front(self, corner: Floats, normal: Floats) -> bool:
+    def seen_from_front(self, corner: FloatArray, normal: FloatArray) -> bool:
         """Return whether the camera is on the side of a face that its normal points to."""
         return bool((self.eye - corner) @ normal > 0.0)
 
-    def shows_none(self, corners: Floats) -> bool:
+    def shows_none(self, corners: FloatArray) -> bool:
         """Return whether a convex body with these corners (n, 3) in the world is surely outside the
         picture.
         """
         rays = (corners - self.eye) @ self._projection.T
         return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
 
-    def polygon(self, corners: Floats, grey: int) -> None:
+    def polygon(self, corners: FloatArray, grey: int) -> None:
         """A flat convex face, corners (n, 3) in the world, in one shade."""
         rays = (corners - self.eye) @ self._projection.T
         if (rays[:, 2] < _NEAREST).any():
@@ -55,7 +55,7 @@ class Canvas:
         cv2.fillConvexPoly(self.picture, fixed, grey, cv2.LINE_AA, _SHIFT)
 
     def texture(
-        self, levels: Sequence[tuple[GreyImage, float]], face: Transform, shade: Shade | None = None
+        self, levels: Sequence[tuple[ByteArray, float]], face: Transform, shade: Shade | None = None
     ) -> None:
         """A printed face.
 
@@ -75,8 +75,8 @@ class Canvas:
         self._warp(picture if shade is None else shade(picture), metres, face, pixels)
 
     def _level(
-        self, levels: Sequence[tuple[GreyImage, float]], pixels: Floats, size: Floats
-    ) -> tuple[GreyImage, float]:
+        self, levels: Sequence[tuple[ByteArray, float]], pixels: FloatArray, size: FloatArray
+    ) -> tuple[ByteArray, float]:
         """The coarsest level that is as fine as the picture."""
         px_per_m = max(
             np.linalg.norm(pixels[1] - pixels[0]) / size[0], np.linalg.norm(pixels[3] - pixels[0]) / size[1]
@@ -84,7 +84,7 @@ class Canvas:
         fine = [level for level in levels if level[1] * px_per_m <= 1.0]
         return fine[-1] if fine else levels[0]
 
-    def _warp(self, picture: GreyImage, metres: float, face: Transform, pixels: Floats) -> None:
+    def _warp(self, picture: ByteArray, metres: float, face: Transform, pixels: FloatArray) -> None:
         height, width = self.picture.shape
         left, top = np.maximum(np.floor(pixels.min(axis=0)).astype(int) - 1, 0)
         right, bottom = np.minimum(np.ceil(pixels.max(axis=0)).astype(int) + 2, (width, height))
@@ -101,13 +101,13 @@ class Canvas:
         cover = _cover(pixels - (left, top), window)
         np.copyto(target, _blend(target, warped.astype(np.uint8, copy=False), cover))
 
-    def _outside(self, pixels: Floats) -> bool:
+    def _outside(self, pixels: FloatArray) -> bool:
         height, width = self.picture.shape
         low, high = pixels.min(axis=0), pixels.max(axis=0)
         return bool(high[0] < 0 or high[1] < 0 or low[0] > width - 1 or low[1] > height - 1)
 
 
-def _cover(pixels: Floats, window: tuple[int, int]) -> NDArray[np.float32]:
+def _cover(pixels: FloatArray, window: tuple[int, int]) -> SingleArray:
     """Return how much of each pixel a convex quadrangle covers, (h, w) 0 to 1: distance to its edges +
     1/2.
     """
@@ -124,17 +124,17 @@ def _cover(pixels: Floats, window: tuple[int, int]) -> NDArray[np.float32]:
     return np.maximum(cover, 0.0, out=cover)
 
 
-def _area(pixels: Floats) -> float:
+def _area(pixels: FloatArray) -> float:
     x, y = pixels[:, 0], pixels[:, 1]
     return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-def _blend(below: GreyImage, above: GreyImage, cover: NDArray[np.float32]) -> GreyImage:
+def _blend(below: ByteArray, above: ByteArray, cover: SingleArray) -> ByteArray:
     mixed = below + (above.astype(np.float32) - below) * cover
     return (mixed + np.float32(0.5)).astype(np.uint8)
 
 
-def _before(rays: Floats) -> Floats:
+def _before(rays: FloatArray) -> FloatArray:
     """The part of a polygon before the nearest plane (Sutherland and Hodgman, 1974)."""
     corners: list[list[float]] = rays.tolist()
     kept: list[list[float]] = []

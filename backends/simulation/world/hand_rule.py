@@ -5,22 +5,20 @@ from __future__ import annotations
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
 ARM_STIFFNESS_N_M = 2000.0  # of the arm under position control [N/m]
 FORCE_CAP = 60.0  # what the hand can press with before its drives give way [N]
-
-Vector = NDArray[np.float64]
 
 
 class Met(NamedTuple):
     """End of an arm's motion."""
 
-    joints: Vector
+    joints: FloatArray
     """Joints at which it stops, (n,) in [rad]: the given array itself, if nothing stops it."""
     force: float = 0.0
     """With which it is pushed back along the hand's x, in [N]."""
@@ -41,20 +39,20 @@ class HandRule:
     strained_by = ""
     """Name of the body that then stops it."""
 
-    def aim(self, joints: Vector) -> None:
+    def aim(self, joints: FloatArray) -> None:
         """The arm strives for these joints (n,)."""
 
     def decides(self, body: str, other: str) -> bool:
         """Return whether this rule, instead of rigid geometry, handles a pair of bodies."""
         return False
 
-    def meet(self, start: Vector, joints: Vector) -> Met:
+    def meet(self, start: FloatArray, joints: FloatArray) -> Met:
         """Return how far the arm gets from `start` towards `joints`, (n,) each; move the things that
         yield.
         """
         return Met(joints)
 
-    def carry(self, thing: Thing, world_T_hand: Transform, start: Vector) -> Vector:
+    def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
         """The hand has brought `thing`, which it holds, where its pose is: put that right.
 
         Gives the force (3,) in [N] on the hand, in its frame. `start` (n,) are the joints it comes from.

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.world.sheet import Levels
-from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
+from handcart.backends.simulation.world.thing import Side, Thing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .canvas import Canvas
 
@@ -45,7 +45,7 @@ _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
 class Painted(NamedTuple):
     """Something that can be painted at once, before what is nearer."""
 
-    middle: NDArray[np.float64]
+    middle: FloatArray
     """(3,) in [m]: more distant objects are painted first."""
     paint: Callable[[Canvas], None]
 
@@ -86,7 +86,7 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
     return box.pose @ middle @ transform((-size[0] / 2, -size[1] / 2, 0.0)), size
 
 
-def picture_levels(picture: GreyImage, width: float, height: float) -> Levels:
+def picture_levels(picture: ByteArray, width: float, height: float) -> Levels:
     """A picture that fills a face of that size in [m], its pixels made square, in falling resolution."""
     metres = min(width / picture.shape[1], height / picture.shape[0])
     size = (max(1, round(width / metres)), max(1, round(height / metres)))

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import ClassVar, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.ground_truth import Body, GroundTruth
@@ -21,6 +20,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .scene_props import SceneProps
 from .suspension import leaning
@@ -56,13 +56,13 @@ class Scene:
     STATE: ClassVar[Kinds] = {
         "base": Pose2,
         "tilted_base": Transform | None,
-        "joints": NDArray[np.float64],
+        "joints": FloatArray,
         "width": float,
         "time": float,
         "held_name": str | None,
         "hand_T_held": Transform,
         "lean": tuple[float, float],
-        "hand_force": NDArray[np.float64],
+        "hand_force": FloatArray,
         "contacts": list[Contact],
         "touching": frozenset[tuple[str, str]],
         "changes": int,
@@ -74,7 +74,7 @@ class Scene:
     solids: tuple[Solid, ...]
     """All of them: the room's, then those of domains."""
     base: Pose2
-    joints: NDArray[np.float64]
+    joints: FloatArray
     width: float
     plain_solids: tuple[Solid, ...] = ()
     """Solids that the camera sees as plain boxes."""
@@ -87,7 +87,7 @@ class Scene:
     """Roll and pitch of the base on its suspension, in [rad]."""
     held: Thing | None = None
     hand_T_held: Transform = field(default_factory=lambda: np.eye(4))
-    hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    hand_force: FloatArray = field(default_factory=lambda: np.zeros(3))
     contacts: list[Contact] = field(default_factory=list)
     touching: frozenset[tuple[str, str]] = frozenset()
     """Touching pairs of this period, as in `Contact`."""
@@ -179,7 +179,7 @@ class Scene:
         """Return the things on the robot."""
         return [thing for thing in self.things() if thing.rest is Rest.TRAY]
 
-    def felt_force(self) -> NDArray[np.float64]:
+    def felt_force(self) -> FloatArray:
         """Return (3,) in [N] in the hand frame: `hand_force`, felt weights, and forces of props."""
         force = self.hand_force
         for props in self.props.values():

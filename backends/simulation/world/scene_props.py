@@ -7,13 +7,13 @@ from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .grasp import Pads, fits, hand_T_gripped, thickness
 from .hand_rule import HandRule
@@ -54,7 +54,7 @@ class SceneProps(ABC):
     def step(self) -> None:
         """A period begins: let happen what happens of itself."""
 
-    def hand_force(self) -> NDArray[np.float64]:
+    def hand_force(self) -> FloatArray:
         """Return the force (3,) in [N] that the props add to the hand's reading, in the hand's frame."""
         return np.zeros(3)
 
@@ -82,7 +82,7 @@ class SceneProps(ABC):
 
     # In physics
 
-    def awake(self, hand: NDArray[np.float64]) -> Iterable[Thing]:
+    def awake(self, hand: FloatArray) -> Iterable[Thing]:
         """Things that physics may have moved in this period; the hand is at (3,) in [m] in the world."""
         return self.things()
 

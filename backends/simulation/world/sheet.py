@@ -6,12 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.numerics.arrays import ByteArray
 
-GreyImage = NDArray[np.uint8]
-Levels = Sequence[tuple[GreyImage, float]]
+Levels = Sequence[tuple[ByteArray, float]]
 """A picture in falling resolution, each with its metres a pixel."""
 
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .material import LACQUER_MATERIAL, PLASTER_MATERIAL, WOOD_MATERIAL, Material
 from .world_file import Furniture, Surprise, TableSpec, Wall, WorldFile
@@ -101,19 +101,19 @@ class FloorPlan:
         ]
         self.names = tuple(each.box.name for each in chosen)
         poses = np.array([each.box.pose for each in chosen]).reshape(-1, 4, 4)
-        self.middle: NDArray[np.float64] = poses[:, :2, 3]
+        self.middle: FloatArray = poses[:, :2, 3]
         self.cos, self.sin = poses[:, 0, 0], poses[:, 1, 0]
         self.half = np.array([each.box.size[:2] for each in chosen]).reshape(-1, 2) / 2
         self._appears = np.array([each.appears for each in chosen])
         self._leaves = np.array([each.leaves for each in chosen])
         self.steady = bool(np.all((self._appears == 0.0) & np.isinf(self._leaves)))
 
-    def there(self, time: float) -> NDArray[np.bool_]:
+    def there(self, time: float) -> BoolArray:
         """Return which solids are present at a time in [s], (n,)."""
-        present: NDArray[np.bool_] = (self._appears <= time) & (time < self._leaves)
+        present: BoolArray = (self._appears <= time) & (time < self._leaves)
         return present
 
-    def local(self, x: float, y: float) -> NDArray[np.float64]:
+    def local(self, x: float, y: float) -> FloatArray:
         """A point of the floor in the frames of all outlines, (n, 2)."""
         dx, dy = x - self.middle[:, 0], y - self.middle[:, 1]
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .scene import Scene
 from .thing import Rest, Thing
@@ -20,8 +20,6 @@ MIN_UPRIGHT_COSINE = np.cos(np.radians(10.0))
 TOPPLED_TILT_RAD = np.radians(10.0)
 MAX_SUNK_DEPTH_M = 0.005  # [m] by which a foot may lie below its support, in physics
 TRAY_LINK = "tray"
-
-Points = NDArray[np.float64]
 
 
 def put_down(scene: Scene, thing: Thing) -> None:
@@ -85,7 +83,7 @@ def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
     )
 
 
-def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:
+def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]]:
     """Level tops right below: height in [m], outline (n, 2) of where it rests, whether the robot's."""
     foot = float(thing.pose[2, 3])
     outline = _outline(Box(thing.pose, thing.size))
@@ -109,13 +107,13 @@ def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:
     return found
 
 
-def _outline(box: Box) -> Points:
+def _outline(box: Box) -> FloatArray:
     """(4, 2) corners of an upright box on the floor."""
     half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
     return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
 
 
-def _within(middle: Points, areas: list[Points]) -> bool:
+def _within(middle: FloatArray, areas: list[FloatArray]) -> bool:
     if not areas:
         return False
     # Metres about the middle, for single precision.

@@ -9,15 +9,16 @@ from enum import Enum
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .material import PALE_WOOD, Material
 
+GreyImage = ByteArray
+"""A grey picture, (h, w), from 0 (black) to 255."""
 Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
-GreyImage = NDArray[np.uint8]
 
 
 class Rest(Enum):
@@ -87,7 +88,7 @@ class Thing(ABC):
         """Material of its unprinted sides, in pictures for people."""
         return PALE_WOOD
 
-    def faces(self) -> Mapping[Side, GreyImage]:
+    def faces(self) -> Mapping[Side, ByteArray]:
         """Return the pictures printed on its sides, each filling one side; missing sides are plain.
 
         Pictures are as seen from outside, z up; "+z" from above and "-z" from below, x to the right. This

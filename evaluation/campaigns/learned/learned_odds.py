@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from handcart.evaluation.campaigns.walks.odds import CONTEXT_COUNT, Codes, EndCode, Floats, Numbers
+from handcart.evaluation.campaigns.walks.odds import CONTEXT_COUNT, EndCode
 from handcart.networks.task.task_file import Task
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array, Int32Array, IntArray
 
 from .seen_actions import SeenActions
 
@@ -47,13 +47,15 @@ class LearnedOdds:
         """Return whether an action of the task's file was never started in the trials."""
         return not self._known[entry]
 
-    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+    def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         """Draw how each action ends, with the probabilities learned from a campaign."""
         entry = self._entry[action]
         ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN_ENDS - 1]).sum(axis=1)
         return np.where(self._known[entry], ends, EndCode.UNKNOWN).astype(np.int8)
 
-    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def seconds(
+        self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
+    ) -> FloatArray:
         """Return drawn durations (n,) in [s]; 0 for actions without data."""
         seconds = np.zeros(len(action))
         known = ends != EndCode.UNKNOWN
@@ -65,10 +67,10 @@ class LearnedOdds:
 class _Drawers(NamedTuple):
     """Recorded durations, grouped by action, context and end."""
 
-    seconds: Floats
-    begin: NDArray[np.int64]
+    seconds: FloatArray
+    begin: IntArray
     """(entries, contexts, ends) start index of each group in `seconds`."""
-    held: NDArray[np.int64]
+    held: IntArray
     """(entries, contexts, ends) size of each group."""
 
     @classmethod
@@ -88,7 +90,7 @@ class _Drawers(NamedTuple):
             np.where(enough, own_count, all_count),
         )
 
-    def draw(self, entry: NDArray[np.int64], context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def draw(self, entry: IntArray, context: Int32Array, ends: Int8Array, drawn: FloatArray) -> FloatArray:
         at = entry, context, ends
         return np.asarray(self.seconds[self.begin[at] + (drawn * self.held[at]).astype(np.int64)])
 
@@ -105,14 +107,14 @@ def best_pooling(task: Task, seen: SeenActions) -> float:
     return max(POOLING_WEIGHTS, key=lambda pooling: scores[pooling])
 
 
-def _counts(task: Task, seen: SeenActions) -> Floats:
+def _counts(task: Task, seen: SeenActions) -> FloatArray:
     """Return the counts (entries, contexts, ends) of the ends seen."""
     shape = (len(task.file.actions), CONTEXT_COUNT, KNOWN_ENDS)
     flat = np.ravel_multi_index((seen.entry, seen.context, seen.end), shape)
     return np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape).astype(np.float64)
 
 
-def _shares(counts: Floats, pooling: float) -> Floats:
+def _shares(counts: FloatArray, pooling: float) -> FloatArray:
     """Return probabilities (entries, contexts, ends) that sum to 1 over ends; 0 for an action never
     started.
     """

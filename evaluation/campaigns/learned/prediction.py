@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.evaluation.campaigns.walks.odds import Floats
 from handcart.evaluation.campaigns.walks.walk_table import WalkTable
 from handcart.evaluation.campaigns.walks.walker import Walker
 from handcart.networks.task.task_file import Task
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .learned_odds import LearnedOdds
 from .seen_actions import SeenActions
@@ -24,7 +24,7 @@ class Prediction(NamedTuple):
 
     success: float
     time_s: float
-    resampled: Floats
+    resampled: FloatArray
     """(`BOOTSTRAP_COUNT`, 2) predictions from bootstrap samples of the trials (Efron, 1979).
 
     Their spread shows how much the prediction depends on the trials that were seen.

@@ -7,14 +7,13 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.campaigns.data.action_ends import action_names
 from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
-from handcart.evaluation.campaigns.walks.odds import MOST_FAILS, EndCode, Floats
+from handcart.evaluation.campaigns.walks.odds import MOST_FAILS, EndCode
 from handcart.networks.task.task_file import Task
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
-Numbers = NDArray[np.int64]
 _FAULT = 5  # exit status of a trial that ended by a fault of the program
 _ENDS = {"Success": EndCode.SUCCESS, "Fail": EndCode.FAIL, "GiveUp": EndCode.GIVE_UP}
 
@@ -22,21 +21,21 @@ _ENDS = {"Success": EndCode.SUCCESS, "Fail": EndCode.FAIL, "GiveUp": EndCode.GIV
 class SeenActions(NamedTuple):
     """Columns of m actions that were started in n trials."""
 
-    trial: Numbers
+    trial: IntArray
     """(m,) index of the trial, from 0 to n - 1, ascending."""
-    entry: Numbers
+    entry: IntArray
     """(m,) index of the action in the task's file."""
-    context: Numbers
+    context: IntArray
     """(m,) number of the history, see `context_of`."""
-    end: Numbers
+    end: IntArray
     """(m,) end of the action, as `EndCode`."""
-    seconds: Floats
+    seconds: FloatArray
     """(m,) time since the end of the preceding action or the start of the trial, in [s]."""
-    success: Floats
+    success: FloatArray
     """(n,) 1.0 for a trial that reached the goal, otherwise 0.0."""
-    time_s: Floats
+    time_s: FloatArray
     """(n,) durations of the trials."""
-    rest_s: Floats
+    rest_s: FloatArray
     """(n,) time of each trial after its last action."""
 
     @classmethod
@@ -70,7 +69,7 @@ class SeenActions(NamedTuple):
         success, time_s, rest_s = np.array(whole, dtype=np.float64).reshape(-1, 3).T
         return cls(trial, entry, context, kind, columns[4], success, time_s, rest_s)
 
-    def chosen(self, trials: Numbers) -> SeenActions:
+    def chosen(self, trials: IntArray) -> SeenActions:
         """Return the columns of the trials with these indices (k,); an index may occur several times."""
         begin = np.searchsorted(self.trial, trials)
         count = np.searchsorted(self.trial, trials, side="right") - begin

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 WIDTH, HEIGHT = 300.0, 96.0
 """Of a histogram's bars, in [px]."""
@@ -72,9 +73,7 @@ class Histogram:
     """Where the most that is allowed stands, in [px]; None: nothing is known to be."""
 
 
-def histogram(
-    values: NDArray[np.float64], success: NDArray[np.bool_], limit: float | None = None
-) -> Histogram:
+def histogram(values: FloatArray, success: BoolArray, limit: float | None = None) -> Histogram:
     """Of a metric.
 
     Args:
@@ -106,7 +105,7 @@ def histogram(
     return Histogram(axis, bars, highest, median, None if limit is None else axis.at(limit))
 
 
-def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _edges(values: FloatArray) -> FloatArray:
     least, most = values.min(), values.max()
     if least == most:
         return np.array([least - 0.5, most + 0.5])
@@ -116,7 +115,7 @@ def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.linspace(least, most, min(_MOST_BINS, max(5, count)) + 1)
 
 
-def _are_whole(values: NDArray[np.float64]) -> bool:
+def _are_whole(values: FloatArray) -> bool:
     return bool((values == np.round(values)).all())
 
 

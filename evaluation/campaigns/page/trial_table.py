@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.statistics.tally import OF_ALL, figures
+from handcart.robotics.numerics.arrays import FloatArray
 
 MOST_ROWS = 10_000
 MOST_CELLS = 100_000  # beside those that all trials have
@@ -51,7 +51,7 @@ class TrialTable:
         self.columns = {name: self._column(each) for name, each in values.items()}
         """By metric, or by the name of what varies: (n,), NaN where a trial has none."""
 
-    def _column(self, found: Iterable[tuple[int, float]]) -> NDArray[np.float64]:
+    def _column(self, found: Iterable[tuple[int, float]]) -> FloatArray:
         column = np.full(len(self.seeds), math.nan)
         for at, value in found:
             column[at] = value
@@ -90,7 +90,7 @@ class TrialTable:
         return TrialRow(self.seeds[at], outcome, untrue, run, cells, shown)
 
 
-def constant(values: NDArray[np.float64]) -> bool:
+def constant(values: FloatArray) -> bool:
     """Whether all values that are there are the same."""
     there = values[np.isfinite(values)]
     return not len(there) or bool((there == there[0]).all())

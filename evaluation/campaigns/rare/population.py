@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Numbers = NDArray[np.intp]
+from handcart.robotics.numerics.arrays import IndexArray
 
 
 class Level(NamedTuple):
@@ -25,7 +24,7 @@ class Level(NamedTuple):
 class Runs(Protocol):
     """Runs that can be stopped at a level and continued from there repeatedly."""
 
-    def advance(self, level: int, starts: Numbers | int) -> Level:
+    def advance(self, level: int, starts: IndexArray | int) -> Level:
         """Continue runs until they end or reach a level, and keep their states at the level.
 
         Args:
@@ -80,7 +79,7 @@ def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
         draws: random generator for the choice of the continued runs.
     """
     levels: list[Level] = []
-    starts: Numbers | int = count
+    starts: IndexArray | int = count
     while not levels or levels[-1].reached:
         levels.append(runs.advance(len(levels) + 1, starts))
         if levels[-1].reached:
@@ -88,7 +87,7 @@ def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
     return Population(tuple(levels))
 
 
-def shared_out(kinds: int, count: int, draws: np.random.Generator) -> Numbers:
+def shared_out(kinds: int, count: int, draws: np.random.Generator) -> IndexArray:
     """Return `count` indices below `kinds`, each equally often, the remainder chosen at random."""
     whole = np.repeat(np.arange(kinds), count // kinds)
     rest = draws.permutation(kinds)[: count % kinds]

@@ -15,9 +15,10 @@ from handcart.backends.simulation.noise.split_seed import SplitSeed
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.run_options import RunOptions
+from handcart.robotics.numerics.arrays import IndexArray
 
 from .level_stop import LevelStop, importance_of
-from .population import Level, Numbers
+from .population import Level
 from .rare_event import RareEvent
 
 MAX_KEPT_RUNS = 10
@@ -65,7 +66,7 @@ class SplitRuns:
         self.kept: list[str] = []
         """Names of the kept run folders."""
 
-    def advance(self, level: int, starts: Numbers | int) -> Level:
+    def advance(self, level: int, starts: IndexArray | int) -> Level:
         """Continue runs up to a level, as `Runs.advance`; raise `KeyboardInterrupt` or `BrokenRun` as
         needed.
         """

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.campaigns.walks.odds import EndCode
-from handcart.evaluation.campaigns.walks.odds import Numbers as Counts
 from handcart.evaluation.campaigns.walks.walk_table import GOAL, NO_WAY
 from handcart.evaluation.campaigns.walks.walker import GAVE_UP, Stride, Walker
 from handcart.networks.graph.network import ActionNetwork
+from handcart.robotics.numerics.arrays import BoolArray, IndexArray, Int32Array
 
-from .population import Level, Numbers
+from .population import Level
 from .rare_event import RareEvent
-
-Flags = NDArray[np.bool_]
 
 
 class WalkedRuns:
@@ -36,7 +33,7 @@ class WalkedRuns:
         self._at = self._importance = np.zeros(0, dtype=np.int32)
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
-    def advance(self, level: int, starts: Numbers | int) -> Level:
+    def advance(self, level: int, starts: IndexArray | int) -> Level:
         """Continue walks from their starts until each has ended or reached the level."""
         self._begin(starts)
         steps = 0
@@ -53,7 +50,7 @@ class WalkedRuns:
         self._keep(np.flatnonzero(reached))
         return found
 
-    def _begin(self, starts: Numbers | int) -> None:
+    def _begin(self, starts: IndexArray | int) -> None:
         if not isinstance(starts, int):
             self._keep(starts)
             return
@@ -61,11 +58,11 @@ class WalkedRuns:
         self._importance = np.zeros(starts, dtype=np.int32)
         self._after_fail, self._skipped = np.zeros(starts, dtype=bool), np.zeros(starts, dtype=bool)
 
-    def _keep(self, which: Numbers) -> None:
+    def _keep(self, which: IndexArray) -> None:
         self._at, self._importance = self._at[which], self._importance[which]
         self._after_fail, self._skipped = self._after_fail[which], self._skipped[which]
 
-    def _nearer(self, importance: Counts, made: Stride) -> Counts:
+    def _nearer(self, importance: Int32Array, made: Stride) -> Int32Array:
         """Return the importance of each walk after this action."""
         failed, for_good = made.ends == EndCode.FAIL, made.ends == EndCode.FOR_GOOD
         if self._event.importance == "fails":
@@ -73,7 +70,7 @@ class WalkedRuns:
         used = np.select([failed, for_good], [made.fails + 1, self._attempts[made.action]], 0)
         return np.asarray(np.maximum(importance, used), dtype=np.int32)
 
-    def _hits(self) -> Flags:
+    def _hits(self) -> BoolArray:
         """Return which of the walks have ended with the rare outcome."""
         left_undone = (self._at == GOAL) & self._skipped
         match self._event.outcome:

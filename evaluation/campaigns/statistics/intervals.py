@@ -7,8 +7,9 @@ network.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import bdtr, ndtri
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 CONFIDENCE_LEVEL = 0.95
 
@@ -24,7 +25,7 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
     return low, 1.0 if successes == count else middle + beside
 
 
-def median_interval(values: NDArray[np.float64]) -> tuple[float, float] | None:
+def median_interval(values: FloatArray) -> tuple[float, float] | None:
     """Return the interval of a median by order statistics, exact, at least 95 %; None with fewer than 6
     values.
     """

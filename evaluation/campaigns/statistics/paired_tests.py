@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import betaln
 from scipy.stats import binom, binomtest, wilcoxon
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 SIGNIFICANCE_LEVEL = 0.05
 TEST_POWER = 0.8
@@ -30,7 +31,7 @@ def mcnemar(only_one: int, only_other: int) -> float:
     return 1.0 if not count else float(binomtest(only_one, count, 0.5).pvalue)
 
 
-def signed_rank(differences: NDArray[np.float64]) -> float:
+def signed_rank(differences: FloatArray) -> float:
     """The two-sided p-value that a metric's differences, (n,), are symmetric about 0, by Wilcoxon (1945)."""
     there = differences[differences != 0.0]
     if not len(there):

@@ -9,8 +9,9 @@ from collections.abc import Generator
 import numpy as np
 
 from handcart.evaluation.campaigns.data.walked_trials import DRAWN, UNKNOWN, WalkedTrials
-from handcart.evaluation.campaigns.walks.odds import EndCode, Numbers
+from handcart.evaluation.campaigns.walks.odds import EndCode
 from handcart.evaluation.campaigns.walks.walker import NO_ACTION, Walked
+from handcart.robotics.numerics.arrays import Int32Array
 
 from .tally import WORST_TRIAL_COUNT, Blame, Tally, in_general, outcome_in_general
 
@@ -73,7 +74,7 @@ class WalkTally(Tally):
                 self._words[key] = outcome_in_general(summary)
             self.outcomes[self._words[key]] += count
 
-    def _see(self, action: Numbers, at: int) -> None:
+    def _see(self, action: Int32Array, at: int) -> None:
         for index in set(np.unique(action).tolist()) - {NO_ACTION, *self._first_seen}:
             there = action == index
             column = int(there.any(axis=0).argmax())

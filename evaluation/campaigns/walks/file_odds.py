@@ -7,8 +7,9 @@ import numpy as np
 from handcart.files.errors import FileError
 from handcart.networks.analysis.figures import missing_chances
 from handcart.networks.task.task_file import Task
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array, Int32Array
 
-from .odds import Codes, EndCode, Floats, Numbers
+from .odds import EndCode
 
 
 class FileOdds:
@@ -28,13 +29,15 @@ class FileOdds:
         self._give_up = np.array([0.0 if each is None else each.p_give_up for each in entries])
         self._cost = np.array([action.cost_s for action in task.network.actions])
 
-    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+    def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         """Draw how each action ends, with the probabilities of the task file."""
         ends = np.full(len(action), EndCode.FAIL, dtype=np.int8)
         ends[drawn >= 1.0 - self._give_up[action]] = EndCode.GIVE_UP
         ends[drawn < self._success[action]] = EndCode.SUCCESS
         return ends
 
-    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def seconds(
+        self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
+    ) -> FloatArray:
         """Return the duration of each action: its cost in the task file, in [s]."""
         return np.asarray(self._cost[action])

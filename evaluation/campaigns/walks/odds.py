@@ -6,11 +6,8 @@ from enum import IntEnum
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int32]
-Codes = NDArray[np.int8]
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int8Array, Int32Array
 
 
 class EndCode(IntEnum):
@@ -33,7 +30,7 @@ class EndCode(IntEnum):
 class Odds(Protocol):
     """Random model of actions, evaluated for n walks at once; all arrays are (n,)."""
 
-    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+    def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         """Draw how each action ends.
 
         Args:
@@ -42,7 +39,9 @@ class Odds(Protocol):
             drawn: (n,) random numbers, uniform in [0, 1).
         """
 
-    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def seconds(
+        self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
+    ) -> FloatArray:
         """Return how long each action takes (n,), in [s], given its end and another uniform random number."""
 
     @property
@@ -54,7 +53,7 @@ MOST_FAILS = 2
 CONTEXT_COUNT = 2 * (MOST_FAILS + 1)
 
 
-def context_of(fails: Numbers, after_fail: NDArray[np.bool_]) -> Numbers:
+def context_of(fails: Int32Array, after_fail: BoolArray) -> Int32Array:
     """Return the history that an action's odds may depend on, as a number from 0 to `CONTEXT_COUNT` - 1.
 
     Args:

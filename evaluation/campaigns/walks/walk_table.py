@@ -6,17 +6,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.files.errors import InputError
 from handcart.networks.chains.effort import Effort
 from handcart.networks.chains.step_maker import State, StepMaker
 from handcart.networks.graph.network import ActionNetwork
+from handcart.robotics.numerics.arrays import BoolArray, Int32Array
 
 GOAL, NO_WAY = -1, -2
 """Values instead of a moment's number, at the end of a walk."""
-
-Numbers = NDArray[np.int32]
 
 
 class NotWalked(InputError):
@@ -26,16 +24,16 @@ class NotWalked(InputError):
 class Columns(NamedTuple):
     """Columns with one row for each state; a row holds nothing of use until its state was reached."""
 
-    action: Numbers
-    fails: Numbers
+    action: Int32Array
+    fails: Int32Array
     """Number of earlier Fails of the action."""
-    next: Numbers
+    next: Int32Array
     """Number of the state after a Success that leads to the action's target."""
-    after_fail: Numbers
+    after_fail: Int32Array
     """Number of the state after a Fail."""
-    for_good: Numbers
+    for_good: Int32Array
     """Number of the state after a permanent Fail."""
-    skip: NDArray[np.bool_]
+    skip: BoolArray
     """True if the action only skips an element of a repeat, which cannot fail."""
 
 
@@ -70,7 +68,7 @@ class WalkTable:
             self._columns = Columns(action, fails, following, after_fail, for_good, skip.astype(bool))
         return self._columns
 
-    def first(self, states: Numbers) -> Numbers:
+    def first(self, states: Int32Array) -> Int32Array:
         """Return the states (n,) with their decisions made; `GOAL` at the goal, `NO_WAY` if no route is
         left.
         """

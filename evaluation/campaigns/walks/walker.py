@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .odds import Codes, EndCode, Floats, Numbers, Odds, context_of
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IndexArray, Int8Array, Int32Array
+
+from .odds import EndCode, Odds, context_of
 from .walk_table import GOAL, NO_WAY, WalkTable
 
 GAVE_UP = -3
@@ -19,21 +20,21 @@ NO_ACTION = -1
 class Walked(NamedTuple):
     """Record of n walks, with `steps` rows and a column for each walk."""
 
-    action: Numbers
+    action: Int32Array
     """(steps, n) indices of the actions in the network, or `NO_ACTION`."""
-    ends: Codes
+    ends: Int8Array
     """(steps, n) ends of the actions, as `EndCode`."""
-    seconds: Floats
+    seconds: FloatArray
     """(steps, n) durations of the actions, in [s]."""
-    skipped: NDArray[np.bool_]
+    skipped: BoolArray
     """(n,) whether an element of a repeat was skipped."""
-    last: Numbers
+    last: Int32Array
     """(n,) end of each walk: `GOAL`, `NO_WAY` or `GAVE_UP`."""
-    where: Numbers
+    where: Int32Array
     """(n,) number of the end's place: walks with equal `last`, `skipped` and `where` ended alike."""
 
     @property
-    def success(self) -> NDArray[np.bool_]:
+    def success(self) -> BoolArray:
         """(n,) whether each walk reached the goal without a skipped element."""
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
@@ -41,16 +42,16 @@ class Walked(NamedTuple):
 class Stride(NamedTuple):
     """Next step of n walks; all arrays are (n,)."""
 
-    action: Numbers
-    fails: Numbers
+    action: Int32Array
+    fails: Int32Array
     """Number of earlier Fails of the action."""
-    skip: NDArray[np.bool_]
+    skip: BoolArray
     """True if the action only skips an element of a repeat."""
-    ends: Codes
-    seconds: Floats
-    after_fail: NDArray[np.bool_]
+    ends: Int8Array
+    seconds: FloatArray
+    after_fail: BoolArray
     """True if the last action that was not a skip has failed."""
-    next: Numbers
+    next: Int32Array
     """The next moment, or `GOAL`, `NO_WAY` or `GAVE_UP`."""
 
 
@@ -76,7 +77,7 @@ class Walker:
         at = np.full(count, self._table.start, dtype=np.int32)
         after_fail, skipped = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
         where = np.zeros(count, dtype=np.int32)
-        rows: list[tuple[Numbers, Codes, Floats]] = []
+        rows: list[tuple[Int32Array, Int8Array, FloatArray]] = []
         while (left := np.flatnonzero(at >= 0)).size:
             drawn = draws.random((2, count))[:, left]
             moment = at[left]
@@ -98,7 +99,7 @@ class Walker:
             where,
         )
 
-    def stride(self, moment: Numbers, after_fail: NDArray[np.bool_], drawn: Floats) -> Stride:
+    def stride(self, moment: Int32Array, after_fail: BoolArray, drawn: FloatArray) -> Stride:
         """Advance walks by one action each.
 
         Args:
@@ -114,7 +115,7 @@ class Walker:
         after = np.where(skip, after_fail, ends != EndCode.SUCCESS)
         return Stride(action, fails, skip, ends, seconds, after, self._next(moment, ends))
 
-    def _next(self, moment: Numbers, ends: Codes) -> Numbers:
+    def _next(self, moment: Int32Array, ends: Int8Array) -> Int32Array:
         columns = self._table.columns()
         following = np.full(len(moment), GAVE_UP, dtype=np.int32)
         for end, states in (
@@ -126,7 +127,7 @@ class Walker:
             following[failed] = self._table.first(states[moment[failed]])
         return following
 
-    def _where(self, moment: Numbers, ends: Codes, following: Numbers) -> Numbers:
+    def _where(self, moment: Int32Array, ends: Int8Array, following: Int32Array) -> Int32Array:
         columns = self._table.columns()
         state = np.where(ends == EndCode.FOR_GOOD, columns.for_good[moment], columns.after_fail[moment])
         person = moment * len(EndCode) + ends
@@ -134,8 +135,8 @@ class Walker:
 
 
 def _row(
-    count: int, left: NDArray[np.intp], action: Numbers, ends: Codes, seconds: Floats
-) -> tuple[Numbers, Codes, Floats]:
+    count: int, left: IndexArray, action: Int32Array, ends: Int8Array, seconds: FloatArray
+) -> tuple[Int32Array, Int8Array, FloatArray]:
     """Return one row (count,) of actions, ends and seconds for all walks, including those that are over."""
     actions, codes = np.full(count, NO_ACTION, dtype=np.int32), np.zeros(count, dtype=np.int8)
     times = np.zeros(count)

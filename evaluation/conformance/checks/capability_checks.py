@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -32,6 +31,7 @@ from handcart.evaluation.conformance.rig.periods import (
     steps,
 )
 from handcart.evaluation.conformance.rig.skipped import Skipped
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .check import Check, CheckResult
 
@@ -249,7 +249,7 @@ def rates(bench: KitBench, finding: CheckResult) -> None:
         finding.measured.append(f"without noise: {', '.join(sorted(without_noise))}")
 
 
-def best_turn(before: NDArray[np.float64], after: NDArray[np.float64], angles: NDArray[np.float64]) -> float:
+def best_turn(before: FloatArray, after: FloatArray, angles: FloatArray) -> float:
     """Return the left turn of a scan of evenly spaced beams against an earlier scan, in [rad].
 
     Scans of less than a full turn are compared where they overlap.

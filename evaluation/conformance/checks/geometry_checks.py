@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -17,6 +16,7 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .check import Check, CheckResult
 
@@ -51,7 +51,7 @@ def ranges(bench: KitBench, finding: CheckResult) -> None:
         finding.at_most("noise", spread, 1.5 * spec.sigma_mm + 1.0, "mm")
 
 
-def _true_ranges(rig: Rig, reach: float) -> NDArray[np.float64]:
+def _true_ranges(rig: Rig, reach: float) -> FloatArray:
     scene, scan = simulated_world(rig.backend), rig.robot.range_sensor.scan()
     assert scene is not None, "the check has asked for it"
     height = rig.robot.range_sensor_height

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from unittest import mock
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
@@ -25,10 +24,11 @@ from handcart.evaluation.conformance.rig.periods import (
     steps,
 )
 from handcart.evaluation.judging.survey import simulated_world
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .check import Check, CheckResult
 
-Record = list[dict[str, NDArray[np.float64]]]
+Record = list[dict[str, FloatArray]]
 SCRIPT_PERIODS = 40  # periods of the script
 CLOCK_JUMP_S = 1e6  # [s] by which a clock is put forward at each look
 

@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.backend import Backend, CommandError
@@ -23,13 +22,13 @@ from handcart.evaluation.conformance.rig.numbers import broken
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS
 from handcart.evaluation.judging.survey import simulated_world
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .fault import Fault, FaultKind, all_sensors
 
 LOST_ROLL_RATIO = 0.5  # share of the wheels' roll that is lost
 LIDAR_FAULTS = RangeFaults(zero=0.05, nan=0.05, too_close=0.05, own_body=0.05)
 SLIDING_SPEED_M_S = 0.1  # [m/s] of a standing car, see `Fault.speed`
-Vector = NDArray[np.float64]
 
 
 class InjectedError(RuntimeError):
@@ -54,7 +53,7 @@ class FaultyBackend(LayeredBackend):
         self._stuck: Capability | None = None
         self._last: dict[tuple[Kind, str], Any] = {}
         self._read_once: set[str] = set()
-        self._joints: Vector | None = None
+        self._joints: FloatArray | None = None
         self._width: float | None = None
         self._hidden = np.zeros(3)
         self._driven = False
@@ -135,7 +134,7 @@ class FaultyBackend(LayeredBackend):
         else:
             base.drive(*command)
 
-    def arm_move(self, arm: Arm, joints: Vector) -> None:
+    def arm_move(self, arm: Arm, joints: FloatArray) -> None:
         """Pass on the arm's command, unless the fault holds the arm."""
         if self._sticks(arm) or self._joints is not None:
             self._joints = np.array(joints, dtype=np.float64)
@@ -143,7 +142,7 @@ class FaultyBackend(LayeredBackend):
             arm.move(joints)
             self._joints = None
 
-    def arm_command(self, arm: Arm) -> Vector:
+    def arm_command(self, arm: Arm) -> FloatArray:
         """Return the joint angles last commanded, in [rad], as if the arm obeyed."""
         return arm.command() if self._joints is None else self._joints.copy()
 
@@ -182,7 +181,7 @@ class FaultyBackend(LayeredBackend):
         if self._goes_on(arm, self._joints - arm.command(), _STEP):
             self._joints = None
 
-    def _goes_on(self, arm: Arm, way: Vector, step: float) -> bool:
+    def _goes_on(self, arm: Arm, way: FloatArray, step: float) -> bool:
         """A step of so much at most, less where a joint may not move as fast; whether that was all of it."""
         try:
             arm.move(arm.command() + np.clip(way, -step, step))

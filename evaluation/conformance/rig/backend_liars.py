@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.capabilities.arm import Arm
@@ -21,9 +20,9 @@ from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.evaluation.conformance.rig.parts import part_of
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 QUEUE_DELAY_PERIODS = 10  # periods by which a queued command comes late
-Vector = NDArray[np.float64]
 
 
 class KeepsDriving(LayeredBackend):
@@ -88,7 +87,7 @@ class TakesAnything(LayeredBackend):
         """Never refused."""
         _try(lambda: base.drive(*command))
 
-    def arm_move(self, arm: Arm, joints: Vector) -> None:
+    def arm_move(self, arm: Arm, joints: FloatArray) -> None:
         """Never refused."""
         _try(lambda: arm.move(joints))
 
@@ -133,10 +132,10 @@ class EchoesCommands(LayeredBackend):
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
-        self._start: Vector | None = None
-        self._commanded: Vector | None = None
+        self._start: FloatArray | None = None
+        self._commanded: FloatArray | None = None
 
-    def arm_move(self, arm: Arm, joints: Vector) -> None:
+    def arm_move(self, arm: Arm, joints: FloatArray) -> None:
         """Half of it."""
         if self._start is None:
             self._start = arm.command()
@@ -145,11 +144,11 @@ class EchoesCommands(LayeredBackend):
         arm.move(halved)
         self._commanded = np.array(joints, dtype=np.float64)
 
-    def arm_command(self, arm: Arm) -> Vector:
+    def arm_command(self, arm: Arm) -> FloatArray:
         """Return the commanded joints."""
         return arm.command() if self._commanded is None else self._commanded.copy()
 
-    def arm_joints(self, arm: Arm) -> Vector:
+    def arm_joints(self, arm: Arm) -> FloatArray:
         """Return the commanded joints instead of the measured ones."""
         return arm.joints() if self._commanded is None else self._commanded.copy()
 
@@ -172,7 +171,7 @@ class HalfPixel(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def camera_image(self, camera: Camera) -> NDArray[np.uint8]:
+    def camera_image(self, camera: Camera) -> ByteArray:
         """Between two columns."""
         image = camera.image().astype(np.float64)
         return np.asarray(0.5 * (image + np.roll(image, 1, axis=1))).astype(np.uint8)
@@ -196,7 +195,7 @@ class TurnsOtherWay(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def imu_rates(self, imu: Imu) -> Vector:
+    def imu_rates(self, imu: Imu) -> FloatArray:
         """Left is right."""
         return -imu.rates()
 

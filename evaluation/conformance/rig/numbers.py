@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
-def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> Floats | None:
+def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> FloatArray | None:
     """Return all measured values of a reading as one array (n,); None if nothing was measured.
 
     Args:

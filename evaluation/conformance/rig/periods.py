@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.capabilities.arm import Arm
@@ -11,6 +10,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.sensors.all_kinds import all_capabilities
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .numbers import as_numbers
 from .parts import needed
@@ -57,7 +57,7 @@ def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, fl
     return speed, max(-most, min(turn_rate, most))
 
 
-def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float) -> NDArray[np.float64]:
+def beside(spec: RobotFile, joints: FloatArray, number: int, way: float) -> FloatArray:
     """Return joints (n,) with one moved by `way`, or back by it if its limit is too near."""
     model, goal = spec.arm_model(), joints.copy()
     goal[number] += way
@@ -66,7 +66,7 @@ def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float
     return goal
 
 
-def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: float = CHECK_SPEED) -> None:
+def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHECK_SPEED) -> None:
     """Move to joint angles (n,) in [rad] within the joints' speeds, and wait until they are at rest."""
     start = arm.command()
     count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (speed * backend.period))))
@@ -82,9 +82,9 @@ def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: fl
     steps(backend, SETTLING_PERIODS)
 
 
-def all_readings(backend: Backend) -> dict[str, NDArray[np.float64]]:
+def all_readings(backend: Backend) -> dict[str, FloatArray]:
     """Every reading of this period, by capability and method: "arm joints"."""
-    result: dict[str, NDArray[np.float64]] = {}
+    result: dict[str, FloatArray] = {}
     for part in backend.capabilities():
         for method, reading in part.READINGS.items():
             numbers = as_numbers(getattr(part, method)(), reading.measured)

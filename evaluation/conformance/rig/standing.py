@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
@@ -13,6 +12,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.ground_truth import GroundTruth
 from handcart.evaluation.judging.true_changes import not_still
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .parts import part_of
 
@@ -24,14 +24,14 @@ MAX_REST_MOTION = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
 class TrueState:
     """Positions of everything that can move, at one instant."""
 
-    readings: dict[str, NDArray[np.float64]]
+    readings: dict[str, FloatArray]
     truth: GroundTruth | None
 
     @classmethod
     def of(cls, backend: Backend) -> TrueState:
         """Return the current state of a backend."""
         base, arm, gripper = part_of(backend, Base), part_of(backend, Arm), part_of(backend, Gripper)
-        readings: dict[str, NDArray[np.float64]] = {}
+        readings: dict[str, FloatArray] = {}
         if base is not None:
             readings["wheels"] = np.array(list(base.wheel_travel()))
         if arm is not None:

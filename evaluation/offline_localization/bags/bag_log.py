@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.checks.stamps import check_offsets, check_stamps
 from handcart.evaluation.offline_localization.logs.csv_log import first_place, held_on, plane
@@ -27,7 +26,6 @@ MIN_SIGMA_M = 1e-3  # smaller stated errors are ignored
 READING_LIMITS = {"rates": 100.0, "accelerations": 1000.0, "speed": 150.0, "turn": 100.0, "reference": 1e7}
 """Largest plausible readings, in SI units."""
 Stamps = Literal["header", "receive"]
-Array = NDArray[np.float64]
 
 
 class _Row(NamedTuple):

@@ -6,12 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import GyroOdometry
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 WINDOW_S = 10.0  # in which the fixes are fitted to the odometry's track
 MIN_FIXES = 6  # in a window
@@ -20,7 +20,6 @@ SLOW_RATIO = 2.25  # slow error over white error of an unknown receiver
 SLOW_TIME_S = 100.0  # correlation time of the slow error
 LEAST_M = 0.05  # of the white error
 MAX_RATIO = 3.0  # between stated and observed error: beyond it the stated one is rejected
-Array = NDArray[np.float64]
 
 
 class SupposedNoise(NamedTuple):
@@ -75,14 +74,14 @@ def white_error(log: DriveLog, period: float) -> float | None:
     return None if found is None else max(LEAST_M, found)
 
 
-def odometry_track(log: DriveLog) -> tuple[Array, Array, Array]:
+def odometry_track(log: DriveLog) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the times (m,) in [s] of the fixes, the positions (m, 2) by odometry and the fixes (m, 2), in
     [m].
     """
     odometry, ways, rows = GyroOdometry(Pose2(0.0, 0.0, 0.0)), list[tuple[float, float]](), list[int]()
     log = log.one_row_a_time()
     steps = np.diff(log.times, prepend=log.times[0])
-    known: NDArray[np.bool_] = np.asarray(np.isfinite(log.fixes).all(axis=1))
+    known: BoolArray = np.asarray(np.isfinite(log.fixes).all(axis=1))
     for row in range(len(log.times)):
         if row:
             odometry.update(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
@@ -92,7 +91,7 @@ def odometry_track(log: DriveLog) -> tuple[Array, Array, Array]:
     return log.times[rows], np.array(ways).reshape(-1, 2), log.fixes[rows]
 
 
-def _left(times: Array, ways: Array, fixes: Array, window: float) -> float | None:
+def _left(times: FloatArray, ways: FloatArray, fixes: FloatArray, window: float) -> float | None:
     """Return the median over all windows of the fixes' remaining error per axis, in [m]; None for few
     windows.
     """
@@ -104,7 +103,7 @@ def _left(times: Array, ways: Array, fixes: Array, window: float) -> float | Non
     return float(np.median(found)) if len(found) >= MIN_WINDOWS else None
 
 
-def _misfit(ways: Array, fixes: Array) -> float:
+def _misfit(ways: FloatArray, fixes: FloatArray) -> float:
     """Return the error per axis of fixes (n, 2) relative to a track (n, 2), rotated and shifted to fit."""
     a, b = ways - ways.mean(axis=0), fixes - fixes.mean(axis=0)
     turn = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))

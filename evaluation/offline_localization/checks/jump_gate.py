@@ -6,9 +6,9 @@ import math
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 MAX_FIX_SIGMAS = 4.0  # between a fix and the mean of the fixes before it
 AVERAGED_FIXES = 5
@@ -18,7 +18,6 @@ SLIP_RATIO = 0.04  # error of wheels and heading, relative to the distance since
 WANDER_M = 0.3  # change of slow errors, per root second
 PATIENCE_S = 20.0  # after which a lasting jump is accepted
 RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))  # median of a 2D length, in sigmas per axis
-Array = NDArray[np.float64]
 
 
 class JumpGate:
@@ -32,14 +31,14 @@ class JumpGate:
     def __init__(self, sigma: float) -> None:
         """Assume a white error of `sigma` [m] per axis until it can be estimated from enough fixes."""
         self._sigma = sigma
-        self._good = deque[tuple[float, Array, Pose2, float]](maxlen=AVERAGED_FIXES)
+        self._good = deque[tuple[float, FloatArray, Pose2, float]](maxlen=AVERAGED_FIXES)
         self._steps = deque[float](maxlen=MAX_STEPS)
         self._since: float | None = None  # [s] when the first fix of a jump came
 
     def refusal(
         self,
         time: float,
-        position: Array,
+        position: FloatArray,
         odometry: Pose2,
         way: float,
         heading: float | None,
@@ -76,7 +75,7 @@ class JumpGate:
         self._good.append((time, position, odometry, way))
         return ""
 
-    def _off(self, position: Array, odometry: Pose2, way: float, turn: float | None) -> float:
+    def _off(self, position: FloatArray, odometry: Pose2, way: float, turn: float | None) -> float:
         """Return the distance in [m] between a fix and its prediction from the good fixes before it."""
         if turn is None:
             _, last, _, before = self._good[-1]
@@ -93,7 +92,7 @@ class JumpGate:
         aside = heading_sigma * way
         return MAX_FIX_SIGMAS * math.hypot(alone, WANDER_M * math.sqrt(time), aside) + SLIP_RATIO * abs(way)
 
-    def _learn(self, position: Array, odometry: Pose2, turn: float) -> None:
+    def _learn(self, position: FloatArray, odometry: Pose2, turn: float) -> None:
         _, last, then, _ = self._good[-1]
         self._steps.append(float(np.hypot(*(position - last - _moved(odometry, then, turn)))))
 
@@ -103,7 +102,7 @@ class JumpGate:
         return time - self._since > PATIENCE_S
 
 
-def _moved(now: Pose2, then: Pose2, turn: float) -> Array:
+def _moved(now: Pose2, then: Pose2, turn: float) -> FloatArray:
     """Return the motion (2,) in [m] between two poses of odometry, rotated into the world."""
     x, y = now.x - then.x, now.y - then.y
     return np.array([math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y])

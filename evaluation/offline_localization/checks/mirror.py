@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .fix_noise import odometry_track
 
@@ -18,7 +18,6 @@ MIRROR_TEXT = (
     "the fixes are the mirror image of the way by wheels and gyros: latitude and longitude (east and north) "
     "are exchanged, or the gyro turns the other way"
 )
-Array = NDArray[np.float64]
 
 
 def check_mirror(log: DriveLog, period: float) -> str:
@@ -37,7 +36,7 @@ def check_mirror(log: DriveLog, period: float) -> str:
     return MIRROR_TEXT if votes and float(np.mean(votes)) >= MIN_VOTE_SHARE else ""
 
 
-def _vote(ways: Array, fixes: Array) -> list[bool]:
+def _vote(ways: FloatArray, fixes: FloatArray) -> list[bool]:
     """Return whether a window's fixes are mirrored, as the only element; empty if the window does not show
     it.
     """

@@ -7,10 +7,10 @@ from itertools import permutations, product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.csv_log import held_on
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+from handcart.robotics.numerics.arrays import FloatArray
 
 MAX_TILT_DEG = 20.0  # between the IMU's z axis and gravity
 MIN_FORCE = 5.0  # [m/s2] of measured gravity; less: the IMU subtracts it
@@ -18,13 +18,12 @@ MIN_TURNS = 0.02  # [rad/s] standard deviation of the turns by which gyros are c
 ALIKE, UNLIKE = 0.5, 0.3  # correlation of a gyro axis that turns with the wheels, and of one that does not
 SMOOTHED_S = 1.0
 AXIS_NAMES = "xyz"
-Array = NDArray[np.float64]
 
 
 class Mount(NamedTuple):
     """Estimated mounting of an IMU."""
 
-    base_R_imu: Array
+    base_R_imu: FloatArray
     """(3, 3) rotation from the IMU's to the base's frame."""
     axes: str
     """The IMU's axes that point forward, left and up, in the notation of `--imu-axes`."""
@@ -46,12 +45,12 @@ def check_mount(log: DriveLog) -> Mount:
     return Mount(_levelling(turned @ up) @ turned, axes, why)
 
 
-def mounted(log: DriveLog, base_R_imu: Array) -> DriveLog:
+def mounted(log: DriveLog, base_R_imu: FloatArray) -> DriveLog:
     """Return a log with the IMU's readings rotated into the base's axes."""
     return log._replace(rates=log.rates @ base_R_imu.T, accelerations=log.accelerations @ base_R_imu.T)
 
 
-def axes_rotation(axes: str) -> Array | None:
+def axes_rotation(axes: str) -> FloatArray | None:
     """Return base_R_imu (3, 3) for axes such as `z,-x,y`; None if they are not a right-handed frame."""
     rows = []
     for axis in axes.split(","):
@@ -63,7 +62,7 @@ def axes_rotation(axes: str) -> Array | None:
     return turned if turned.shape == (3, 3) and abs(np.linalg.det(turned) - 1.0) < 1e-9 else None
 
 
-def _up(force: Array, alike: Array | None) -> tuple[Array, str]:
+def _up(force: FloatArray, alike: FloatArray | None) -> tuple[FloatArray, str]:
     """Return the upward direction (3,) in the IMU's frame, and the evidence that this is not its z axis."""
     size, up, by_force = float(np.linalg.norm(force)), np.array([0.0, 0.0, 1.0]), ""
     if size > MIN_FORCE:
@@ -90,12 +89,12 @@ def _up(force: Array, alike: Array | None) -> tuple[Array, str]:
     return up, ""
 
 
-def _named(up: Array) -> str:
+def _named(up: FloatArray) -> str:
     axis = int(np.argmax(np.abs(up)))
     return f"{'-' if up[axis] < 0.0 else '+'}{AXIS_NAMES[axis]}"
 
 
-def _correlations(log: DriveLog) -> Array | None:
+def _correlations(log: DriveLog) -> FloatArray | None:
     """Return the correlation (3,) of each gyro axis with the odometry's turns; None without usable turns."""
     if log.odometry_turns is None or log.steered:
         return None
@@ -108,14 +107,14 @@ def _correlations(log: DriveLog) -> Array | None:
     return np.asarray(away @ (turns - turns.mean()) / len(turns) / spread / turns.std())
 
 
-def _smooth(times: Array, values: Array) -> Array:
+def _smooth(times: FloatArray, values: FloatArray) -> FloatArray:
     """Return values (n,) averaged over about `SMOOTHED_S`."""
     step = float(times[-1] - times[0]) / max(1, len(times) - 1)
     count = max(1, min(len(values), round(SMOOTHED_S / max(step, 1e-6))))
     return np.asarray(np.convolve(values, np.ones(count) / count, mode="same"), dtype=np.float64)
 
 
-def _nearest(up: Array, force: Array, log: DriveLog) -> Array:
+def _nearest(up: FloatArray, force: FloatArray, log: DriveLog) -> FloatArray:
     """Return the rotation by quarter turns that has `up` upwards, and forward where the vehicle
     accelerates.
     """
@@ -134,14 +133,14 @@ def _nearest(up: Array, force: Array, log: DriveLog) -> Array:
     along = np.array(
         [float(np.nan_to_num(gained) @ (felt @ turned[0] - force @ turned[0])) for turned in candidates]
     )
-    best: Array = candidates[int(np.argmax(along + 1e-9 * np.trace(candidates, axis1=1, axis2=2)))]
+    best: FloatArray = candidates[int(np.argmax(along + 1e-9 * np.trace(candidates, axis1=1, axis2=2)))]
     return best
 
 
-def _levelling(up: Array) -> Array:
+def _levelling(up: FloatArray) -> FloatArray:
     """Return the smallest rotation that turns `up` (3,) to the z axis (Rodrigues)."""
     axis, cos = np.cross(up, [0.0, 0.0, 1.0]), float(up[2])
     x, y, z = axis
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turned: Array = np.eye(3) + skew + skew @ skew / (1.0 + cos)
+    turned: FloatArray = np.eye(3) + skew + skew @ skew / (1.0 + cos)
     return turned

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
 from handcart.evaluation.offline_localization.logs.places import repeated_rows
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .fix_noise import odometry_track
 
@@ -38,8 +39,6 @@ UNIT_ERRORS = {
 """Likely unit error, by the factor that corrects the readings."""
 NEAR_UNIT = 0.1  # relative difference to a factor of `UNIT_ERRORS`
 RADII_M = (0.02, 0.7)  # of wheels
-Array = NDArray[np.float64]
-Rows = NDArray[np.bool_]
 
 
 def check_readings(log: DriveLog) -> tuple[DriveLog, list[str]]:
@@ -70,7 +69,7 @@ def _without_repeated(log: DriveLog) -> tuple[DriveLog, list[str]]:
     return log._replace(fixes=fixes), [words]
 
 
-def _way_since_fix(log: DriveLog) -> Array:
+def _way_since_fix(log: DriveLog) -> FloatArray:
     """Return the distance (n,) that the wheels have driven since the fix before each row, in [m]."""
     way = np.cumsum(np.abs(np.nan_to_num(log.wheels).mean(axis=1)))
     known = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
@@ -101,7 +100,7 @@ def _still_wheels(log: DriveLog) -> list[str]:
     ]
 
 
-def _pieces(times: Array, begin: int, end: int) -> list[tuple[int, int]]:
+def _pieces(times: FloatArray, begin: int, end: int) -> list[tuple[int, int]]:
     """Return start and end of pieces of a time span that overlap by half; empty if the span is too short."""
     least, most = STILL_TIME_S
     if times[end - 1] - times[begin] < least:
@@ -112,7 +111,7 @@ def _pieces(times: Array, begin: int, end: int) -> list[tuple[int, int]]:
     return list(zip(firsts.tolist(), lasts.tolist(), strict=True))
 
 
-def _travelled(fixes: Array) -> float:
+def _travelled(fixes: FloatArray) -> float:
     """Return the distance in [m] over which fixes (n, 2) advance steadily; 0 if they jump or stay."""
     known = fixes[np.isfinite(fixes).all(axis=1)]
     if len(known) < SPAN_PARTS:
@@ -211,11 +210,11 @@ def _window_scale(ways: NDArray[np.complex128], fixes: NDArray[np.complex128]) -
     return [common / whole] if common**2 > MIN_FIT * spread * whole else []
 
 
-def spans(rows: Rows) -> list[tuple[int, int]]:
+def spans(rows: BoolArray) -> list[tuple[int, int]]:
     """Return start and end of each run of True in a mask (n,)."""
     ends = np.diff(np.concatenate([[False], rows, [False]]).astype(int))
     return list(zip(np.flatnonzero(ends > 0).tolist(), np.flatnonzero(ends < 0).tolist(), strict=True))
 
 
-def _first_time(log: DriveLog, rows: Rows) -> float:
+def _first_time(log: DriveLog, rows: BoolArray) -> float:
     return float(log.times[int(np.argmax(rows))] - log.times[0])

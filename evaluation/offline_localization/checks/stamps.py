@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 JUMP_S = 1.0  # allowed change between stamp and receive time from one message to the next
 JUMP_SPREADS = 10.0  # the same in median changes: a bag may have been replayed slowly or in bursts
@@ -13,13 +14,12 @@ NEIGHBOUR_COUNT = 5  # messages on either side that decide whether a jump lasts
 APART_S = 2.0  # between the clocks of two topics: more cannot be a delay
 LATE_S = 0.2  # between two topics, from which a delay is reported
 MAX_WRONG = 0.5  # share of a topic's stamps: with more they are unusable
-Array = NDArray[np.float64]
 
 
 class StampReport(NamedTuple):
     """Assessment of a topic's header stamps."""
 
-    used: NDArray[np.bool_]
+    used: BoolArray
     """(n,) mask of messages with a credible stamp."""
     notes: list[str]
     """Messages about tolerable faults."""
@@ -27,7 +27,7 @@ class StampReport(NamedTuple):
     """Reason why the stamps cannot be used; empty if they can."""
 
 
-def check_stamps(topic: str, stamps: Array, received: Array) -> StampReport:
+def check_stamps(topic: str, stamps: FloatArray, received: FloatArray) -> StampReport:
     """Compare the header stamps of a topic with the times at which its messages were recorded.
 
     Args:
@@ -89,19 +89,19 @@ def check_offsets(delays: dict[str, float]) -> tuple[list[str], str]:
     return ([f"{words}: it comes late, or has another clock"], "") if apart > LATE_S else ([], "")
 
 
-def _left_out(topic: str, what: str, wrong: NDArray[np.bool_], received: Array) -> str:
+def _left_out(topic: str, what: str, wrong: BoolArray, received: FloatArray) -> str:
     after = received[int(np.argmax(wrong))] - received[0]
     return (
         f"{topic}: {int(wrong.sum())} stamps {what}, first after {after:.1f} s; those messages are left out"
     )
 
 
-def _limit(parts: Array) -> float:
+def _limit(parts: FloatArray) -> float:
     """Return the difference in [s] from which two clocks count as diverged."""
     return max(JUMP_S, JUMP_SPREADS * float(np.median(np.abs(parts)))) if len(parts) else JUMP_S
 
 
-def _alone(stamps: Array, received: Array, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _alone(stamps: FloatArray, received: FloatArray, used: BoolArray) -> BoolArray:
     """Return a mask (n,) of stamps that differ while their neighbours agree with each other."""
     rows = np.flatnonzero(used)
     found = np.zeros(len(stamps), dtype=bool)
@@ -114,7 +114,7 @@ def _alone(stamps: Array, received: Array, used: NDArray[np.bool_]) -> NDArray[n
     return found
 
 
-def _jumps(stamps: Array, received: Array) -> list[tuple[int, float]]:
+def _jumps(stamps: FloatArray, received: FloatArray) -> list[tuple[int, float]]:
     """Return the index of each lasting jump between stamps and receive times, with its size in [s]."""
     offsets = stamps - received
     parts = np.diff(offsets)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.drive_log import DriveLog
+from handcart.robotics.numerics.arrays import FloatArray
 
 WINDOW_S = 30.0  # within which roll and pitch of a vehicle return to their mean
-Array = NDArray[np.float64]
 
 
 def without_tilt_drift(log: DriveLog) -> DriveLog:
@@ -26,7 +25,7 @@ def without_tilt_drift(log: DriveLog) -> DriveLog:
     return log._replace(rates=rates)
 
 
-def _moving_mean(times: Array, values: Array) -> Array:
+def _moving_mean(times: FloatArray, values: FloatArray) -> FloatArray:
     """Return the mean (n,) of values (n,) within half of `WINDOW_S` before and after each."""
     sums = np.concatenate([[0.0], np.cumsum(values)])
     first = np.searchsorted(times, times - 0.5 * WINDOW_S, side="left")

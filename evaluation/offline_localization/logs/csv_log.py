@@ -7,7 +7,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.robot.localization.noise_model import beacon_errors
 from handcart.files.csv_table import number_in
@@ -18,6 +17,7 @@ from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regul
 from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import parse_document
 from handcart.robotics.geometry.earth_frame import EarthFrame
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .column_names import named_columns
 from .drive_log import BeaconLog, DriveLog
@@ -28,7 +28,6 @@ MAX_BYTES = 1 << 28
 HEADER_MARK = "---"
 MAX_SHOWN_CELLS = 10  # invalid cells reported one by one
 GRAVITY_M_S2 = 9.81
-Array = NDArray[np.float64]
 
 
 def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
@@ -121,7 +120,7 @@ def _needed(header: LogHeader) -> list[tuple[str, str]]:
 
 def _table(
     path: Path, lines: list[str], first: int, header: Loaded[LogHeader], delimiter: str
-) -> dict[str, Array]:
+) -> dict[str, FloatArray]:
     """Return the values (n,) of each quantity in the column's unit; `first` is the number of the first
     line.
     """
@@ -168,7 +167,7 @@ def _number(row: list[str], place: int, path: Path, line: int, findings: Finding
     return value
 
 
-def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
+def _log(values: dict[str, FloatArray], header: LogHeader) -> DriveLog:
     times = values["time"]
     order = np.diff(times)
     steps = np.concatenate([[np.median(order)], order])
@@ -200,7 +199,9 @@ def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
     )
 
 
-def _wheel_turns(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Array) -> Array | None:
+def _wheel_turns(
+    values: dict[str, FloatArray], header: LogHeader, wheels: FloatArray, steps: FloatArray
+) -> FloatArray | None:
     """Return the turn rate (n,) by the two wheels, in [rad/s]; None without both wheels and their tread."""
     if header.tread_m is None or not {"wheel_left", "wheel_right"} <= values.keys():
         return None
@@ -208,14 +209,14 @@ def _wheel_turns(values: dict[str, Array], header: LogHeader, wheels: Array, ste
     return np.divide(turned, steps, out=np.zeros(len(steps)), where=steps > 0.0)
 
 
-def _ranges(values: dict[str, Array], header: LogHeader, nothing: Array) -> BeaconLog | None:
+def _ranges(values: dict[str, FloatArray], header: LogHeader, nothing: FloatArray) -> BeaconLog | None:
     if header.beacons is None or not header.columns.keys() & set(header.range_columns):
         return None
     ranges = np.stack([values.get(name, nothing) for name in header.range_columns], axis=1)
     return BeaconLog(beacon_errors(header.beacons), ranges)
 
 
-def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
+def _take_out_held(values: dict[str, FloatArray], header: LogHeader) -> None:
     """Replace repeated values of columns marked `held` by NaN; of a pair of coordinates, only if both
     repeat.
     """
@@ -233,7 +234,7 @@ _PLACES = (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "tru
 _STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY_M_S2))  # readings of missing accelerometers
 
 
-def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
+def _travel(values: dict[str, FloatArray], header: LogHeader, steps: FloatArray) -> FloatArray:
     """Return the travel (n, 2) of each wheel since the previous row, in [m]; a speed holds until the next
     one.
     """
@@ -245,13 +246,15 @@ def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
     return np.stack(travel, axis=1)
 
 
-def held_on(values: Array) -> Array:
+def held_on(values: FloatArray) -> FloatArray:
     """Return values (n,) with each NaN replaced by the last number before it, or by 0 before the first."""
     latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return np.nan_to_num(values[latest], posinf=0.0, neginf=0.0)
 
 
-def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Array) -> tuple[Array, bool]:
+def _rates(
+    values: dict[str, FloatArray], header: LogHeader, wheels: FloatArray, steps: FloatArray
+) -> tuple[FloatArray, bool]:
     """Return turn rates (n, 3) in [rad/s], and whether they come from steering or wheels instead of a
     gyro.
     """
@@ -268,7 +271,7 @@ def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Ar
     return np.stack([*across, about], axis=1), True
 
 
-def _fixes(values: dict[str, Array], nothing: Array) -> Array:
+def _fixes(values: dict[str, FloatArray], nothing: FloatArray) -> FloatArray:
     """Return fixes (n, 2) east and north in [m]; latitude and longitude are relative to the first fix."""
     if "gps_east" in values:
         return np.stack([values["gps_east"], values["gps_north"]], axis=1)
@@ -278,13 +281,13 @@ def _fixes(values: dict[str, Array], nothing: Array) -> Array:
     return plane(*place, first_place(*place))
 
 
-def first_place(latitudes: Array, longitudes: Array) -> tuple[float, float] | None:
+def first_place(latitudes: FloatArray, longitudes: FloatArray) -> tuple[float, float] | None:
     """Return the first known pair of latitudes and longitudes (n,), in [deg]; None if no pair is known."""
     known = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     return None if not len(known) else (float(latitudes[known[0]]), float(longitudes[known[0]]))
 
 
-def plane(latitudes: Array, longitudes: Array, origin: tuple[float, float] | None) -> Array:
+def plane(latitudes: FloatArray, longitudes: FloatArray, origin: tuple[float, float] | None) -> FloatArray:
     """Convert latitudes and longitudes (n,) in [deg] to east and north (n, 2) of an origin, in [m]."""
     found = np.full((len(latitudes), 2), math.nan)
     if origin is not None:

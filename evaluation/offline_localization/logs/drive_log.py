@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.beacons.beacon_errors import BeaconErrors
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 MIN_PERIOD_SHARE = 0.8  # of a receiver's period: fixes are not exactly periodic
-Array = NDArray[np.float64]
 
 
 class BeaconLog(NamedTuple):
@@ -18,7 +17,7 @@ class BeaconLog(NamedTuple):
 
     errors: BeaconErrors
     """Positions of the beacons, and the errors of their ranges."""
-    ranges: Array
+    ranges: FloatArray
     """(n, k) ranges to k beacons, in [m]."""
 
 
@@ -28,19 +27,19 @@ class DriveLog(NamedTuple):
     World is x east, y north; base is x forward, y left, z up.
     """
 
-    times: Array
+    times: FloatArray
     """(n,) in [s], increasing."""
-    rates: Array
+    rates: FloatArray
     """(n, 3) turn rates of the gyros, in [rad/s]."""
-    accelerations: Array
+    accelerations: FloatArray
     """(n, 3) accelerations, in [m/s²]."""
-    wheels: Array
+    wheels: FloatArray
     """(n, 2) travel of the left and right wheel since the previous row, in [m]."""
-    fixes: Array
+    fixes: FloatArray
     """(n, 2) positions of the antenna, east and north in [m]."""
-    sigmas: Array
+    sigmas: FloatArray
     """(n,) standard deviation of a fix per axis that the receiver states, in [m]; NaN if it states none."""
-    reference: Array
+    reference: FloatArray
     """(n, 3) true pose of the base: x, y in [m], heading in [rad]; NaN where it is unknown."""
     start: tuple[float, float, float]
     """Pose of the base before the first row: x, y in [m], heading in [rad]; NaN where it is unknown."""
@@ -50,7 +49,7 @@ class DriveLog(NamedTuple):
     """True if `rates` come from steering or wheels, without a gyro."""
     beacons: BeaconLog | None = None
     """Ranges to beacons; None without beacons."""
-    odometry_turns: Array | None = None
+    odometry_turns: FloatArray | None = None
     """(n,) turn rate by the wheels' odometry, in [rad/s]; NaN without a new reading; None without
     odometry.
     """
@@ -90,7 +89,7 @@ class DriveLog(NamedTuple):
 _READINGS = ("rates", "accelerations", "fixes", "sigmas", "reference")
 
 
-def _latest(values: Array, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> Array:
+def _latest(values: FloatArray, starts: IntArray, ends: IntArray) -> FloatArray:
     """Return the last known row between each start and end; NaN if none is known."""
     known = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
     rows = np.maximum.accumulate(np.where(known, np.arange(len(values)), -1))[ends - 1]

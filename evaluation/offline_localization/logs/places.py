@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 FAR_DEG = 1.0  # from the median of all fixes: some 100 km
 MIN_HELD_FIXES = 5  # equal fixes in a row that count as repetitions
-Array = NDArray[np.float64]
 
 
-def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[Array, Array, list[str]]:
+def checked_places(
+    latitudes: FloatArray, longitudes: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray, list[str]]:
     """Remove implausible fixes, and report their number and their first time.
 
     Args:
@@ -48,12 +50,12 @@ def checked_places(latitudes: Array, longitudes: Array, times: Array) -> tuple[A
     return np.where(left, np.nan, latitudes), np.where(left, np.nan, longitudes), notes
 
 
-def _left_out(what: str, wrong: NDArray[np.bool_], times: Array) -> str:
+def _left_out(what: str, wrong: BoolArray, times: FloatArray) -> str:
     after = float(times[int(np.argmax(wrong))] - times[0])
     return f"{int(wrong.sum())} fixes {what}, first after {after:.1f} s; they are left out"
 
 
-def repeated_rows(latitudes: Array, longitudes: Array) -> NDArray[np.bool_]:
+def repeated_rows(latitudes: FloatArray, longitudes: FloatArray) -> BoolArray:
     """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least
     `MIN_HELD_FIXES`.
 

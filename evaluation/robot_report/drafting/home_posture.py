@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.description.joint_units import JointUnits
 from handcart.evaluation.robot_report.masses import corners_of
@@ -18,6 +17,7 @@ from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of
 from handcart.robotics.kinematics.urdf_frames import link_poses
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.numerics.arrays import FloatArray
 
 RANDOM_POSTURES = 300
 MIN_HEIGHT_M = -1e-3  # rounding, relative to the floor
@@ -84,7 +84,7 @@ def middle_of(joint: JointFacts) -> float:
     return 0.0 if joint.lower <= 0.0 <= joint.upper else 0.5 * (joint.lower + joint.upper)
 
 
-def _rounded(units: JointUnits, q: NDArray[np.float64]) -> list[float]:
+def _rounded(units: JointUnits, q: FloatArray) -> list[float]:
     """Return joint positions in [deg] or [mm], rounded towards zero so that no limit is exceeded."""
     scale = 10.0**POSTURE_DIGITS
     return [float(each) + 0.0 for each in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
@@ -100,5 +100,5 @@ def _lowest(shapes: Sequence[Shape]) -> float:
     return min((float(corners_of(shape)[:, 2].min()) for shape in shapes), default=0.0)
 
 
-def _placed(pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _placed(pose: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])

@@ -10,7 +10,6 @@ from textwrap import wrap
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.legend import add_legend
@@ -18,6 +17,7 @@ from handcart.evaluation.viewing.drawing.palette import BLUE, GREY, PURPLE, SERI
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .explanation import Explanation
 from .explanation_words import cause_words, measured_words
@@ -132,7 +132,7 @@ def _draw_seen(axis: Any, explanation: Explanation, readings: Readings) -> None:
         axis.set_axis_off()
 
 
-def _pixels(path: Path) -> NDArray[np.uint8]:
+def _pixels(path: Path) -> ByteArray:
     import cv2
     from PIL import Image
 
@@ -191,7 +191,7 @@ def _draw_robot(axis: Any, readings: Readings, pose: Pose2) -> None:
     axis.plot([pose.x, nose[0]], [pose.y, nose[1]], color=READING_COLOUR, lw=1.5)
 
 
-def _scan(readings: Readings, row: int, pose: Pose2) -> NDArray[np.float64]:
+def _scan(readings: Readings, row: int, pose: Pose2) -> FloatArray:
     reach, angle = readings["ranges_m"][row].astype(np.float64), readings["angles_rad"]
     hit = np.isfinite(reach)
     points = reach[hit, None] * np.column_stack([np.cos(angle[hit]), np.sin(angle[hit])])

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.playback import Playback
 from handcart.files.whole_file import write_whole
@@ -18,6 +17,7 @@ from handcart.files.xml_file import checked_xml
 from handcart.networks.past_runs.past_run import PastRun
 from handcart.networks.run_files.run_folder import read_file
 from handcart.robotics.kinematics.urdf_assembly import root_link
+from handcart.robotics.numerics.arrays import Int8Array
 
 from .events import event_messages
 from .scene import scene_messages
@@ -162,7 +162,7 @@ def _grid(recorded: Playback) -> Grid:
     shape = recorded.scenery.map
     assert shape is not None
     picture = shape.picture()[::-1]
-    cells: NDArray[np.int8] = np.full(picture.shape, UNKNOWN_CELL, np.int8)
+    cells: Int8Array = np.full(picture.shape, UNKNOWN_CELL, np.int8)
     cells[picture == 0], cells[picture == 255] = OCCUPIED_CELL, FREE_CELL
     kind = PackedElementFieldNumericType.Int8
     columns = int(picture.shape[1])

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.playback import Playback
 from handcart.evaluation.viewing.playback.scenery import Size
 from handcart.evaluation.viewing.playback.seven import sevens, transforms
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .stamped import MAP_FRAME, Message, pose_of, stamp
 
@@ -55,7 +55,7 @@ def _update(time: float, topic: str, entity: SceneEntity) -> Message:
     return time, topic, SceneUpdate(entities=[entity])
 
 
-def _box(name: str, time: float, pose: NDArray[np.float64], size: Size, grey: int) -> SceneEntity:
+def _box(name: str, time: float, pose: FloatArray, size: Size, grey: int) -> SceneEntity:
     from foxglove.messages import Color, CubePrimitive, SceneEntity, Vector3
 
     shade = grey / 255

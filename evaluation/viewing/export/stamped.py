@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 if TYPE_CHECKING:
     from foxglove.messages import Pose, Quaternion, Timestamp, Vector3
@@ -29,14 +28,14 @@ def stamp(time: float) -> Timestamp:
     return Timestamp(*divmod(nanoseconds(time), 1_000_000_000))
 
 
-def pose_of(pose: NDArray[np.float64]) -> Pose:
+def pose_of(pose: FloatArray) -> Pose:
     """Convert a pose (7,), or a planar pose (3,) of x, y in [m] and heading in [rad], to a Foxglove Pose."""
     from foxglove.messages import Pose
 
     return Pose(position=position_of(pose), orientation=orientation_of(pose))
 
 
-def position_of(pose: NDArray[np.float64]) -> Vector3:
+def position_of(pose: FloatArray) -> Vector3:
     """Return the position of a pose (7,) or (3,) as a Foxglove Vector3."""
     from foxglove.messages import Vector3
 
@@ -44,7 +43,7 @@ def position_of(pose: NDArray[np.float64]) -> Vector3:
     return Vector3(x=x, y=y, z=rest[0] if len(pose) == 7 else 0.0)
 
 
-def orientation_of(pose: NDArray[np.float64]) -> Quaternion:
+def orientation_of(pose: FloatArray) -> Quaternion:
     """Return the orientation of a pose (7,) or (3,) as a Foxglove Quaternion."""
     from foxglove.messages import Quaternion
 

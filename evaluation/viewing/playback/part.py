@@ -10,6 +10,8 @@ import orjson
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray, IntArray, Uint16Array
+
 from .scenery import ThingShape
 
 PLAYBACK_FOLDER = "playback"
@@ -19,54 +21,53 @@ PART_FILE_FORMAT = "{:05d}.npz"
 """File name of a part, by its number from 1."""
 INVALID_RANGE_MM, NO_ECHO_MM = 65535, 65534
 """Stored values of an invalid range and of a range without an echo."""
-Array = NDArray[np.float64]
 SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 
 
 class RecordingPart(NamedTuple):
     """Arrays of one part of a recording; times are the robot's, in [s], and increase."""
 
-    time: Array
+    time: FloatArray
     """(n,) time of each row."""
-    world_time: Array
+    world_time: FloatArray
     """(n,) time of the world, in [s]; it advances while the run is paused."""
-    pose: Array
+    pose: FloatArray
     """(n, 3) estimated map_T_base: x, y in [m], heading in [rad]."""
-    truth: Array
+    truth: FloatArray
     """(n, 7) true world_T_base; NaN where it is unknown."""
-    joints: Array
+    joints: FloatArray
     """(n, j) measured joint positions, in [rad] or [m]."""
-    width: Array
+    width: FloatArray
     """(n,) measured opening of the gripper, in [m]; 0 without a gripper."""
-    covariance: Array
+    covariance: FloatArray
     """(n, 3, 3) covariance of the estimated pose, in [m] and [rad]."""
-    action: NDArray[np.int64]
+    action: IntArray
     """(n,) number of the running action, from 1; 0 before the first."""
-    restoring: NDArray[np.bool_]
+    restoring: BoolArray
     """(n,) whether the action was restoring."""
-    scan_time: Array
+    scan_time: FloatArray
     """(s,) time of each lidar scan."""
-    scan_mm: NDArray[np.uint16]
+    scan_mm: Uint16Array
     """(s, b) range of each lidar beam, in [mm]; 65534 without an echo, 65535 if invalid."""
-    cloud_time: Array
+    cloud_time: FloatArray
     """(c,) time of each particle cloud."""
-    cloud: Array
+    cloud: FloatArray
     """(c, p, 3) particles of the localization: x, y in [m], heading in [rad]."""
-    picture_time: Array
+    picture_time: FloatArray
     """(i,) time of each camera picture."""
-    picture_end: NDArray[np.int64]
+    picture_end: IntArray
     """(i,) end index of each camera picture in `picture`."""
-    picture: NDArray[np.uint8]
+    picture: ByteArray
     """JPEG bytes of all camera pictures, concatenated."""
-    moved_time: Array
+    moved_time: FloatArray
     """(k,) time of each change of a thing's pose."""
-    moved_name: NDArray[np.int64]
+    moved_name: IntArray
     """(k,) index in `names` of the moved thing."""
-    moved_pose: Array
+    moved_pose: FloatArray
     """(k, 7) world_T_thing after the change."""
     names: NDArray[np.str_]
     """Names of the things that moved in this part."""
-    shapes: NDArray[np.uint8]
+    shapes: ByteArray
     """JSON bytes of a list of `ThingShape`, one for each thing that appears first in this part."""
 
     @classmethod
@@ -129,7 +130,7 @@ _KINDS = {"action": "i", "restoring": "b", "scan_mm": "uf", "picture_end": "i", 
 _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)}
 
 
-def millimetres(ranges: Array) -> NDArray[np.uint16]:
+def millimetres(ranges: FloatArray) -> Uint16Array:
     """Encode lidar ranges in [m], of any shape, as integers in [mm]."""
     whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, NO_ECHO_MM - 1)
     unknown = np.isnan(ranges) | np.isneginf(ranges)
@@ -138,7 +139,7 @@ def millimetres(ranges: Array) -> NDArray[np.uint16]:
     )
 
 
-def metres(scan_mm: NDArray[np.uint16]) -> Array:
+def metres(scan_mm: Uint16Array) -> FloatArray:
     """Decode ranges encoded by `millimetres`, in [m]; infinity without an echo, NaN if invalid."""
     known = scan_mm / 1e3
     return np.where(scan_mm == INVALID_RANGE_MM, np.nan, np.where(scan_mm == NO_ECHO_MM, np.inf, known))

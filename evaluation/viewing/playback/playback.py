@@ -10,13 +10,13 @@ from typing import NamedTuple, Self
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from handcart.networks.past_runs.past_run import PastAction, PastRun, read_run
 from handcart.networks.run_files.run_folder import NoRun, read_file
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER as EVIDENCE
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX, load_arrays
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .part import PLAYBACK_FOLDER, SCENERY_FILE, RecordingPart, metres
 from .scenery import Scenery, ThingShape
@@ -26,7 +26,6 @@ MAX_SCENERY_BYTES = 64 * 2**20
 MAX_ROW_GAP_S = 1.0  # rows farther apart are not interpolated
 BUMPED_KEY = "bumped"  # evidence of primitives: where the base hit something that no sensor sees
 PLANNED_KEY = "planned"  # evidence of primitives: the path that they plan to drive
-Array = NDArray[np.float64]
 
 
 class PlaybackMoment(NamedTuple):
@@ -36,22 +35,22 @@ class PlaybackMoment(NamedTuple):
     """Time of the robot, in [s]."""
     world_time: float
     """Time of the world, in [s]; it advances while the run is paused."""
-    pose: Array
+    pose: FloatArray
     """(3,) estimated map_T_base: x, y in [m], heading in [rad]."""
-    truth: Array | None
+    truth: FloatArray | None
     """(7,) true world_T_base; None where it is unknown."""
-    joints: Array
+    joints: FloatArray
     """(j,) measured joint positions, in [rad] or [m]."""
     width: float
     """Opening of the gripper, in [m]."""
-    covariance: Array
+    covariance: FloatArray
     """(3, 3) covariance of the estimated pose, in [m] and [rad]."""
     action: int
     """Number of the running action, from 1; 0 before the first."""
     restoring: bool
 
     @property
-    def base(self) -> Array:
+    def base(self) -> FloatArray:
         """(7,) world_T_base: the true pose where it is known, otherwise the estimate."""
         return on_floor(self.pose[None])[0] if self.truth is None else self.truth
 
@@ -60,12 +59,12 @@ class ThingTrack(NamedTuple):
     """A movable thing with its poses over time."""
 
     shape: ThingShape
-    time: Array
+    time: FloatArray
     """(k,) time of each pose, in [s]; the thing appears at the first."""
-    pose: Array
+    pose: FloatArray
     """(k, 7) world_T_thing, each valid until the next."""
 
-    def at(self, time: float) -> Array | None:
+    def at(self, time: float) -> FloatArray | None:
         """Return world_T_thing (7,) at a time in [s]; None before the thing appears."""
         row = int(np.searchsorted(self.time, time, "right")) - 1
         if row < 0:
@@ -150,11 +149,11 @@ class Playback:
             bool(rows.restoring[a]),
         )
 
-    def ranges(self, number: int) -> Array:
+    def ranges(self, number: int) -> FloatArray:
         """Return the ranges (b,) of a scan in [m]; infinity without an echo, NaN if invalid."""
         return metres(self.rows.scan_mm[number])
 
-    def latest(self, times: Array, time: float) -> int | None:
+    def latest(self, times: FloatArray, time: float) -> int | None:
         """Return the index of the last of the times (n,) up to `time`, all in [s]; None before the first."""
         number = int(np.searchsorted(times, time + 1e-9, "right")) - 1
         return None if number < 0 else number
@@ -169,13 +168,13 @@ class Playback:
         number = self.latest(times, time)
         return "" if number is None else names[number]
 
-    def planned(self, number: int) -> Array:
+    def planned(self, number: int) -> FloatArray:
         """Return the path (n, 2) in [m] on the map that an action planned to drive; (0, 2) if it planned
         none.
         """
         return self._named(PLANNED_KEY).get(number, np.empty((0, 2)))
 
-    def bumped(self, number: int) -> Array:
+    def bumped(self, number: int) -> FloatArray:
         """Return the points (n, 2) in [m] on the map where the base hit something, up to and including an
         action.
         """
@@ -187,7 +186,7 @@ class Playback:
         return {each.number: each for each in self.run.actions}
 
     @cached_property
-    def _situations(self) -> tuple[Array, list[str]]:
+    def _situations(self) -> tuple[FloatArray, list[str]]:
         """Start times in [s] of the situations, with their names."""
         times, names = [], []
         for record in self.run.records:
@@ -205,15 +204,15 @@ class Playback:
             names.append(name)
         return np.array(times), names
 
-    def _named(self, name: str) -> dict[int, Array]:
+    def _named(self, name: str) -> dict[int, FloatArray]:
         """Return the points (n, 2) with this name, by number of the action that recorded them."""
         points = {number: arrays.get(name, np.empty(0)) for number, arrays in self._evidence.items()}
         return {n: each for n, each in points.items() if each.ndim == 2 and each.shape[1] == 2}
 
     @cached_property
-    def _evidence(self) -> dict[int, dict[str, Array]]:
+    def _evidence(self) -> dict[int, dict[str, FloatArray]]:
         """Planned and bumped points of the actions' evidence, by number of the action."""
-        found: dict[int, dict[str, Array]] = {}
+        found: dict[int, dict[str, FloatArray]] = {}
         for path in sorted((self.run.folder / EVIDENCE).glob("[0-9]*_*.npz")):
             if path.name.endswith(READINGS_SUFFIX):
                 continue
@@ -258,7 +257,7 @@ def _joined(parts: list[RecordingPart]) -> RecordingPart:
 
 def _things(parts: list[RecordingPart]) -> dict[str, ThingTrack]:
     shapes = {each.name: each for part in parts for each in part.new_shapes()}
-    rows: dict[str, list[tuple[Array, Array]]] = {}
+    rows: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
     for part in parts:
         order = np.argsort(part.moved_name, kind="stable")
         edges = np.searchsorted(part.moved_name[order], np.arange(len(part.names) + 1))

@@ -10,7 +10,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
@@ -24,6 +23,7 @@ from handcart.networks.events.events import Ended, Event, Restoring, Started
 from handcart.networks.events.run_end import RunEnd
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .part import PART_FILE_FORMAT, PLAYBACK_FOLDER, SCENERY_FILE, SHAPES_ADAPTER, millimetres
 from .scenery import PosedBox, ThingShape, scenery_of, thing_shapes
@@ -60,7 +60,7 @@ class PlaybackRecorder(RunObserver):
         self._riding: Sequence[Thing] = ()
         self._due = self._scan_due = self._picture_due = 0.0
         self._begun = 0.0
-        self._shown: NDArray[np.uint8] | None = None
+        self._shown: ByteArray | None = None
         self._at: dict[str, bytes] = {}
         self._clear()
 
@@ -192,12 +192,12 @@ class PlaybackRecorder(RunObserver):
     def _clear(self) -> None:
         self._rows: dict[str, list[Any]] = {name: [] for name in ROW_COLUMNS}
         self._scan_times: list[float] = []
-        self._scans: list[NDArray[np.float64]] = []
+        self._scans: list[FloatArray] = []
         self._cloud_times: list[float] = []
-        self._clouds: list[NDArray[np.float64]] = []
+        self._clouds: list[FloatArray] = []
         self._picture_times: list[float] = []
         self._pictures: list[bytes] = []
-        self._moved: list[tuple[float, str, NDArray[np.float64]]] = []
+        self._moved: list[tuple[float, str, FloatArray]] = []
         self._shapes: list[ThingShape] = []
 
     def _write(self) -> None:
@@ -247,7 +247,7 @@ class PlaybackRecorder(RunObserver):
         }
 
 
-def jpeg_of(picture: NDArray[np.uint8]) -> bytes:
+def jpeg_of(picture: ByteArray) -> bytes:
     """Return a grey picture (h, w) at half its size, as JPEG bytes."""
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
     _, jpeg = cv2.imencode(".jpg", half, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])

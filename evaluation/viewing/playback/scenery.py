@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Literal, Protocol
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray
 
 from .seven import Seven, seven, sevens
 
@@ -61,7 +61,7 @@ class MapShape(FileModel):
     png: str
     """PNG in base64, with the highest y first: 0 occupied, 255 free, 128 unknown."""
 
-    def picture(self) -> NDArray[np.uint8]:
+    def picture(self) -> ByteArray:
         """Return the grey values (h, w), with the highest y first.
 
         Raises:

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 Seven = tuple[float, float, float, float, float, float, float]
 
 
-def sevens(poses: Array) -> Array:
+def sevens(poses: FloatArray) -> FloatArray:
     """Convert homogeneous transforms (n, 4, 4) to rows (n, 7)."""
     if len(poses) == 0:
         return np.empty((0, 7))
@@ -28,7 +27,7 @@ def seven(pose: Transform) -> Seven:
     return x, y, z, qw, qx, qy, qz
 
 
-def transforms(rows: Array) -> Array:
+def transforms(rows: FloatArray) -> FloatArray:
     """Convert rows (n, 7) to homogeneous transforms (n, 4, 4)."""
     found = np.tile(np.eye(4), (len(rows), 1, 1))
     if len(rows):
@@ -37,7 +36,7 @@ def transforms(rows: Array) -> Array:
     return found
 
 
-def on_floor(poses: Array) -> Array:
+def on_floor(poses: FloatArray) -> FloatArray:
     """Convert planar poses (n, 3), x, y in [m] and heading in [rad], to rows (n, 7) with z = 0."""
     found = np.zeros((len(poses), 7))
     found[:, :2] = poses[:, :2]
@@ -45,7 +44,7 @@ def on_floor(poses: Array) -> Array:
     return found
 
 
-def between(a: Array, b: Array, share: float) -> Array:
+def between(a: FloatArray, b: FloatArray, share: float) -> FloatArray:
     """Interpolate two poses (7,): linearly in position, by slerp in orientation.
 
     Args:

@@ -7,19 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
+
 from .colours import Rgb
 
 if TYPE_CHECKING:
     import viser
 
-Array = NDArray[np.float64]
 # Each side has its own corners: shared corners would be shaded as a round surface.
 _SIDE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 
 
-def unit_box() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+def unit_box() -> tuple[SingleArray, NDArray[np.uint32]]:
     """Return corners (24, 3) and triangles (12, 3) of a cube around the origin with sides of 1 m."""
-    corners: list[Array] = []
+    corners: list[FloatArray] = []
     triangles: list[tuple[int, int, int]] = []
     for axis in range(3):
         for way in (-0.5, 0.5):
@@ -35,9 +36,9 @@ def unit_box() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
 def add_boxes(
     scene: viser.SceneApi,
     name: str,
-    poses: Array,
-    sizes: Array,
-    colours: Rgb | NDArray[np.uint8],
+    poses: FloatArray,
+    sizes: FloatArray,
+    colours: Rgb | ByteArray,
     opacity: float,
 ) -> None:
     """Draw fixed boxes.

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
+
 EYE_FROM_ROBOT_M = np.array([-2.5, -2.8, 3.9])
 OUTDOOR_FACTOR = 1.6
 ROBOT_HEIGHT_M = 0.4
@@ -19,13 +19,13 @@ PANEL_SHARE = 0.5
 class Eye(NamedTuple):
     """Pose of the page's camera."""
 
-    position: Vector
+    position: FloatArray
     """(3,) in the world, in [m]."""
-    look_at: Vector
+    look_at: FloatArray
     """(3,) in the world, in [m]: the point in the middle of the picture."""
 
 
-def eye_on(robot: Vector, fov: float, aspect: float, outdoors: bool) -> Eye:
+def eye_on(robot: FloatArray, fov: float, aspect: float, outdoors: bool) -> Eye:
     """Return the camera pose with the robot in the middle of the part that the panel leaves visible.
 
     Args:

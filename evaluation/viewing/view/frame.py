@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.playback import PlaybackMoment
 from handcart.evaluation.viewing.playback.scenery import ThingShape
-
-Array = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -20,21 +18,21 @@ class Frame:
 
     moment: PlaybackMoment
     situation: str
-    things: Mapping[str, Array | None]
+    things: Mapping[str, FloatArray | None]
     """(7,) world_T_thing by name; None: the thing is not there yet. Missing things keep their pose."""
     new: tuple[ThingShape, ...] = ()
     """Things that have not been drawn before."""
-    rays: Array | None = None
+    rays: FloatArray | None = None
     """(n, 2, 3) lidar rays in the world, in [m]: from the lidar to the point that was hit."""
-    cloud: Array | None = None
+    cloud: FloatArray | None = None
     """(p, 3) particles of the localization: x, y in [m], heading in [rad]."""
     picture: bytes | None = None
     """Camera picture as JPEG."""
-    planned: Array | None = None
+    planned: FloatArray | None = None
     """(n, 2) path that the action plans to drive, in [m]."""
-    bumped: Array | None = None
+    bumped: FloatArray | None = None
     """(n, 2) points where the base hit something that no sensor sees, in [m]."""
-    driven: Array | None = None
+    driven: FloatArray | None = None
     """(n, 2) path driven so far, in [m]."""
-    restored: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    restored: BoolArray = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
     """(n,) whether each point of `driven` was driven while restoring."""

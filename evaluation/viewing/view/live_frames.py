@@ -5,7 +5,6 @@ from __future__ import annotations
 from contextlib import suppress
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
@@ -15,12 +14,11 @@ from handcart.evaluation.viewing.playback.playback import PlaybackMoment
 from handcart.evaluation.viewing.playback.recorder import jpeg_of
 from handcart.evaluation.viewing.playback.scenery import PosedBox, Scenery, ThingShape, thing_shapes
 from handcart.evaluation.viewing.playback.seven import sevens
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .frame import Frame
 from .rays import height_of, rays_of
 from .recorded_frames import PATH_STEP_M
-
-Array = NDArray[np.float64]
 
 
 class LiveFrames:
@@ -40,17 +38,17 @@ class LiveFrames:
         self._range = robot.lidar
         self._height = height_of(scenery.robot.urdf)
         self._new: list[ThingShape] = []
-        self._way: list[Array] = []
+        self._way: list[FloatArray] = []
         self._back: list[bool] = []
         self._joints, self._width = np.zeros(len(scenery.robot.joints)), 0.0
-        self._ranges: Array | None = None
+        self._ranges: FloatArray | None = None
 
     @property
     def time(self) -> float:
         """Time of the robot, in [s]."""
         return self._robot.time
 
-    def now(self, situation: str, action: int, restoring: bool, planned: Array | None) -> Frame:
+    def now(self, situation: str, action: int, restoring: bool, planned: FloatArray | None) -> Frame:
         """Return the frame of this period; `planned` is the planned path (n, 2) in [m], or None."""
         robot, scene = self._robot, self._scene
         with suppress(Exception):  # reported by primitives that need the reading
@@ -89,12 +87,12 @@ class LiveFrames:
         if self._range is not None:
             self._ranges = self._range.scan().ranges
 
-    def _go_on(self, here: Array, restoring: bool) -> None:
+    def _go_on(self, here: FloatArray, restoring: bool) -> None:
         if not self._way or float(np.linalg.norm(here - self._way[-1])) >= PATH_STEP_M:
             self._way.append(here.copy())
             self._back.append(restoring)
 
-    def _things(self) -> dict[str, Array | None]:
+    def _things(self) -> dict[str, FloatArray | None]:
         things: list[PosedBox] = []
         if self._scene is not None:
             things = [*self._scene.things(), *self._scene.passers.shapes()]

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 MAX_FRAMES_PER_S = 15.0
 FASTEST_LABEL = "fastest"
 SPEED_LABELS = ("1", "2", "5", "20", FASTEST_LABEL)
-Array = NDArray[np.float64]
 
 
 class LiveView(RunObserver):

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.scenery import Scenery, ThingShape
 from handcart.networks.past_runs.past_run import PastAction
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .eye import eye_on
 from .frame import Frame
@@ -20,7 +20,6 @@ from .world_nodes import WorldNodes
 if TYPE_CHECKING:
     import viser
 
-Array = NDArray[np.float64]
 WIDE_PICTURE = 1.6  # width over height of a window of unknown size
 RAY_STRIDE = 2  # every second ray that hit something is drawn
 LAYER_NODES = {
@@ -49,7 +48,7 @@ class Page:
         self._robot = RobotNodes(server, scenery.robot)
         self._follow = False
         self._outdoors = scenery.outdoors
-        self._at: Array | None = None
+        self._at: FloatArray | None = None
         server.on_client_connect(self._aim)
 
     def add_layers(self) -> None:
@@ -103,7 +102,7 @@ class Page:
             world.draw(world.restored, frame.driven, back)
         self._look(moment.base[:3])
 
-    def _look(self, at: Array) -> None:
+    def _look(self, at: FloatArray) -> None:
         """Aim at the robot at first; then move with it if following is switched on."""
         if self._at is None:
             camera = self._server.initial_camera

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.scenery import RobotShape
 from handcart.evaluation.viewing.playback.seven import transforms
 from handcart.robotics.geometry.transform import transform
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 DEFAULT_HEIGHT_M = 0.25  # of the lidar above the floor, if the URDF has no frame for it
 
 
-def rays_of(robot: RobotShape, ranges: Array, base: Array, height: float) -> Array:
+def rays_of(robot: RobotShape, ranges: FloatArray, base: FloatArray, height: float) -> FloatArray:
     """Return the rays of a lidar scan that hit something.
 
     Args:

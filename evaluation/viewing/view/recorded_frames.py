@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.playback import Playback
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .frame import Frame
 from .rays import height_of, rays_of
 
-Array = NDArray[np.float64]
 PATH_STEP_M = 0.05  # between two points of the drawn path
 PATH_PERIOD_S = 0.5  # after which the driven path is drawn again
 
@@ -48,13 +47,13 @@ class RecordedFrames:
             restored=restored,
         )
 
-    def _moved(self, time: float) -> dict[str, Array | None]:
+    def _moved(self, time: float) -> dict[str, FloatArray | None]:
         """Return the poses of all things at the first call, later only of those that move."""
         tracks = self._moving if self._begun else self._playback.things
         self._begun = True
         return {name: track.at(time) for name, track in tracks.items()}
 
-    def _rays(self, time: float) -> Array | None:
+    def _rays(self, time: float) -> FloatArray | None:
         rows = self._playback.rows
         number = self._playback.latest(rows.scan_time, time)
         if number is None or number == self._scan:
@@ -63,7 +62,7 @@ class RecordedFrames:
         stood = self._playback.at(float(rows.scan_time[number]))
         return rays_of(self._playback.scenery.robot, self._playback.ranges(number), stood.base, self._height)
 
-    def _new_cloud(self, time: float) -> Array | None:
+    def _new_cloud(self, time: float) -> FloatArray | None:
         number = self._playback.latest(self._playback.rows.cloud_time, time)
         if number is None or number == self._cloud:
             return None
@@ -80,7 +79,7 @@ class RecordedFrames:
         self._picture = number
         return self._playback.pictures[number]
 
-    def _driven(self, time: float) -> tuple[Array | None, NDArray[np.bool_]]:
+    def _driven(self, time: float) -> tuple[FloatArray | None, BoolArray]:
         if abs(time - self._driven_at) < PATH_PERIOD_S:
             return None, np.zeros(0, dtype=np.bool_)
         self._driven_at = time
@@ -89,7 +88,7 @@ class RecordedFrames:
         return points[:count], back[:count]
 
 
-def _thinned(playback: Playback) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _thinned(playback: Playback) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return the driven path at a regular spacing: times (n,), points (n, 2), whether restoring (n,)."""
     rows = playback.rows
     known = np.isfinite(rows.truth[:, 0])

@@ -8,16 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.scenery import RobotShape
 from handcart.evaluation.viewing.playback.seven import sevens, transforms
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.numerics.arrays import FloatArray
 
 if TYPE_CHECKING:
     import viser
 
-Array = NDArray[np.float64]
 ROOT_NODE = "/robot"
 BASE_LINK = "base"
 FINGER_JOINTS = ("left_finger", "right_finger")
@@ -43,7 +42,7 @@ class RobotNodes:
         base = BASE_LINK if BASE_LINK in links else self._urdf.base_link
         self._base_T_root: Transform = inverse(self._urdf.get_transform(base))
 
-    def move(self, base: Array, joints: Array, width: float) -> None:
+    def move(self, base: FloatArray, joints: FloatArray, width: float) -> None:
         """Move the robot.
 
         Args:

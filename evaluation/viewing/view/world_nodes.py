@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.playback.scenery import (
     FREE,
@@ -17,6 +16,7 @@ from handcart.evaluation.viewing.playback.scenery import (
     ThingShape,
 )
 from handcart.evaluation.viewing.playback.seven import seven, sevens, transforms
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray, SingleArray
 
 from . import colours
 from .boxes import add_boxes
@@ -25,7 +25,6 @@ from .colours import Rgb
 if TYPE_CHECKING:
     import viser
 
-Array = NDArray[np.float64]
 SEE_THROUGH_HEIGHT_M = 1.6  # higher solids are drawn transparent
 SEE_THROUGH_OPACITY = 0.28
 LINE_HEIGHT_M = 0.015  # of lines above the floor
@@ -41,8 +40,8 @@ class WorldNodes:
         """Draw the scenery; a thing is invisible until it has a pose."""
         self._server, self._scene = server, server.scene
         self._passing: list[tuple[SolidShape, Any]] = []
-        self._things: dict[str, tuple[Any, Array]] = {}
-        self._at: dict[str, Array | None] = {}
+        self._things: dict[str, tuple[Any, FloatArray]] = {}
+        self._at: dict[str, FloatArray | None] = {}
         self._ground(scenery)
         if scenery.map is not None:
             self._map(scenery.map, raised=not scenery.simulated)
@@ -74,7 +73,7 @@ class WorldNodes:
         )
         self._things[shape.name] = (box, middle)
 
-    def place(self, poses: Mapping[str, Array | None]) -> None:
+    def place(self, poses: Mapping[str, FloatArray | None]) -> None:
         """Move things to (7,) world_T_thing; None hides a thing that is not there yet."""
         for name, pose in poses.items():
             if name in self._at and _same(self._at[name], pose):
@@ -94,7 +93,7 @@ class WorldNodes:
             if box.visible != there:
                 box.visible = there
 
-    def estimate(self, pose: Array, covariance: Array) -> None:
+    def estimate(self, pose: FloatArray, covariance: FloatArray) -> None:
         """Draw the ellipse of three standard deviations around the estimated base pose.
 
         Args:
@@ -110,7 +109,7 @@ class WorldNodes:
         self.draw(self.ellipse, (vectors @ (np.maximum(radii, 0.02)[:, None] * unit)).T + pose[:2])
 
     @staticmethod
-    def draw(lines: Any, path: Array, chosen: NDArray[np.bool_] | None = None) -> None:
+    def draw(lines: Any, path: FloatArray, chosen: BoolArray | None = None) -> None:
         """Draw lines along a path (n, 2) in [m], only along the steps chosen by a mask (n - 1,) if given."""
         points = np.column_stack((path, np.full(len(path), LINE_HEIGHT_M)))
         steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
@@ -176,7 +175,7 @@ class WorldNodes:
             tints = [colours.WALL_RGB if opacity < 1.0 else colours.of_solid(each.grey) for each in chosen]
             add_boxes(self._scene, name, poses, sizes, np.array(tints, np.uint8), opacity)
 
-    def _lines(self, name: str, points: NDArray[np.float32], colour: Rgb, thickness: float) -> Any:
+    def _lines(self, name: str, points: SingleArray, colour: Rgb, thickness: float) -> Any:
         return self._scene.add_line_segments(name, points, colour, thickness=thickness)
 
     def _points(self, name: str, colour: Rgb, size: float) -> Any:
@@ -186,11 +185,11 @@ class WorldNodes:
         )
 
 
-def _same(a: Array | None, b: Array | None) -> bool:
+def _same(a: FloatArray | None, b: FloatArray | None) -> bool:
     return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
 
-def _runs(shape: MapShape, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
+def _runs(shape: MapShape, picture: ByteArray) -> tuple[FloatArray, FloatArray]:
     """Return boxes for the occupied cells of a map, one for each run in a row: poses (n, 7), sizes (n, 3)
     in [m].
     """

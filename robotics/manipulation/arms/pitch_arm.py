@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .pitch_arm_table import pitch_arm_joints, pitch_arm_table
 from .placement_scores import PlacementScores
 from .score_rule import ScoreRule
-
-Floats = NDArray[np.float64]
 
 _FREE = (-np.inf, np.inf)
 
@@ -40,27 +38,27 @@ class PitchArm(NamedTuple):
     pitch_limits: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_FREE, _FREE, _FREE)
     """Lowest and highest angles of the pitch joints, in [rad]."""
 
-    def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
+    def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         """Return the scores of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
         values, usable = pitch_arm_table(
             self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits
         )
         return PlacementScores(values.T, usable.T)
 
-    def joints(self, base: Floats, path: ToolPath) -> Floats:
+    def joints(self, base: FloatArray, path: ToolPath) -> FloatArray:
         """Yaw and pitch angles (p, 4) in [rad] from a base pose (3,); NaN out of reach."""
         return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
 
-    def shoulders(self, bases: Floats) -> Floats:
+    def shoulders(self, bases: FloatArray) -> FloatArray:
         """Return the position (b, 2) of the yaw axis for each base pose, in [m]."""
         return self._stands(bases)[:, :2]
 
-    def _stands(self, bases: Floats) -> Floats:
+    def _stands(self, bases: FloatArray) -> FloatArray:
         """(b, 4): shoulder x, y and the heading's cosine and sine."""
         cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
         return np.column_stack((bases[:, 0] + self.ahead * cos, bases[:, 1] + self.ahead * sin, cos, sin))
 
-    def marks(self, path: ToolPath) -> Floats:
+    def marks(self, path: ToolPath) -> FloatArray:
         """(p, 11): position, tangent, the tool's level direction, its cosine, sine and rate of elevation."""
         axes = path.rotations[:, :, 0]
         level = np.hypot(axes[:, 0], axes[:, 1])
@@ -70,7 +68,7 @@ class PitchArm(NamedTuple):
             (path.points, path.tangents, axes[:, :2] / safe[:, None], level, axes[:, 2], rate)
         )
 
-    def _figures(self) -> Floats:
+    def _figures(self) -> FloatArray:
         turns = (np.cos(self.yaw_limit), np.cos(self.azimuth_tolerance))
         return np.array((self.height, *self.links, *turns, *np.ravel(self.pitch_limits)))
 

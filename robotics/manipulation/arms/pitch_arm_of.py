@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 
@@ -11,8 +10,6 @@ from .pitch_arm import PitchArm
 from .screw_chain import ScrewChain
 
 _SAME = 1e-6  # [m] and of unit vectors
-
-Floats = NDArray[np.float64]
 
 
 def pitch_arm_of(arm: ArmModel, azimuth_tolerance: float) -> PitchArm | None:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 from .score_rule import UNUSABLE_SCORE, worth
 from .two_links import two_links
-
-Floats = NDArray[np.float64]
 
 
 @compiled
@@ -28,15 +26,15 @@ def _pitches(
 
 
 @compiled
-def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, limits: Floats) -> bool:
+def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, limits: FloatArray) -> bool:
     a, b, c = _pitches(ux, uz, vx, vz, cos, sin)
     return bool(limits[0] <= a <= limits[1] and limits[2] <= b <= limits[3] and limits[4] <= c <= limits[5])
 
 
 @compiled_for("(f8[:,::1], f8[:,::1], f8[::1], i8, f8[:,::1])")
 def pitch_arm_table(
-    stands: Floats, marks: Floats, arm: Floats, measure: int, limits: Floats
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    stands: FloatArray, marks: FloatArray, arm: FloatArray, measure: int, limits: FloatArray
+) -> tuple[SingleArray, BoolArray]:
     """Scores and usable (p, b) of `PitchArm.scores`, from rows as the class makes them."""
     height, l1, l2, l3 = arm[0], arm[1], arm[2], arm[3]
     cos_yaw, cos_azimuth, turns = arm[4], arm[5], arm[6:12]
@@ -88,7 +86,7 @@ def pitch_arm_table(
 
 
 @compiled_for("(f8[::1], f8[:,::1], f8[::1])")
-def pitch_arm_joints(stand: Floats, marks: Floats, arm: Floats) -> Floats:
+def pitch_arm_joints(stand: FloatArray, marks: FloatArray, arm: FloatArray) -> FloatArray:
     """Angles (p, 4) of `PitchArm.joints`."""
     angles = np.full((len(marks), 4), np.nan)
     for j in range(len(marks)):

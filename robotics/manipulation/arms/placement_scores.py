@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import BoolArray, IndexArray, SingleArray
 
 
 class PlacementScores(NamedTuple):
@@ -16,23 +16,23 @@ class PlacementScores(NamedTuple):
     The arrays are views of (p, b) memory, in which neighbours of a column lie together.
     """
 
-    values: NDArray[np.float32]
+    values: SingleArray
     """(b, p), 0 where not usable."""
-    usable: NDArray[np.bool_]
+    usable: BoolArray
     """(b, p): reached, and within the limits of the measure."""
-    joined: NDArray[np.bool_] | None = None
+    joined: BoolArray | None = None
     """(b, p-1): whether the arm gets from a point to the next without a jump; None: it always does."""
 
-    def without(self, blocked: NDArray[np.bool_]) -> PlacementScores:
+    def without(self, blocked: BoolArray) -> PlacementScores:
         """Return the scores without some placements (b,), which an obstacle or a missing route excludes."""
         return self.restricted(self.usable & ~blocked[:, None])
 
-    def restricted(self, usable: NDArray[np.bool_]) -> PlacementScores:
+    def restricted(self, usable: BoolArray) -> PlacementScores:
         """Return the scores with only some cells `usable` (b, p)."""
         usable = np.asfortranarray(usable)
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 
-    def only(self, kept: NDArray[np.bool_] | NDArray[np.intp]) -> PlacementScores:
+    def only(self, kept: BoolArray | IndexArray) -> PlacementScores:
         """Some placements alone, by mask or number."""
         joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
         return PlacementScores(

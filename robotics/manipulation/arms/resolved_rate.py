@@ -7,11 +7,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.arms.scara import Scara
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 CHECK_STEP_M = 0.005  # [m] between postures that are looked at before a line is driven
 
 
@@ -36,10 +35,10 @@ class ResolvedRate:
     def __init__(
         self,
         arm: Scara,
-        start: Array,
-        end: Array,
+        start: FloatArray,
+        end: FloatArray,
         limits: RateLimits = RateLimits(),
-        jacobian: Callable[[Array], Array] | None = None,
+        jacobian: Callable[[FloatArray], FloatArray] | None = None,
     ) -> None:
         """Lead from `start` to `end` (2,) in [m], arm frame; another `jacobian` is for tests."""
         self._arm, self._start, self._end, self._limits = arm, np.asarray(start), np.asarray(end), limits
@@ -48,15 +47,15 @@ class ResolvedRate:
         self._jacobian = arm.jacobian if jacobian is None else jacobian
         self._speed = 0.0
 
-    def left(self, q: Array) -> float:
+    def left(self, q: FloatArray) -> float:
         """Distance of the tip from the end, in [m], with the joints at `q` (2,)."""
         return float(np.hypot(*(self._end - self._arm.tip(q))))
 
-    def astray(self, q: Array) -> float:
+    def astray(self, q: FloatArray) -> float:
         """Distance of the tip from the line, in [m]."""
         return float(np.hypot(*self._aside(self._arm.tip(q))))
 
-    def command(self, q: Array, dt: float) -> Array:
+    def command(self, q: FloatArray, dt: float) -> FloatArray:
         """(2,) joint rates in [rad/s] for the next `dt` [s], with the joints at `q` (2,) in [rad]."""
         tip = self._arm.tip(q)
         ahead = float((self._end - tip) @ self._along)
@@ -67,15 +66,15 @@ class ResolvedRate:
         rates = np.linalg.solve(self._jacobian(q + 0.5 * dt * rates), velocity)
         share = min(1.0, self._limits.rate / max(1e-12, float(np.abs(rates).max())))
         self._speed = share * most
-        out: Array = np.asarray(share * rates, dtype=np.float64)
+        out: FloatArray = np.asarray(share * rates, dtype=np.float64)
         return out
 
-    def _aside(self, tip: Array) -> Array:
+    def _aside(self, tip: FloatArray) -> FloatArray:
         away = tip - self._start
         return np.asarray(away - (away @ self._along) * self._along)
 
 
-def line_postures(arm: Scara, q: Array, target: Array) -> Array | None:
+def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray | None:
     """(n, 2) postures of a straight line of the tip from `q` to `target`, or None if it leaves the limits."""
     start = arm.tip(q)
     count = max(1, math.ceil(float(np.hypot(*(target - start))) / CHECK_STEP_M))
@@ -85,7 +84,7 @@ def line_postures(arm: Scara, q: Array, target: Array) -> Array | None:
     return np.array([q[:2], *postures]) if len(postures) == count else None
 
 
-def way_to(arm: Scara, q: Array, target: Array) -> list[Array] | None:
+def way_to(arm: Scara, q: FloatArray, target: FloatArray) -> list[FloatArray] | None:
     """Return positions (2,) in [m] to lead the tip through by straight lines to a target; None if out of
     reach.
 

@@ -10,12 +10,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import rotations
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 OFFSET_DIRECTIONS = 36  # in which a base may stand off
 ROOM_STEP = 0.005  # [m] to which it is told how far
 
@@ -46,7 +45,7 @@ class Scara(NamedTuple):
     middle: tuple[float, float] = (math.radians(120.0), math.radians(-60.0))
     """Between stowed and any target, so that the tip doesn't come to the wheels, in [rad]."""
 
-    def tip(self, q: Array) -> Array:
+    def tip(self, q: FloatArray) -> FloatArray:
         """(2,) in [m], arm frame, with the joints at `q` (2,) or (3,) in [rad]."""
         one, both = float(q[0]), float(q[0] + q[1])
         return np.array(
@@ -56,7 +55,7 @@ class Scara(NamedTuple):
             ]
         )
 
-    def jacobian(self, q: Array) -> Array:
+    def jacobian(self, q: FloatArray) -> FloatArray:
         """(2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected)."""
         one, both = float(q[0]), float(q[0] + q[1])
         across, along = self.fore * math.sin(both), self.fore * math.cos(both)
@@ -67,7 +66,7 @@ class Scara(NamedTuple):
             ]
         )
 
-    def inverse(self, target: Array) -> Array | None:
+    def inverse(self, target: FloatArray) -> FloatArray | None:
         """(2,) angles that hold the tip at `target` (2,) in [m], arm frame; None beyond reach or limits."""
         x, y = float(target[0]), float(target[1])
         cos = (x * x + y * y - self.upper**2 - self.fore**2) / (2.0 * self.upper * self.fore)
@@ -80,19 +79,19 @@ class Scara(NamedTuple):
         q = np.array([math.remainder(one, 2.0 * math.pi), bend])
         return q if self.within(q, working=True) else None
 
-    def within(self, q: Array, working: bool = False) -> bool:
+    def within(self, q: FloatArray, working: bool = False) -> bool:
         """Return True if angles (2,) keep the limits, those of working targets if `working`."""
         low, high = self.theta1_working if working else self.theta1
         inside = low - 1e-9 <= q[0] <= high + 1e-9
         return bool(inside and self.theta2[0] - 1e-9 <= q[1] <= self.theta2[1] + 1e-9)
 
-    def base_tip(self, q: Array) -> Array:
+    def base_tip(self, q: FloatArray) -> FloatArray:
         """(3,) in [m], base frame, with the joints at `q` (3,) in [rad], [rad], [m]."""
         x, y, z, yaw = self.mount
         plane = Pose2(x, y, yaw).apply(self.tip(q)[None]).reshape(2)
         return np.array([plane[0], plane[1], z - float(q[2])])
 
-    def joints_for(self, point: Array) -> Array | None:
+    def joints_for(self, point: FloatArray) -> FloatArray | None:
         """(3,) joints that hold the tip at `point` (3,) in [m], base frame; None if it can't be reached."""
         x, y, z, yaw = self.mount
         angles = self.inverse(Pose2(x, y, yaw).inverse().apply(np.asarray(point)[None, :2]).reshape(2))
@@ -101,7 +100,7 @@ class Scara(NamedTuple):
             return None
         return np.array([*angles, lowered])
 
-    def room_beside(self, point: Array, turn: float) -> float:
+    def room_beside(self, point: FloatArray, turn: float) -> float:
         """Return how far the base may be from its planned pose, in [m], turned by up to `turn` [rad].
 
         From everywhere within that distance the tip still reaches a `point` (2,) in [m] of the planned
@@ -122,22 +121,22 @@ class Scara(NamedTuple):
         return room
 
 
-def world_to_base(pose: Pose2, tilt: tuple[float, float], point: Array) -> Array:
+def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
     """(3,) a world's point (3,) in [m] seen from a base at `pose` on the ground, roll and pitch in [rad].
 
     A slide on a base that is 2.5 degrees askew comes down 17 mm beside, 0.4 m lower: the arm has to know.
     """
     away = np.asarray(point, dtype=np.float64) - (pose.x, pose.y, 0.0)
-    seen: Array = _world_R_base(pose, tilt).T @ away
+    seen: FloatArray = _world_R_base(pose, tilt).T @ away
     return seen
 
 
-def base_to_world(pose: Pose2, tilt: tuple[float, float], point: Array) -> Array:
+def base_to_world(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
     """(3,) the reverse of `world_to_base`."""
-    out: Array = _world_R_base(pose, tilt) @ np.asarray(point, dtype=np.float64) + (pose.x, pose.y, 0.0)
+    out: FloatArray = _world_R_base(pose, tilt) @ np.asarray(point, dtype=np.float64) + (pose.x, pose.y, 0.0)
     return out
 
 
-def _world_R_base(pose: Pose2, tilt: tuple[float, float]) -> Array:
+def _world_R_base(pose: Pose2, tilt: tuple[float, float]) -> FloatArray:
     roll, pitch, yaw = (np.array([angle]) for angle in (*tilt, pose.theta))
     return np.asarray(rotations(roll, pitch, yaw)[0])

@@ -6,11 +6,9 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 UNUSABLE_SCORE = -1.0
 
@@ -32,14 +30,14 @@ class ScoreRule(NamedTuple):
     """A measure and the limits of each joint, as lengths: b_min and b_max of Shin (2005)."""
 
     measure: Measure
-    low: Floats
+    low: FloatArray
     """(n,): tool speed over joint speed limit, in [m]; b_min of Shin (2005)."""
-    high: Floats
+    high: FloatArray
     """(n,): joint torque limit over tool force, in [m]; b_max."""
 
     @classmethod
     def of_limits(
-        cls, measure: Measure, velocity: Floats, torque: Floats, speed: float, force: float
+        cls, measure: Measure, velocity: FloatArray, torque: FloatArray, speed: float, force: float
     ) -> ScoreRule:
         """Return the rule for limits (n,) in [rad/s] and [Nm], a tool speed in [m/s] and a force along the
         path in [N].
@@ -64,13 +62,13 @@ class ScoreRule(NamedTuple):
         return cls(measure, np.full(joints, low), np.full(joints, high))
 
     @property
-    def limits(self) -> Floats:
+    def limits(self) -> FloatArray:
         """(3, n) for `worth`: low, high, and one over half of their distance."""
         return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
 
 
 @compiled
-def worth(measure: int, elements: Floats, rates: Floats, spread: float, limits: Floats) -> float:
+def worth(measure: int, elements: FloatArray, rates: FloatArray, spread: float, limits: FloatArray) -> float:
     """Score of a reached point, or UNUSABLE where a limit is broken.
 
     Args:

@@ -6,18 +6,16 @@ from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 
 from .placement_scores import PlacementScores
 from .score_rule import Measure, ScoreRule
 from .screw_chain import ScrewChain
 from .screw_steps import NOTHING_FREE, TOOL_FREE, VERTICAL_FREE
 from .screw_table import pool_poses, screw_table
-
-Floats = NDArray[np.float64]
 
 
 class FreeTurn(IntEnum):
@@ -62,26 +60,26 @@ class ScrewArm:
         self._pool = rng.uniform(arm.lower, arm.upper, (postures, arm.dof))
 
     @cached_property
-    def _poses(self) -> Floats:
+    def _poses(self) -> FloatArray:
         """base_T_tip (m, 4, 4) of the postures that descents start from."""
         return pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
 
-    def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
+    def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         """Return the scores of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
         values, usable, joined = self._table(bases, path, rule, np.empty((0, 0, 0)))
         return PlacementScores(values.T, usable.T, joined.T)
 
-    def joints(self, base: Floats, path: ToolPath, rule: ScoreRule | None = None) -> Floats:
+    def joints(self, base: FloatArray, path: ToolPath, rule: ScoreRule | None = None) -> FloatArray:
         """Joint angles (p, n) in [rad] from a base pose (3,); NaN where `scores` calls a point unusable."""
         rule = rule or ScoreRule.uniform(Measure.REACHABILITY, 0.1, 1.0, self.chain.dof)
         angles = np.full((1, len(path.points), self.chain.dof), np.nan)
         self._table(np.atleast_2d(base), path, rule, angles)
-        joints: Floats = angles[0]
+        joints: FloatArray = angles[0]
         return joints
 
     def _table(
-        self, bases: Floats, path: ToolPath, rule: ScoreRule, angles: Floats
-    ) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_]]:
+        self, bases: FloatArray, path: ToolPath, rule: ScoreRule, angles: FloatArray
+    ) -> tuple[SingleArray, BoolArray, BoolArray]:
         headings = bases[:, 2]
         return screw_table(
             *self.chain,

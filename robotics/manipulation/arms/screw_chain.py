@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class ScrewChain(NamedTuple):
@@ -18,15 +16,15 @@ class ScrewChain(NamedTuple):
     Lynch and Park, Modern Robotics (2017), chapter 4. All joints are revolute.
     """
 
-    axes: Floats
+    axes: FloatArray
     """(n, 3): unit vectors along the axes."""
-    points: Floats
+    points: FloatArray
     """(n, 3): a point on each, in [m]."""
-    base_T_tip: Floats
+    base_T_tip: FloatArray
     """(4, 4): with all angles at zero."""
-    lower: Floats
+    lower: FloatArray
     """(n,): joint limits, in [rad]."""
-    upper: Floats
+    upper: FloatArray
     """(n,)."""
 
     @classmethod

@@ -9,11 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled, compiled_for
-
-Floats = NDArray[np.float64]
 
 NOTHING_FREE = 0
 VERTICAL_FREE = 1
@@ -25,7 +23,7 @@ _LONGEST_STEP = 0.5  # [rad]
 
 
 @compiled
-def turn_matrix(axis: Floats, angle: float, out: Floats) -> None:
+def turn_matrix(axis: FloatArray, angle: float, out: FloatArray) -> None:
     """Write the rotation (3, 3) around a unit vector into `out` (Rodrigues' formula)."""
     s, c = math.sin(angle), math.cos(angle)
     d = 1.0 - c
@@ -36,7 +34,7 @@ def turn_matrix(axis: Floats, angle: float, out: Floats) -> None:
 
 
 @compiled
-def _times(a: Floats, b: Floats, out: Floats) -> None:
+def _times(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
@@ -44,7 +42,12 @@ def _times(a: Floats, b: Floats, out: Floats) -> None:
 
 @compiled
 def tip_and_jacobian(
-    axes: Floats, points: Floats, tip: Floats, q: Floats, pose: Floats, jacobian: Floats
+    axes: FloatArray,
+    points: FloatArray,
+    tip: FloatArray,
+    q: FloatArray,
+    pose: FloatArray,
+    jacobian: FloatArray,
 ) -> None:
     """base_T_tip (4, 4) into `pose` and (6, n), in the axes of the base, into `jacobian`."""
     n = len(q)
@@ -79,7 +82,7 @@ def tip_and_jacobian(
 
 
 @compiled
-def pose_error(pose: Floats, target: Floats, free: int, error: Floats) -> None:
+def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArray) -> None:
     """Write the error (6,) to the target, without a free turn, into `error`, in [m; rad] and the axes of the
     base.
     """
@@ -120,7 +123,7 @@ def pose_error(pose: Floats, target: Floats, free: int, error: Floats) -> None:
 
 
 @compiled
-def without_free(pose: Floats, free: int, rows: Floats) -> None:
+def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
     """Takes the free turn out of columns (6, k), in place."""
     if free == 0:
         return
@@ -133,7 +136,7 @@ def without_free(pose: Floats, free: int, rows: Floats) -> None:
 
 
 @compiled
-def determinant_in_place(matrix: Floats) -> float:
+def determinant_in_place(matrix: FloatArray) -> float:
     """Return the determinant of a small square matrix (n, n), by Gaussian elimination with row pivots.
 
     The matrix is overwritten. Written out because numba takes a second to compile LAPACK's.
@@ -159,7 +162,7 @@ def determinant_in_place(matrix: Floats) -> float:
 
 
 @compiled
-def solve_in_place(matrix: Floats, right: Floats) -> bool:
+def solve_in_place(matrix: FloatArray, right: FloatArray) -> bool:
     """Gauss with pivots for a small square matrix (n, n), the solution into `right` (n,); False: singular."""
     n = len(right)
     for column in range(n):
@@ -189,17 +192,17 @@ def solve_in_place(matrix: Floats, right: Floats) -> bool:
     "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1], f8[:,::1], i8, i8, f8[::1], f8[:,::1], f8[:,::1])"
 )
 def descend(
-    axes: Floats,
-    points: Floats,
-    tip: Floats,
-    lower: Floats,
-    upper: Floats,
-    target: Floats,
+    axes: FloatArray,
+    points: FloatArray,
+    tip: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    target: FloatArray,
     free: int,
     iterations: int,
-    q: Floats,
-    pose: Floats,
-    jacobian: Floats,
+    q: FloatArray,
+    pose: FloatArray,
+    jacobian: FloatArray,
 ) -> bool:
     """Damped least squares from `q` (n,), in place, limits clamped; whether it arrived.
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 from .score_rule import UNUSABLE_SCORE, worth
 from .screw_steps import descend, determinant_in_place, solve_in_place, tip_and_jacobian, without_free
-
-Floats = NDArray[np.float64]
-Masks = NDArray[np.bool_]
 
 _STARTS = 8  # postures of the pool that a descent is tried from
 _ITERATIONS = 25
@@ -22,7 +19,7 @@ _JUMP = 0.5  # [rad] of a joint between two points of a path: another branch
 
 
 @compiled
-def pool_poses(axes: Floats, points: Floats, tip: Floats, pool: Floats) -> Floats:
+def pool_poses(axes: FloatArray, points: FloatArray, tip: FloatArray, pool: FloatArray) -> FloatArray:
     """base_T_tip (m, 4, 4) of postures (m, n)."""
     poses = np.zeros((len(pool), 4, 4))
     jacobian = np.empty((6, len(axes)))
@@ -33,7 +30,7 @@ def pool_poses(axes: Floats, points: Floats, tip: Floats, pool: Floats) -> Float
 
 
 @compiled
-def in_base(stand: Floats, world_T_tool: Floats, out: Floats) -> None:
+def in_base(stand: FloatArray, world_T_tool: FloatArray, out: FloatArray) -> None:
     """base_T_tool (4, 4) into `out`, from a base's x, y, cosine and sine of heading."""
     cos, sin = stand[2], stand[3]
     for c in range(4):
@@ -45,7 +42,7 @@ def in_base(stand: Floats, world_T_tool: Floats, out: Floats) -> None:
 
 
 @compiled
-def _turned(pose: Floats, target: Floats, free: int) -> float:
+def _turned(pose: FloatArray, target: FloatArray, free: int) -> float:
     """Return 2 - 2 cos of the turn between two poses, without a free turn: the turn's square if it is
     small.
     """
@@ -69,7 +66,7 @@ def _turned(pose: Floats, target: Floats, free: int) -> float:
 
 
 @compiled
-def nearest_starts(poses: Floats, target: Floats, free: int, scale: float, chosen: NDArray[np.int64]) -> None:
+def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: float, chosen: IntArray) -> None:
     """Numbers of the poses nearest to the target into `chosen`, nearest first; a radian counts `scale` m."""
     nearest = np.full(len(chosen), np.inf)
     for index in range(len(poses)):
@@ -87,7 +84,9 @@ def nearest_starts(poses: Floats, target: Floats, free: int, scale: float, chose
 
 
 @compiled
-def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: Floats) -> float:
+def tool_rates(
+    pose: FloatArray, jacobian: FloatArray, twist: FloatArray, free: int, rates: FloatArray
+) -> float:
     """Joint motions for each metre of path (n,), in [rad/m], into `rates`; manipulability, 0 where singular.
 
     Least squares in the joints; with one joint to spare, the motion whose largest joint is least.
@@ -124,7 +123,7 @@ def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: 
 
 
 @compiled
-def _row_product(matrix: Floats, one: int, other: int) -> float:
+def _row_product(matrix: FloatArray, one: int, other: int) -> float:
     """Return the scalar product of two rows; written out because numba compiles `@` for half a second."""
     total = 0.0
     for k in range(matrix.shape[1]):
@@ -133,7 +132,7 @@ def _row_product(matrix: Floats, one: int, other: int) -> float:
 
 
 @compiled
-def _column_product(matrix: Floats, column: int, vector: Floats) -> float:
+def _column_product(matrix: FloatArray, column: int, vector: FloatArray) -> float:
     """Return the scalar product of a column and a vector."""
     total = 0.0
     for k in range(len(vector)):
@@ -142,7 +141,7 @@ def _column_product(matrix: Floats, column: int, vector: Floats) -> float:
 
 
 @compiled
-def _largest_size(rates: Floats, amount: float, slope: Floats) -> float:
+def _largest_size(rates: FloatArray, amount: float, slope: FloatArray) -> float:
     """Return the largest size of `rates + amount * slope`."""
     largest = 0.0
     for i in range(len(rates)):
@@ -151,7 +150,7 @@ def _largest_size(rates: Floats, amount: float, slope: Floats) -> float:
 
 
 @compiled
-def _spread_evenly(reduced: Floats, square: Floats, rates: Floats) -> None:
+def _spread_evenly(reduced: FloatArray, square: FloatArray, rates: FloatArray) -> None:
     """Moves along the one spare motion to where the largest rate is least: a linear program in one number."""
     n = len(rates)
     spare = np.eye(n)
@@ -182,7 +181,7 @@ def _spread_evenly(reduced: Floats, square: Floats, rates: Floats) -> None:
 
 
 @compiled
-def _within_azimuth(pose: Floats, target: Floats, cos_tolerance: float) -> bool:
+def _within_azimuth(pose: FloatArray, target: FloatArray, cos_tolerance: float) -> bool:
     a = math.hypot(pose[0, 0], pose[1, 0])
     b = math.hypot(target[0, 0], target[1, 0])
     return bool(pose[0, 0] * target[0, 0] + pose[1, 0] * target[1, 0] >= cos_tolerance * a * b)
@@ -190,23 +189,23 @@ def _within_azimuth(pose: Floats, target: Floats, cos_tolerance: float) -> bool:
 
 @compiled
 def screw_table(
-    axes: Floats,
-    points: Floats,
-    tip: Floats,
-    lower: Floats,
-    upper: Floats,
-    pool: Floats,
-    poses: Floats,
-    stands: Floats,
-    targets: Floats,
-    twists: Floats,
+    axes: FloatArray,
+    points: FloatArray,
+    tip: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    pool: FloatArray,
+    poses: FloatArray,
+    stands: FloatArray,
+    targets: FloatArray,
+    twists: FloatArray,
     free: int,
     cos_tolerance: float,
     reach: float,
     measure: int,
-    limits: Floats,
-    angles: Floats,
-) -> tuple[NDArray[np.float32], Masks, Masks]:
+    limits: FloatArray,
+    angles: FloatArray,
+) -> tuple[SingleArray, BoolArray, BoolArray]:
     """Return scores and usable (p, b), joined (p-1, b); fill `angles` (b, p, n) unless it is empty.
 
     Along the path a descent starts from the point before. At the first point, or if that descent fails,
@@ -273,14 +272,14 @@ def screw_table(
 
 @compiled
 def _worth_here(
-    pose: Floats,
-    jacobian: Floats,
-    twist: Floats,
+    pose: FloatArray,
+    jacobian: FloatArray,
+    twist: FloatArray,
     free: int,
-    rates: Floats,
-    elements: Floats,
+    rates: FloatArray,
+    elements: FloatArray,
     measure: int,
-    limits: Floats,
+    limits: FloatArray,
 ) -> float:
     spread = tool_rates(pose, jacobian, twist, free, rates)
     if measure != 0 and spread == 0.0:

@@ -6,15 +6,14 @@ from collections.abc import Collection, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
-Vector = NDArray[np.float64]
 HELD_NAME = "held"
 _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops at a distance of 1e-10 [m]
 
@@ -80,19 +79,19 @@ class CollisionModel:
         """Number of pairs of bodies that are checked."""
         return len(self._bodies.collisionPairs)
 
-    def in_collision(self, q: Vector) -> bool:
+    def in_collision(self, q: FloatArray) -> bool:
         """Return True if any pair is closer than the margin at joint angles `q` (n,)."""
         angles = self.arm.ordered(q)
         found: bool = pin.computeCollisions(self._model, self._model_data, self._tree, angles, True)
         return found
 
-    def distance(self, q: Vector) -> float:
+    def distance(self, q: FloatArray) -> float:
         """Clearance of the closest pair at `q` (n,), in [m]; below zero: depth of the penetration."""
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         closest = pin.computeDistances(*arguments)
         return float(self._data.distanceResults[closest].min_distance)
 
-    def contacts(self, q: Vector) -> list[tuple[str, str]]:
+    def contacts(self, q: FloatArray) -> list[tuple[str, str]]:
         """Return the names of all pairs closer than the margin at `q` (n,), for messages."""
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         pin.computeCollisions(*arguments, False)
@@ -100,7 +99,7 @@ class CollisionModel:
         pairs = [(self._names[p.first], self._names[p.second]) for p, hit in hits if hit.isCollision()]
         return list(dict.fromkeys(pairs))
 
-    def line_free(self, q_from: Vector, q_to: Vector, step: float = 0.01) -> bool:
+    def line_free(self, q_from: FloatArray, q_to: FloatArray, step: float = 0.01) -> bool:
         """Return True if the straight joint line between two angles (n,) is free, ends included.
 
         Args:
@@ -116,7 +115,7 @@ class CollisionModel:
         between = np.linspace(q_from, q_to, count + 1)[1:-1]
         return not any(self.in_collision(q) for q in between[_coarse_first(len(between))])
 
-    def path_free(self, path: NDArray[np.float64], step: float = 0.01) -> bool:
+    def path_free(self, path: FloatArray, step: float = 0.01) -> bool:
         """Return True if all straight joint lines along `path` (m, n) are free."""
         if len(path) == 1:
             return not self.in_collision(path[0])
@@ -146,7 +145,7 @@ class CollisionModel:
             self._bodies.addCollisionPair(pin.CollisionPair(first, second))
 
 
-def _coarse_first(count: int) -> NDArray[np.int64]:
+def _coarse_first(count: int) -> IntArray:
     """0 to count-1 in an order that visits far-apart ones first: a collision is found sooner."""
     strides = [np.arange(offset, count, 8) for offset in (3, 7, 1, 5, 0, 2, 4, 6)]
     return np.concatenate(strides)

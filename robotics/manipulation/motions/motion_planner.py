@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
@@ -15,20 +14,18 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
-
-Vector = NDArray[np.float64]
-Path = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def plan_motion(
     arm: ArmModel,
     collision: CollisionModel,
-    q_start: Vector,
-    q_goal: Vector,
+    q_start: FloatArray,
+    q_goal: FloatArray,
     seed: int = 0,
     max_branches: int = 4000,
     step: float = 0.01,
-) -> Path | None:
+) -> FloatArray | None:
     """Return a free path of straight joint lines (m, n) in [rad] from `q_start` (n,) to `q_goal` (n,), or
     None.
 
@@ -61,11 +58,11 @@ def plan_motion(
 
 def plan_straight(
     arm: ArmModel,
-    q_start: Vector,
+    q_start: FloatArray,
     base_T_goal: Transform,
     step: float = 0.005,
     collision: CollisionModel | None = None,
-) -> Path | None:
+) -> FloatArray | None:
     """Joint angles (m, n) that move the tip in a straight line to `base_T_goal` (4, 4), or None.
 
     The tip moves at most `step` [m] and turns at most 10 times as many [rad] from one row to the next. None
@@ -91,7 +88,7 @@ _RANGE = 0.6  # [rad] longest branch of the trees
 _SHORTCUTS = 80
 
 
-def _longer_ways(arm: ArmModel, q_start: Vector, q_goal: Vector) -> Iterator[Vector]:
+def _longer_ways(arm: ArmModel, q_start: FloatArray, q_goal: FloatArray) -> Iterator[FloatArray]:
     """Yield the same posture with one continuous joint each turned the longer way to it."""
     for joint in np.flatnonzero(arm.endless):
         goal = np.array(q_goal, dtype=np.float64)
@@ -129,12 +126,12 @@ class _Lines(ob.MotionValidator):  # type: ignore[misc]  # ompl ships no types
 def _rrt_connect(
     arm: ArmModel,
     collision: CollisionModel,
-    q_start: Vector,
-    q_goal: Vector,
+    q_start: FloatArray,
+    q_goal: FloatArray,
     seed: int,
     max_branches: int,
     step: float,
-) -> Path | None:
+) -> FloatArray | None:
     # OMPL numbers the generators it makes from one global generator. Setting that first, and making space
     # and planner anew, gives each call its own stream; OMPL only complains about it in its log.
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -157,7 +154,7 @@ def _rrt_connect(
     return np.array([_angles(states.getState(index), arm.dof) for index in range(states.getStateCount())])
 
 
-def _space(arm: ArmModel, q_start: Vector, q_goal: Vector) -> ob.RealVectorStateSpace:
+def _space(arm: ArmModel, q_start: FloatArray, q_goal: FloatArray) -> ob.RealVectorStateSpace:
     """Return the joint limits; of continuous joints the turns about both ends."""
     around = np.array([q_start, q_goal])
     lower = np.where(arm.endless, around.min(axis=0) - np.pi, arm.lower)
@@ -171,18 +168,20 @@ def _space(arm: ArmModel, q_start: Vector, q_goal: Vector) -> ob.RealVectorState
     return space
 
 
-def _state(information: ob.SpaceInformation, q: Vector) -> ob.State:
+def _state(information: ob.SpaceInformation, q: FloatArray) -> ob.State:
     state = information.allocState()
     for index, angle in enumerate(q):
         state[index] = float(angle)
     return state
 
 
-def _angles(state: ob.State, dof: int) -> Vector:
+def _angles(state: ob.State, dof: int) -> FloatArray:
     return np.array([state[index] for index in range(dof)])
 
 
-def _shorten(path: Path, free: Callable[[Vector, Vector], bool], rng: np.random.Generator) -> Path:
+def _shorten(
+    path: FloatArray, free: Callable[[FloatArray, FloatArray], bool], rng: np.random.Generator
+) -> FloatArray:
     """Replaces pieces between two random points of the path by straight lines where these are free."""
     path = _without_detours(path, free)
     for _ in range(_SHORTCUTS):
@@ -200,7 +199,7 @@ def _shorten(path: Path, free: Callable[[Vector, Vector], bool], rng: np.random.
     return _without_detours(path, free)
 
 
-def _without_detours(path: Path, free: Callable[[Vector, Vector], bool]) -> Path:
+def _without_detours(path: FloatArray, free: Callable[[FloatArray, FloatArray], bool]) -> FloatArray:
     """Replace stretches of a path by free lines, from each point to the furthest one that a free line
     reaches.
     """
@@ -212,7 +211,7 @@ def _without_detours(path: Path, free: Callable[[Vector, Vector], bool]) -> Path
     return path[kept]
 
 
-def _merged(path: Path) -> Path:
+def _merged(path: FloatArray) -> FloatArray:
     """Return the path without points that repeat the one before."""
     moved = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
     return path[np.concatenate(([True], moved))]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.motions.rounded_path import RoundedPath
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .toppra_library import (
     TOPPRA,
@@ -14,10 +14,10 @@ from .toppra_library import (
     JointVelocityConstraint,
 )
 
-Vector = NDArray[np.float64]
 
-
-def highest_speed(rounded: RoundedPath, velocity: Vector, acceleration: Vector) -> tuple[Vector, Vector]:
+def highest_speed(
+    rounded: RoundedPath, velocity: FloatArray, acceleration: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return arc lengths (g,) and the highest speed along the path at each (g,), starting and ending at rest.
 
     Source: TOPP-RA, Pham and Pham 2018.
@@ -42,7 +42,7 @@ def highest_speed(rounded: RoundedPath, velocity: Vector, acceleration: Vector) 
     return grid, np.maximum(speed, 0.0)
 
 
-def _grid(knots: Vector) -> Vector:
+def _grid(knots: FloatArray) -> FloatArray:
     """The knots, with each piece divided into at least 4 parts of at most 0.02 rad."""
     counts = np.maximum(4, np.ceil(np.diff(knots) / 0.02).astype(int))
     parts = [
@@ -58,7 +58,7 @@ class _Path(AbstractGeometricPath):  # type: ignore[misc]
     def __init__(self, rounded: RoundedPath) -> None:
         self._rounded = rounded
 
-    def __call__(self, path_positions: Vector, order: int = 0) -> NDArray[np.float64]:
+    def __call__(self, path_positions: FloatArray, order: int = 0) -> FloatArray:
         return self._rounded.at(np.atleast_1d(path_positions), order)
 
     @property
@@ -66,7 +66,7 @@ class _Path(AbstractGeometricPath):  # type: ignore[misc]
         return self._rounded.dof
 
     @property
-    def path_interval(self) -> Vector:
+    def path_interval(self) -> FloatArray:
         return np.array([0.0, self._rounded.length])
 
     @property

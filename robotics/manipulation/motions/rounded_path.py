@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class RoundedPath:
@@ -19,7 +18,7 @@ class RoundedPath:
         knots: arc lengths at which a line or an arc begins, and the whole length last, (k+1,), in [rad].
     """
 
-    def __init__(self, corners: NDArray[np.float64], deviation: float) -> None:
+    def __init__(self, corners: FloatArray, deviation: float) -> None:
         steps = np.diff(corners, axis=0)
         lengths = np.linalg.norm(steps, axis=1)
         directions = steps / lengths[:, None]
@@ -40,7 +39,7 @@ class RoundedPath:
         """Whole arc length, in [rad]."""
         return float(self.knots[-1])
 
-    def at(self, s: Vector, order: int = 0) -> NDArray[np.float64]:
+    def at(self, s: FloatArray, order: int = 0) -> FloatArray:
         """Angles (k, n) at arc lengths `s` (k,), or their first or second derivative by arc length.
 
         At a knot the derivatives are those of the piece that begins there.
@@ -50,7 +49,7 @@ class RoundedPath:
         bend = self._bend[index][:, None]
         x, y, start = self._x[index], self._y[index], self._start[index]
         phase = along * bend
-        result: NDArray[np.float64]
+        result: FloatArray
         if order == 0:
             ahead = np.where(bend > _STRAIGHT, np.sin(phase) / np.maximum(bend, _STRAIGHT), along)
             # 2 sin^2(x/2) for 1 - cos x: exact for the small turns of dense paths
@@ -65,10 +64,10 @@ class RoundedPath:
         return result
 
     def _assemble(
-        self, corners: NDArray[np.float64], directions: NDArray[np.float64], half: Vector, cut: Vector
+        self, corners: FloatArray, directions: FloatArray, half: FloatArray, cut: FloatArray
     ) -> None:
         """Assemble the pieces in order: line, arc, line, ..., line; skip pieces of length zero."""
-        pieces: list[tuple[float, Vector, Vector, Vector, float]] = []
+        pieces: list[tuple[float, FloatArray, FloatArray, FloatArray, float]] = []
         trimmed_before = np.concatenate(([0.0], cut))
         trimmed_after = np.concatenate((cut, [0.0]))
         lengths = np.linalg.norm(np.diff(corners, axis=0), axis=1) - trimmed_before - trimmed_after
@@ -84,7 +83,7 @@ class RoundedPath:
                 arc = 2.0 * float(half[index]) / bend if bend > _STRAIGHT else 2.0 * float(cut[index])
                 pieces.append((arc, end, direction, aside, bend))
         pieces = [piece for piece in pieces if piece[0] > 1e-12]
-        self.knots: Vector = np.concatenate(([0.0], np.cumsum([piece[0] for piece in pieces])))
+        self.knots: FloatArray = np.concatenate(([0.0], np.cumsum([piece[0] for piece in pieces])))
         self._start = np.array([piece[1] for piece in pieces])
         self._x = np.array([piece[2] for piece in pieces])
         self._y = np.array([piece[3] for piece in pieces])

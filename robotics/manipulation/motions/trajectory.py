@@ -5,20 +5,18 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.motions.rounded_path import RoundedPath
-
-Vector = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def time_path(
-    path: NDArray[np.float64],
-    velocity: Vector,
-    acceleration: Vector,
+    path: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
     period: float,
     deviation: float = 0.005,
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return joint set-points (k, n), one each `period` [s], from the path's start to its end, at rest at
     both.
 
@@ -53,7 +51,7 @@ _STILL = 1e-9  # [rad]
 _REVERSAL = -0.98  # cosine of a corner that is too sharp to be rounded
 
 
-def _between_stops(corners: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+def _between_stops(corners: FloatArray) -> list[FloatArray]:
     if len(corners) < 2:
         return []
     steps = np.diff(corners, axis=0)
@@ -64,8 +62,8 @@ def _between_stops(corners: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 
 
 def _time_smooth(
-    rounded: RoundedPath, velocity: Vector, acceleration: Vector, period: float
-) -> NDArray[np.float64]:
+    rounded: RoundedPath, velocity: FloatArray, acceleration: FloatArray, period: float
+) -> FloatArray:
     # toppra brings much of scipy along: half a second, for whoever imports this and never moves an arm.
     from handcart.robotics.manipulation.motions.path_speed import highest_speed
 
@@ -81,7 +79,7 @@ def _time_smooth(
         count = max(count + 1, int(count * min(excess, 1.5) ** 0.5))
 
 
-def _progress(s: Vector, speed: Vector, times: Vector, at: Vector) -> Vector:
+def _progress(s: FloatArray, speed: FloatArray, times: FloatArray, at: FloatArray) -> FloatArray:
     """Arc length at the times `at`, with constant acceleration between the points of the grid."""
     index = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(s) - 2)
     dt = at - times[index]
@@ -90,7 +88,7 @@ def _progress(s: Vector, speed: Vector, times: Vector, at: Vector) -> Vector:
     return np.clip(s[index] + speed[index] * dt + 0.5 * gain * dt * dt, 0.0, s[-1])
 
 
-def _excess(set_points: NDArray[np.float64], velocity: Vector, acceleration: Vector, period: float) -> float:
+def _excess(set_points: FloatArray, velocity: FloatArray, acceleration: FloatArray, period: float) -> float:
     """Return the factor by which the limits are exceeded: of accelerations, or of squared speeds."""
     rest = np.zeros((1, set_points.shape[1]))
     speeds = np.vstack((rest, np.diff(set_points, axis=0) / period, rest))

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from .untrackable import Untrackable
+from handcart.robotics.numerics.arrays import FloatArray
 
-Floats = NDArray[np.float64]
+from .untrackable import Untrackable
 
 LONGEST_STEP = 0.05  # [m] between points of a path; more is a jump
 LONGEST_TURN = 0.2  # [rad]
@@ -24,15 +23,15 @@ _NO_ROTATION = "has a rotation that is none"
 class ToolPath(NamedTuple):
     """p points along a seam, in the frame world. The tool points along the x axis of its frame."""
 
-    points: Floats
+    points: FloatArray
     """(p, 3), in [m]."""
-    rotations: Floats
+    rotations: FloatArray
     """(p, 3, 3): world_R_tool."""
-    tangents: Floats
+    tangents: FloatArray
     """(p, 3): unit vectors along the path."""
-    turns: Floats
+    turns: FloatArray
     """(p, 3): turn of the tool for each metre of path, about the axes of world, in [rad/m]."""
-    lengths: Floats
+    lengths: FloatArray
     """(p,): arc length from the first point, in [m]."""
 
     @property
@@ -41,7 +40,7 @@ class ToolPath(NamedTuple):
         return float(self.lengths[-1])
 
     @property
-    def twists(self) -> Floats:
+    def twists(self) -> FloatArray:
         """(p, 6): motion of the tool for each metre of path, in [m/m; rad/m].
 
         Two unit vectors joined, as below eq. 3 of Shin (2005), would mix units and be 0/0 on a seam along
@@ -50,7 +49,7 @@ class ToolPath(NamedTuple):
         return np.hstack((self.tangents, self.turns))
 
     @property
-    def poses(self) -> Floats:
+    def poses(self) -> FloatArray:
         """(p, 4, 4): world_T_tool."""
         poses = np.tile(np.eye(4), (len(self.points), 1, 1))
         poses[:, :3, :3], poses[:, :3, 3] = self.rotations, self.points
@@ -61,7 +60,7 @@ class ToolPath(NamedTuple):
         cut = ToolPath(*(field[first : last + 1] for field in self))
         return cut._replace(lengths=cut.lengths - cut.lengths[0])
 
-    def at(self, lengths: Floats) -> ToolPath:
+    def at(self, lengths: FloatArray) -> ToolPath:
         """At arc lengths (k,), in [m], on straight lines between the points."""
         points, tangents, turns = (
             np.column_stack([np.interp(lengths, self.lengths, axis) for axis in field.T])
@@ -72,7 +71,7 @@ class ToolPath(NamedTuple):
 
 
 def tool_path(
-    poses: Floats | Sequence[Floats],
+    poses: FloatArray | Sequence[FloatArray],
     longest_step: float = LONGEST_STEP,
     longest_turn: float = LONGEST_TURN,
 ) -> ToolPath:
@@ -101,7 +100,7 @@ def tool_path(
     return ToolPath(points, rotations, tangents, 0.5 * (outer[:-1] + outer[1:]), lengths)
 
 
-def _tangents(points: Floats, steps: Floats) -> Floats:
+def _tangents(points: FloatArray, steps: FloatArray) -> FloatArray:
     """Unit derivatives (p, 3) by arc length, of the parabolas through three points each."""
     slopes = np.diff(points, axis=0) / steps[:, None]
     if len(slopes) == 1:
@@ -112,7 +111,7 @@ def _tangents(points: Floats, steps: Floats) -> Floats:
     return np.asarray(tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), _NO_LENGTH))
 
 
-def _check(poses: Floats, longest_step: float, longest_turn: float) -> None:
+def _check(poses: FloatArray, longest_step: float, longest_turn: float) -> None:
     rotations = poses[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         finite = np.asarray(np.isfinite(poses).all(axis=(1, 2)))
@@ -126,7 +125,7 @@ def _check(poses: Floats, longest_step: float, longest_turn: float) -> None:
         raise Untrackable(sound, _NO_ROTATION if finite[sound] else _NOT_FINITE)
 
 
-def _check_steps(steps: Floats, rotations: Floats, longest_step: float, longest_turn: float) -> None:
+def _check_steps(steps: FloatArray, rotations: FloatArray, longest_step: float, longest_turn: float) -> None:
     """Raise `Untrackable` if a step repeats a point or jumps; covers the points before the first invalid
     pose.
     """
@@ -143,6 +142,6 @@ def _check_steps(steps: Floats, rotations: Floats, longest_step: float, longest_
             raise Untrackable(index, why)
 
 
-def _turns(rotations: Floats) -> Floats:
+def _turns(rotations: FloatArray) -> FloatArray:
     """(p-1, 3) rotation vectors from each to the next, in world."""
     return np.asarray(Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).as_rotvec())

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Untrackable(ValueError):
@@ -15,7 +14,7 @@ class Untrackable(ValueError):
         nearest: position (3,) near it, in [m], that could be tracked; None where none is known.
     """
 
-    def __init__(self, index: int, why: str, nearest: NDArray[np.float64] | None = None) -> None:
+    def __init__(self, index: int, why: str, nearest: FloatArray | None = None) -> None:
         self.index = index
         self.why = why
         self.nearest = nearest
@@ -23,5 +22,5 @@ class Untrackable(ValueError):
         super().__init__(f"point {index} of the path {why}{proposal}")
 
 
-def _words(point: NDArray[np.float64]) -> str:
+def _words(point: FloatArray) -> str:
     return "(" + ", ".join(f"{value:.3f}" for value in point) + ") m"

@@ -6,16 +6,14 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .placement_division import PathSegment
 from .placer import Blocked, Free, Placements, Placer
-
-Floats = NDArray[np.float64]
 
 _STEP = 0.1  # [m] between the places that are tried
 _FEW, _POINTS = 6, 60  # of a path, at most, that are scored: first from all places, then from the best
@@ -34,7 +32,7 @@ class Leg(NamedTuple):
     """Integral along the part, in [m]: up to its length."""
 
 
-def level_with(start: Pose2, points: Floats) -> Floats:
+def level_with(start: Pose2, points: FloatArray) -> FloatArray:
     """Return poses (p, 3) of a base that drives straight on from `start`, level with points (p, 3) of a path.
 
     If the path leads backwards, so does the base.
@@ -44,7 +42,7 @@ def level_with(start: Pose2, points: Floats) -> Floats:
     return np.column_stack((start[:2] + along[:, None] * ahead, np.full(len(points), start.theta)))
 
 
-def seen_from(bases: Floats, path: ToolPath) -> ToolPath:
+def seen_from(bases: FloatArray, path: ToolPath) -> ToolPath:
     """A path as a base sees it that is at one of the poses (p, 3) at each of its points."""
     cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
     turned = np.zeros((len(bases), 3, 3))
@@ -129,13 +127,13 @@ def _ranked(placer: Placer, path: ToolPath, blocked: Blocked) -> Iterator[tuple[
             yield start, value
 
 
-def _spots(bases: Floats) -> Floats:
+def _spots(bases: FloatArray) -> FloatArray:
     """Some of the poses along a way, both ends included."""
     count = 2 + int(np.hypot(*np.ptp(bases[:, :2], axis=0)) / _ROOM)
     return np.asarray(bases[np.linspace(0, len(bases) - 1, count).round().astype(int)])
 
 
-def _grid(reach: float) -> Floats:
+def _grid(reach: float) -> FloatArray:
     """(b, 3) base poses around a point level with the tool, heading along the path or against it."""
     steps = np.arange(-reach, reach + _STEP, _STEP)
     x, y, turn = np.meshgrid(steps, steps, (0.0, np.pi), indexing="ij")

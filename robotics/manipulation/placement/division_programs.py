@@ -7,18 +7,15 @@ the mean of the scores at both ends, and a placement must be usable at both.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled, compiled_for
-
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Masks = NDArray[np.bool_]
-Numbers = NDArray[np.int64]
 
 
 @compiled_for("(f4[:,::1], b1[:,::1], b1[:,::1], f8[::1], i8)")
-def layers(values: Singles, usable: Masks, joined: Masks, steps: Floats, count: int) -> Numbers:
+def layers(
+    values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
+) -> IntArray:
     """The placement (p-1,) of each step, at most `count` one after the other."""
     points, bases = values.shape
     best = np.full((count, bases), -np.inf)
@@ -45,7 +42,7 @@ def layers(values: Singles, usable: Masks, joined: Masks, steps: Floats, count: 
 
 
 @compiled
-def _backwards(stays: Masks, tops: Floats, holders: Numbers) -> Numbers:
+def _backwards(stays: BoolArray, tops: FloatArray, holders: IntArray) -> IntArray:
     steps, count, _ = stays.shape
     k = 0
     for other in range(1, count):
@@ -62,7 +59,9 @@ def _backwards(stays: Masks, tops: Floats, holders: Numbers) -> Numbers:
 
 
 @compiled
-def cheapest_layers(values: Singles, usable: Masks, joined: Masks, steps: Floats, cost: float) -> Numbers:
+def cheapest_layers(
+    values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, cost: float
+) -> IntArray:
     """The placement (p-1,) of each step, each change costing `cost`."""
     points, bases = values.shape
     best = np.full(bases, -np.inf)
@@ -94,7 +93,7 @@ def cheapest_layers(values: Singles, usable: Masks, joined: Masks, steps: Floats
 
 
 @compiled_for("(b1[:,::1], b1[:,::1], i8)")
-def farthest_run(usable: Masks, joined: Masks, first: int) -> tuple[int, int]:
+def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int, int]:
     """The placement that gets farthest from the point `first`, and where to; `first` where none does."""
     placement, farthest = -1, first
     for b in range(usable.shape[1]):
@@ -105,7 +104,7 @@ def farthest_run(usable: Masks, joined: Masks, first: int) -> tuple[int, int]:
 
 
 @compiled
-def segment_score(values: Singles, steps: Floats, placement: int, first: int, last: int) -> float:
+def segment_score(values: SingleArray, steps: FloatArray, placement: int, first: int, last: int) -> float:
     """Integral of the scores of one placement between two points."""
     total = 0.0
     for j in range(first, last):
@@ -114,7 +113,7 @@ def segment_score(values: Singles, steps: Floats, placement: int, first: int, la
 
 
 @compiled
-def run_end(usable: Masks, joined: Masks, first: int, placement: int) -> int:
+def run_end(usable: BoolArray, joined: BoolArray, first: int, placement: int) -> int:
     """Return the last point of the run of a placement that begins at the point `first`."""
     if not usable[first, placement]:
         return first

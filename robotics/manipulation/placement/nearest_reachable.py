@@ -5,20 +5,18 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .placement_refinement import Scorer
-
-Floats = NDArray[np.float64]
 
 _SHELLS = 0.01 * 1.5 ** np.arange(20)  # [m] 10 mm to 22 m
 _FINEST = 0.001  # [m]
 
 
-def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: Floats) -> Untrackable:
+def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: FloatArray) -> Untrackable:
     """Return the error with the nearest position that could be tracked from one of the base poses (b, 3).
 
     The point is moved along 26 directions, outwards until some placement can use it, and back to within a
@@ -27,7 +25,7 @@ def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: Floa
     return Untrackable(error.index, error.why, _nearest(scorer, path, bases, error.index))
 
 
-def _nearest(scorer: Scorer, path: ToolPath, bases: Floats, index: int) -> Floats | None:
+def _nearest(scorer: Scorer, path: ToolPath, bases: FloatArray, index: int) -> FloatArray | None:
     directions = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     inner = 0.0
@@ -41,8 +39,14 @@ def _nearest(scorer: Scorer, path: ToolPath, bases: Floats, index: int) -> Float
 
 
 def _pull_in(
-    scorer: Scorer, path: ToolPath, bases: Floats, index: int, directions: Floats, inner: float, outer: float
-) -> Floats:
+    scorer: Scorer,
+    path: ToolPath,
+    bases: FloatArray,
+    index: int,
+    directions: FloatArray,
+    inner: float,
+    outer: float,
+) -> FloatArray:
     """The shortest of offsets between two distances, by halving."""
     while outer - inner > _FINEST:
         middle = 0.5 * (inner + outer)
@@ -54,7 +58,7 @@ def _pull_in(
     return np.asarray(outer * directions[0])
 
 
-def _usable(scorer: Scorer, path: ToolPath, bases: Floats, index: int, offsets: Floats) -> NDArray[np.bool_]:
+def _usable(scorer: Scorer, path: ToolPath, bases: FloatArray, index: int, offsets: FloatArray) -> BoolArray:
     """(m,): whether the point moved by offsets (m, 3) can be used from any base."""
     rows = np.full(len(offsets), index)
     moved = ToolPath(*(field[rows] for field in path))._replace(points=path.points[index] + offsets)

@@ -6,16 +6,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
 
 from .division_programs import cheapest_layers, farthest_run, layers, segment_score
-
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Masks = NDArray[np.bool_]
 
 
 class PathSegment(NamedTuple):
@@ -59,7 +55,7 @@ def fewest_placements(scores: PlacementScores) -> int:
     return len(_longest_first(scores))
 
 
-def best_division(scores: PlacementScores, lengths: Floats, count: int) -> Division:
+def best_division(scores: PlacementScores, lengths: FloatArray, count: int) -> Division:
     """Return the division among at most `count` placements with the greatest integral: exact.
 
     By layered dynamic programming over the steps j of the path and the placements b: D_k(j, b) = gain(b,
@@ -84,7 +80,7 @@ def best_division(scores: PlacementScores, lengths: Floats, count: int) -> Divis
     return _division(layers(*score_arrays(scores, lengths), count), scores, lengths)
 
 
-def best_division_by_cost(scores: PlacementScores, lengths: Floats, cost: float) -> Division:
+def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: float) -> Division:
     """The division with the greatest integral less `cost`, in [m], for each move of the base: exact.
 
     Raises:
@@ -94,7 +90,9 @@ def best_division_by_cost(scores: PlacementScores, lengths: Floats, cost: float)
     return _division(cheapest_layers(*score_arrays(scores, lengths), cost), scores, lengths)
 
 
-def score_arrays(scores: PlacementScores, lengths: Floats) -> tuple[Singles, Masks, Masks, Floats]:
+def score_arrays(
+    scores: PlacementScores, lengths: FloatArray
+) -> tuple[SingleArray, BoolArray, BoolArray, FloatArray]:
     """(p, b) values and usable, (p-1, b) joined (or empty), (p-1,) lengths of steps."""
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (
@@ -125,7 +123,7 @@ def stuck_at(scores: PlacementScores, index: int) -> Untrackable:
     return Untrackable(index + 1, "can't be tracked from a placement that also tracks the point before it")
 
 
-def _division(placements: NDArray[np.int64], scores: PlacementScores, lengths: Floats) -> Division:
+def _division(placements: IntArray, scores: PlacementScores, lengths: FloatArray) -> Division:
     """Build the division from the placement of each step (p-1,)."""
     starts = np.flatnonzero(np.concatenate(([True], placements[1:] != placements[:-1])))
     ends = np.append(starts[1:], len(placements))
@@ -134,7 +132,7 @@ def _division(placements: NDArray[np.int64], scores: PlacementScores, lengths: F
     return score_segments(segments, values, steps)
 
 
-def score_segments(segments: Sequence[PathSegment], values: Singles, steps: Floats) -> Division:
+def score_segments(segments: Sequence[PathSegment], values: SingleArray, steps: FloatArray) -> Division:
     """Return the division into the given segments, with its integral."""
     score = sum(segment_score(values, steps, *segment) for segment in segments)
     return Division(tuple(segments), float(score))

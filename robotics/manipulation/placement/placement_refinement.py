@@ -6,15 +6,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .placement_division import Division, PathSegment, best_division
 
-Floats = NDArray[np.float64]
-Scorer = Callable[[Floats, ToolPath], PlacementScores]
+Scorer = Callable[[FloatArray, ToolPath], PlacementScores]
 """Scores of base poses (b, 3) along a path: an arm's with its rule, less what rules placements out."""
 
 _TRIES = 48
@@ -26,7 +25,7 @@ _FINEST = 1e-3  # of the first radius
 class Refinement(NamedTuple):
     """A division among placements that are not bound to a grid."""
 
-    bases: Floats
+    bases: FloatArray
     """(k, 3): one for each segment, x and y in [m], heading in [rad]."""
     division: Division
     """Placement numbers are rows of `bases`."""
@@ -37,7 +36,7 @@ class Refinement(NamedTuple):
 def refine(
     scorer: Scorer,
     path: ToolPath,
-    bases: Floats,
+    bases: FloatArray,
     division: Division,
     radius: float,
     turn: float,
@@ -84,11 +83,11 @@ def _renumbered(division: Division) -> Division:
 def _climb(
     scorer: Scorer,
     path: ToolPath,
-    base: Floats,
+    base: FloatArray,
     segment: PathSegment,
     reach: tuple[float, float],
     rng: np.random.Generator,
-) -> Floats:
+) -> FloatArray:
     """The best of random placements around the best one so far, ever nearer."""
     part = path.part(segment.first, segment.last)
     best, value = base, _worth(scorer, np.atleast_2d(base), part)[0]
@@ -104,7 +103,7 @@ def _climb(
     return best
 
 
-def _worth(scorer: Scorer, bases: Floats, part: ToolPath) -> Floats:
+def _worth(scorer: Scorer, bases: FloatArray, part: ToolPath) -> FloatArray:
     """Integrals (b,) of the whole part; -inf where some of it can't be tracked."""
     scores = scorer(bases, part)
     sound = scores.usable.all(axis=1)

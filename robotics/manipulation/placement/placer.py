@@ -7,7 +7,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
@@ -20,16 +19,15 @@ from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
 from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IndexArray
 
 from .nearest_reachable import with_nearest
 from .placement_division import Division, PathSegment, best_division, fewest_placements
 from .placement_refinement import Scorer, refine
 
-Floats = NDArray[np.float64]
-Masks = NDArray[np.bool_]
-Blocked = Callable[[Floats], Masks]
+Blocked = Callable[[FloatArray], BoolArray]
 """Check that marks the base poses (b, 3) that the base can't occupy, or doesn't reach."""
-Free = Callable[[Floats, Floats], bool]
+Free = Callable[[FloatArray, FloatArray], bool]
 """Check that nothing is touched from a base pose (3,) at joint angles (p, n)."""
 
 _ATTEMPTS = 20  # at a division all of whose parts the arm follows, point by point
@@ -56,7 +54,7 @@ class Work(NamedTuple):
 class Placements(NamedTuple):
     """A path divided among places."""
 
-    bases: Floats
+    bases: FloatArray
     """(k, 3): x and y in [m], heading in [rad]; one for each segment."""
     segments: tuple[PathSegment, ...]
     """Their numbers are those of the path's points, placements those of `bases`."""
@@ -112,11 +110,11 @@ class Placer:
         self._rule = ScoreRule.of_limits(measure, arm.velocity[:joints], torque, work.speed, work.force)
         self._work = work
 
-    def scores(self, bases: Floats, path: ToolPath) -> PlacementScores:
+    def scores(self, bases: FloatArray, path: ToolPath) -> PlacementScores:
         """Return the scores of base poses (b, 3)."""
         return self._scores(bases, path, self._rule)
 
-    def reached(self, bases: Floats, path: ToolPath) -> Masks:
+    def reached(self, bases: FloatArray, path: ToolPath) -> BoolArray:
         """(b, p): which points the arm reaches from base poses (b, 3), however slowly."""
         return self._scores(bases, path, self._rule._replace(measure=Measure.REACHABILITY)).usable
 
@@ -125,12 +123,12 @@ class Placer:
         """Spacing of the `candidates` in [m], and of their headings in [rad]."""
         return self._step, 2.0 * np.pi / self._grid.headings
 
-    def _scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
+    def _scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         if self.pitch_arm is not None:
             return self.pitch_arm.scores(bases, path, rule)
         return self._screw_arm.scores(bases, path, rule)
 
-    def _robust(self, bases: Floats, path: ToolPath) -> PlacementScores:
+    def _robust(self, bases: FloatArray, path: ToolPath) -> PlacementScores:
         """Return the scores, with only those cells usable that are reached from neighbouring stops of the
         base as well.
 
@@ -147,7 +145,7 @@ class Placer:
             some &= usable.any(axis=1)
         return scores.restricted(usable)
 
-    def joints(self, base: Floats, path: ToolPath) -> Floats:
+    def joints(self, base: FloatArray, path: ToolPath) -> FloatArray:
         """Joint angles (p, n) in [rad] from a base pose (3,); raises Untrackable at the first bad point."""
         world_T_base = Pose2(*base.tolist()).lift()
         if self.pitch_arm is not None:
@@ -168,7 +166,7 @@ class Placer:
         assert first is not None
         raise first
 
-    def _both_ways(self, path: ToolPath, world_T_base: Transform, start: int, near: Floats) -> Floats:
+    def _both_ways(self, path: ToolPath, world_T_base: Transform, start: int, near: FloatArray) -> FloatArray:
         """Joint angles (p, n) found from one of the path's points on, to its end and to its beginning."""
         on = self.follower.joints(_some(path, np.arange(start, len(path.points))), world_T_base, near)
         try:
@@ -177,7 +175,7 @@ class Placer:
             raise Untrackable(start - error.index, error.why, error.nearest) from None
         return np.vstack((back[:0:-1], on))
 
-    def candidates(self, path: ToolPath) -> Floats:
+    def candidates(self, path: ToolPath) -> FloatArray:
         """(b, 3): a grid of base poses around a path, within the arm's reach of it."""
         spots = self._spots(path, self._step)
         while len(spots) * self._grid.headings > self._grid.bases:
@@ -192,13 +190,13 @@ class Placer:
         """No tool is farther from the base's origin, seen from above, in [m]."""
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
-    def followed(self, base: Floats, path: ToolPath) -> Floats:
+    def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
         """Return `joints`; raise if the arm can't follow from poses slightly off the placement."""
         angles = self.joints(base, path)
         self._check_around(base, path)
         return angles
 
-    def _spots(self, path: ToolPath, step: float) -> Floats:
+    def _spots(self, path: ToolPath, step: float) -> FloatArray:
         """(s, 2): x and y of a grid."""
         reach = self.reach
         low, high = path.points[:, :2].min(axis=0) - reach, path.points[:, :2].max(axis=0) + reach
@@ -234,9 +232,9 @@ class Placer:
         thin = _some(path, kept)
         candidates = self.candidates(path)
         bases = candidates[~blocked(candidates)]
-        left_out: list[Floats] = []
+        left_out: list[FloatArray] = []
 
-        def scorer(some: Floats, part: ToolPath) -> PlacementScores:
+        def scorer(some: FloatArray, part: ToolPath) -> PlacementScores:
             out = blocked(some)
             for each in left_out:
                 out |= _near(some, each, 0.5 * self._step)
@@ -260,8 +258,8 @@ class Placer:
         raise Untrackable(last.index, f"{last.why}; so it was with {_ATTEMPTS} divisions")
 
     def _refined(
-        self, scorer: Scorer, path: ToolPath, bases: Floats, division: Division
-    ) -> tuple[Floats, Division]:
+        self, scorer: Scorer, path: ToolPath, bases: FloatArray, division: Division
+    ) -> tuple[FloatArray, Division]:
         """Base poses (k, 3) and the division among them, each moved to where it is worth more."""
         step, turn, count = self._step, 2 * np.pi / self._grid.headings, len(division.segments)
         if self.pitch_arm is not None:
@@ -276,7 +274,7 @@ class Placer:
         renumbered = (segment._replace(placement=row) for row, segment in enumerate(best.segments))
         return chosen, best._replace(segments=tuple(renumbered))
 
-    def _placements(self, bases: Floats, segments: tuple[PathSegment, ...], path: ToolPath) -> Placements:
+    def _placements(self, bases: FloatArray, segments: tuple[PathSegment, ...], path: ToolPath) -> Placements:
         """With the scores of the segments on the path's own points."""
         found = []
         for segment in segments:
@@ -302,7 +300,7 @@ class Placer:
                 found[segment.placement] = Untrackable(segment.first, touches)
         return found
 
-    def _check_around(self, base: Floats, path: ToolPath) -> None:
+    def _check_around(self, base: FloatArray, path: ToolPath) -> None:
         """Raise Untrackable where the arm doesn't follow from a base that stops a little beside its place."""
         some = _some(path, np.arange(0, len(path.points), _SPARSE))
         for x, y in _BESIDE:
@@ -317,9 +315,9 @@ class Placer:
         error: Untrackable,
         scorer: Scorer,
         thin: ToolPath,
-        bases: Floats,
-        candidates: Floats,
-        kept: NDArray[np.intp],
+        bases: FloatArray,
+        candidates: FloatArray,
+        kept: IndexArray,
     ) -> Untrackable:
         """Return the error with the path's own point, the reason, and the nearest position that can be
         tracked.
@@ -338,7 +336,7 @@ class Placer:
         why = self._why(_some(thin, np.array([error.index, error.index])), bases, candidates) or error.why
         return Untrackable(int(kept[error.index]), why, detailed.nearest)
 
-    def _why(self, point: ToolPath, bases: Floats, candidates: Floats) -> str:
+    def _why(self, point: ToolPath, bases: FloatArray, candidates: FloatArray) -> str:
         """Why a point, given twice, can't be tracked from any base pose; nothing where it isn't the point."""
         reach = self._rule._replace(measure=Measure.REACHABILITY)
         if not self._scores(candidates, point, reach).usable.any():
@@ -362,27 +360,27 @@ def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost
     return max(divisions, key=lambda each: each.score - cost * len(each.segments))
 
 
-def _near(bases: Floats, base: Floats, distance: float) -> Masks:
+def _near(bases: FloatArray, base: FloatArray, distance: float) -> BoolArray:
     """Return (b,) True for base poses (b, 3) within `distance` of another (3,)."""
     return np.asarray(np.linalg.norm(bases[:, :2] - base[:2], axis=1) < distance)
 
 
-def _neighbours(bases: Floats, step: float, turn: float) -> Floats:
+def _neighbours(bases: FloatArray, step: float, turn: float) -> FloatArray:
     """(26 b, 3): base poses one step to all sides of base poses (b, 3)."""
     ways = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
     return np.asarray((bases[:, None] + ways * (step, step, turn)).reshape(-1, 3))
 
 
-def _thinned(points: int, most: int) -> NDArray[np.intp]:
+def _thinned(points: int, most: int) -> IndexArray:
     """Numbers of at most that many of the points, ends included."""
     return np.unique(np.linspace(0, points - 1, min(points, most)).round().astype(np.intp))
 
 
-def _some(path: ToolPath, kept: NDArray[np.intp]) -> ToolPath:
+def _some(path: ToolPath, kept: IndexArray) -> ToolPath:
     return ToolPath(*(field[kept] for field in path))
 
 
-def _on(division: Division, kept: NDArray[np.intp]) -> tuple[PathSegment, ...]:
+def _on(division: Division, kept: IndexArray) -> tuple[PathSegment, ...]:
     """Segments by the numbers of the path's own points."""
     return tuple(
         PathSegment(part.placement, int(kept[part.first]), int(kept[part.last])) for part in division.segments

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
 from handcart.robotics.geometry.pose2 import Pose2
@@ -14,9 +13,7 @@ from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape, radius_about
 from handcart.robotics.navigation.maps.grid_map import GridMap
-
-Floats = NDArray[np.float64]
-Masks = NDArray[np.bool_]
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 
 class OpenFloor:
@@ -35,14 +32,14 @@ class OpenFloor:
         self._grid = grid
         self._rooms, _ = ndimage.label(away >= radius, structure=np.ones((3, 3)))
 
-    def reached_from(self, start: tuple[float, float]) -> Masks:
+    def reached_from(self, start: tuple[float, float]) -> BoolArray:
         """(h, w): the map's cells that a base gets to from there, in [m]."""
         if not self._grid.inside(np.array([start]))[0]:
             return np.zeros(self._rooms.shape, dtype=np.bool_)
         home = self._rooms[tuple(self._grid.to_cell(np.array([start]))[0])]
         return np.asarray((self._rooms == home) & (home != 0))
 
-    def leads_to(self, bases: Floats, reached: Masks) -> Masks:
+    def leads_to(self, bases: FloatArray, reached: BoolArray) -> BoolArray:
         """Return (b,) True for base poses (b, 3) on `reached` cells."""
         inside = self._grid.inside(bases[:, :2])
         cells = self._grid.to_cell(bases[inside, :2])
@@ -52,8 +49,8 @@ class OpenFloor:
 
 
 def stands_clear(
-    bases: Floats, bodies: Sequence[Shape], obstacles: Sequence[Shape], margin: float = 0.0
-) -> Masks:
+    bases: FloatArray, bodies: Sequence[Shape], obstacles: Sequence[Shape], margin: float = 0.0
+) -> BoolArray:
     """Return (b,) True for base poses (b, 3) with all bodies of the robot farther than `margin` from
     obstacles.
 
@@ -84,11 +81,11 @@ def stands_clear(
 _TOUCH = 1e-6  # [m] coal calls overlapping bodies free at margin 0
 
 
-def _placement(pose: Floats) -> object:
+def _placement(pose: FloatArray) -> object:
     return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
 
 
-def _positions(bases: Floats, body: Shape) -> Floats:
+def _positions(bases: FloatArray, body: Shape) -> FloatArray:
     """(b, 3): the body's origin from each base, in world."""
     cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
     x, y, z = body.pose[:3, 3]

@@ -7,20 +7,18 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.arms.placement_scores import PlacementScores
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .placement_division import best_division_by_cost
 from .placer import Blocked, Placer
 
-Floats = NDArray[np.float64]
-Masks = NDArray[np.bool_]
 Sight = Callable[[float], ToolPath]
 """Motion of the hand with which it looks at a landmark from a base of that heading in [rad]."""
-Touches = Callable[[Floats, int], str]
+Touches = Callable[[FloatArray, int], str]
 """Check that names the obstacle touched from a base pose (3,) at the goal of that number; empty if clear."""
 
 STOP_OFFSET_M = 0.05  # [m] by which a base stops beside its place
@@ -51,29 +49,29 @@ class Goal(NamedTuple):
 class BaseStop(NamedTuple):
     """A place of the base, and what is done from there."""
 
-    base: Floats
+    base: FloatArray
     """(3,) x and y in [m], heading in [rad]."""
     first: int
     last: int
     """Goals, both included."""
     sights: tuple[int, ...]
     """Landmarks that can be looked at from there."""
-    scores: Floats
+    scores: FloatArray
     """(last - first + 1,) of the goals: the least along each motion, 0 to 1."""
 
 
 class StopTable(NamedTuple):
     """Base poses b, goals n, landmarks m."""
 
-    values: Floats
+    values: FloatArray
     """(b, n), 0 where not served."""
-    served: Masks
+    served: BoolArray
     """(b, n): reached and looked at, also from where a base may stop beside its place."""
-    sights: Masks
+    sights: BoolArray
     """(b, m)."""
 
     @property
-    def usable(self) -> Masks:
+    def usable(self) -> BoolArray:
         """(b, n): served, with a landmark in sight."""
         sighted = np.asarray(self.sights.any(axis=1))
         return np.asarray(self.served & sighted[:, None])
@@ -91,7 +89,7 @@ class StopPlacer:
     def __init__(self, placer: Placer, sights: Sequence[Sight]) -> None:
         self._placer, self._sights = placer, sights
 
-    def table(self, bases: Floats, goals: Sequence[Goal]) -> StopTable:
+    def table(self, bases: FloatArray, goals: Sequence[Goal]) -> StopTable:
         """Return the table of base poses (b, 3) against goals."""
         values = np.zeros((len(bases), len(goals)))
         served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
@@ -102,10 +100,10 @@ class StopPlacer:
                 values[some, number], served[some, number] = self._worth(bases[some], goal)
         return StopTable(values, served, sights)
 
-    def _worth(self, bases: Floats, goal: Goal) -> tuple[Floats, Masks]:
+    def _worth(self, bases: FloatArray, goal: Goal) -> tuple[FloatArray, BoolArray]:
         """(b,) the least score along a goal's motion, 0 where it isn't served; and whether it is."""
         scores = self._placer.scores(bases, goal.work)
-        good: Masks = np.asarray(scores.usable.all(axis=1))
+        good: BoolArray = np.asarray(scores.usable.all(axis=1))
         for path in (goal.work, *goal.looks):
             good = self._also_beside(bases, path, good)
         return np.where(good, scores.values.min(axis=1), 0.0), good
@@ -127,7 +125,7 @@ class StopPlacer:
         around = _joined(goals)
         candidates = self._placer.candidates(around)
         bases = candidates[~blocked(candidates)]
-        table, refused = self.table(bases, goals), list[tuple[Floats, int, str]]()
+        table, refused = self.table(bases, goals), list[tuple[FloatArray, int, str]]()
         for _ in range(_ATTEMPTS):
             usable = _without(table.usable, bases, refused)
             if not usable.any(axis=0).all():
@@ -144,7 +142,7 @@ class StopPlacer:
             refused += bad
         raise Untrackable(bad[0][1], f"{bad[0][2]}; so it was with {_ATTEMPTS} divisions")
 
-    def _also_beside(self, bases: Floats, path: ToolPath, good: Masks) -> Masks:
+    def _also_beside(self, bases: FloatArray, path: ToolPath, good: BoolArray) -> BoolArray:
         """Return True for `good` base poses (b, 3) from whose neighbourhood the complete path is reached as
         well.
         """
@@ -156,7 +154,7 @@ class StopPlacer:
             good[some] = self._placer.reached(bases[some] + aside, path).all(axis=1)
         return good
 
-    def _in_sight(self, bases: Floats) -> Masks:
+    def _in_sight(self, bases: FloatArray) -> BoolArray:
         """(b, m): which landmarks can be looked at."""
         seen = np.zeros((len(bases), len(self._sights)), dtype=np.bool_)
         for heading in np.unique(bases[:, 2]):
@@ -171,7 +169,7 @@ class StopPlacer:
         stops: tuple[BaseStop, ...],
         goals: Sequence[Goal],
         blocked: Blocked,
-        refused: Sequence[tuple[Floats, int, str]],
+        refused: Sequence[tuple[FloatArray, int, str]],
     ) -> tuple[BaseStop, ...]:
         """Return as many stops, each moved to a better score."""
         step, turn = self._placer.spacing
@@ -197,9 +195,9 @@ class StopPlacer:
         self,
         goal: int,
         goals: Sequence[Goal],
-        bases: Floats,
-        candidates: Floats,
-        refused: Sequence[tuple[Floats, int, str]],
+        bases: FloatArray,
+        candidates: FloatArray,
+        refused: Sequence[tuple[FloatArray, int, str]],
     ) -> Untrackable:
         touched = [why for _, number, why in refused if number == goal]
         if touched:
@@ -211,7 +209,7 @@ class StopPlacer:
         return Untrackable(goal, _NO_SIGHT)
 
 
-def _stops(bases: Floats, table: StopTable, usable: Masks, cost: float) -> tuple[BaseStop, ...]:
+def _stops(bases: FloatArray, table: StopTable, usable: BoolArray, cost: float) -> tuple[BaseStop, ...]:
     """The best division of goals: each is a step of a path, between goals there are steps without length."""
     values, joined = np.where(usable, table.values, 0.0), np.ones((len(bases), 2 * usable.shape[1] - 1), bool)
     joined[:, ::2] = usable
@@ -227,12 +225,14 @@ def _stops(bases: Floats, table: StopTable, usable: Masks, cost: float) -> tuple
     return tuple(found)
 
 
-def _stop(bases: Floats, table: StopTable, row: int, first: int, last: int, offset: int) -> BaseStop:
+def _stop(bases: FloatArray, table: StopTable, row: int, first: int, last: int, offset: int) -> BaseStop:
     sights = tuple(np.flatnonzero(table.sights[row]).tolist())
     return BaseStop(bases[row], first, last, sights, table.values[row, first - offset : last + 1 - offset])
 
 
-def _without(usable: Masks, bases: Floats, refused: Sequence[tuple[Floats, int, str]]) -> Masks:
+def _without(
+    usable: BoolArray, bases: FloatArray, refused: Sequence[tuple[FloatArray, int, str]]
+) -> BoolArray:
     usable = usable.copy()
     for base, goal, _ in refused:
         if 0 <= goal < usable.shape[1]:

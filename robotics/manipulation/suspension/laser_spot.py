@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform, inverse
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Rates(NamedTuple):
@@ -39,7 +37,7 @@ class SpotShift(NamedTuple):
     """Upward motion of the spot, in [m]."""
 
 
-def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall: Transform) -> Floats:
+def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall: Transform) -> FloatArray:
     """Return the position (2,) of the spot: (x, y) of the wall's frame in [m], whose plane is z = 0.
 
     The beam points along the laser's x axis.

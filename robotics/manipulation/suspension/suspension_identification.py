@@ -6,14 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from handcart.robotics.clustered_sigmas import clustered_sigmas
 from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 LARGEST_SIGMAS = SuspensionModel(0.5e-3, 2e-3, 2e-3, 0.2)
 """A parameter that is known less well than this was not measured."""
@@ -39,9 +37,9 @@ class Sighting(NamedTuple):
     """A landmark seen after a swing."""
 
     swing: Swing
-    corners: Floats
+    corners: FloatArray
     """Printed positions of its corners on the sheet, (4, 3) in [m]."""
-    rays: Floats
+    rays: FloatArray
     """Rays to its corners in the picture, (4, 2), as `Landmark.rays`."""
 
 
@@ -77,7 +75,7 @@ def fit_sightings(
     seen = np.array([each.rays for each in sightings])
     weights = np.array([_weight(each, hand_T_camera, base_T_sheet, arm_error) for each in sightings])
 
-    def residuals(model: SuspensionModel, placed: Floats) -> Floats:
+    def residuals(model: SuspensionModel, placed: FloatArray) -> FloatArray:
         sheet = base_T_sheet @ transform(placed[:3].tolist(), placed[3:].tolist())
         rays = [
             _rays(model.displaced(*each.swing) @ hand_T_camera, apply(sheet, each.corners))
@@ -90,7 +88,7 @@ def fit_sightings(
 
 def _weight(
     sighting: Sighting, hand_T_camera: Transform, base_T_sheet: Transform, arm_error: float
-) -> Floats:
+) -> FloatArray:
     """(8, 8) that makes what a sighting is off by uncorrelated and of unit variance."""
     camera_T_base = inverse(sighting.swing.base_T_hand @ hand_T_camera)
     x, y, z = apply(camera_T_base @ base_T_sheet, sighting.corners).T
@@ -100,16 +98,16 @@ def _weight(
     return np.asarray(np.linalg.inv(np.linalg.cholesky(J @ J.T + _RAY_NOISE**2 * np.eye(8))))
 
 
-def _rays(base_T_camera: Transform, points: Floats) -> Floats:
+def _rays(base_T_camera: Transform, points: FloatArray) -> FloatArray:
     """(n, 2) x/z, y/z of points (n, 3) of the base."""
     inside = apply(inverse(base_T_camera), points)
     return np.asarray(inside[:, :2] / inside[:, 2:3])
 
 
 def _fit(
-    residuals: Callable[[SuspensionModel, Floats], Floats],
+    residuals: Callable[[SuspensionModel, FloatArray], FloatArray],
     count: int,
-    others: Floats,
+    others: FloatArray,
     known: Mapping[str, float],
     best: float = _BEST,
 ) -> SuspensionFit:
@@ -120,7 +118,7 @@ def _fit(
     free = [i for i, name in enumerate(SuspensionModel._fields) if name not in known]
     fixed = np.array(_START._replace(**known))
 
-    def model_of(values: Floats) -> SuspensionModel:
+    def model_of(values: FloatArray) -> SuspensionModel:
         full = fixed.copy()
         full[free] = values[: len(free)] * _STEPS[free]
         return SuspensionModel(*full.tolist())
@@ -144,7 +142,7 @@ def _fit(
     return SuspensionFit(model_of(found.x), SuspensionModel(*sigmas.tolist()), rms)
 
 
-def _check(sigmas: Floats) -> None:
+def _check(sigmas: FloatArray) -> None:
     vague = [
         name
         for name, sigma, largest in zip(SuspensionModel._fields, sigmas, LARGEST_SIGMAS, strict=True)

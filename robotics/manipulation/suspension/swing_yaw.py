@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 _FEWEST = 3  # of steps between stops
 
@@ -27,7 +26,7 @@ class SwingYaw(NamedTuple):
     """Standard deviation of one look's heading, in [rad]."""
 
 
-def fit_swing_yaw(headings: Floats, swings: int) -> SwingYaw:
+def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
     """The turn of each swing, taken to be independent of the others.
 
     Args:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -12,8 +11,7 @@ from handcart.robotics.manipulation.arms.screw_chain import ScrewChain
 from handcart.robotics.manipulation.arms.screw_steps import descend, tip_and_jacobian, without_free
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 _ITERATIONS = 60
 _JUMP = 0.5  # [rad] of a joint from a point to the next
@@ -49,7 +47,7 @@ class ToolFollower:
         self._spare = arm.dof > (6 if free == FreeTurn.NONE else 5)
         self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
 
-    def joints(self, path: ToolPath, world_T_base: Transform, near: Floats) -> Floats:
+    def joints(self, path: ToolPath, world_T_base: Transform, near: FloatArray) -> FloatArray:
         """Return joint angles (p, n) within the limits that put the tool at each point of the path.
 
         Args:
@@ -72,12 +70,14 @@ class ToolFollower:
             before = self._eased(angles[index]) if self._spare else angles[index]
         return angles
 
-    def tool_errors(self, path: ToolPath, world_T_base: Transform, angles: Floats) -> Floats:
+    def tool_errors(self, path: ToolPath, world_T_base: Transform, angles: FloatArray) -> FloatArray:
         """Distances (p,) of the tool from the points of the path, in [m], with the base standing there."""
         tips = np.array([(world_T_base @ self.arm.forward(q))[:3, 3] for q in angles])
         return np.asarray(np.linalg.norm(tips - path.points, axis=1))
 
-    def _step(self, base_T_tool: Transform, before: Floats, index: int, world_T_base: Transform) -> Floats:
+    def _step(
+        self, base_T_tool: Transform, before: FloatArray, index: int, world_T_base: Transform
+    ) -> FloatArray:
         q, pose, jacobian = before.copy(), np.eye(4), np.empty((6, self.arm.dof))
         target = np.ascontiguousarray(base_T_tool)
         arrived = descend(*self._chain, target, int(self.free), _ITERATIONS, q, pose, jacobian)
@@ -88,7 +88,7 @@ class ToolFollower:
             raise Untrackable(index, "turns the tool's azimuth beyond the tolerance")
         return q
 
-    def _eased(self, q: Floats) -> Floats:
+    def _eased(self, q: FloatArray) -> FloatArray:
         """Angles (n,) near by, with about the same pose of the tool, and further from the limits."""
         pose, jacobian = np.eye(4), np.empty((6, self.arm.dof))
         tip_and_jacobian(*self._chain[:3], q, pose, jacobian)
@@ -99,7 +99,7 @@ class ToolFollower:
         ease = wish - np.linalg.pinv(jacobian, rcond=_SINGULAR) @ (jacobian @ wish)
         return np.asarray(q + ease * min(1.0, _EASES / max(1e-12, float(np.abs(ease).max()))))
 
-    def _limit(self, q: Floats) -> str:
+    def _limit(self, q: FloatArray) -> str:
         """Return the names of the joints at their limits, for messages."""
         held = ~self.arm.endless & (np.minimum(q - self.arm.lower, self.arm.upper - q) < 1e-6)
         names = [name for name, at_limit in zip(self.arm.joint_names, held, strict=True) if at_limit]

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.libraries import pin
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 _ROUNDING = 1e-9
 
@@ -18,9 +16,9 @@ _ROUNDING = 1e-9
 class LimitUse(NamedTuple):
     """Speed and torque at each set-point, as shares of the limits."""
 
-    speed: Floats
+    speed: FloatArray
     """(k, n): 1 is the limit."""
-    torque: Floats
+    torque: FloatArray
     """(k, n)."""
 
     @property
@@ -40,21 +38,23 @@ class ArmLoad:
         self._arm = arm
         self._model = arm.for_collision()[0]
         self._data = self._model.createData()
-        self.torque: Floats = arm.effort_limits()
+        self.torque: FloatArray = arm.effort_limits()
 
-    def torques(self, q: Floats, speed: Floats, acceleration: Floats) -> Floats:
+    def torques(self, q: FloatArray, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
         """(n,) in [Nm] at angles (n,), speeds in [rad/s] and accelerations in [rad/s²]."""
         arm = self._arm
         moved = arm.ordered(q), arm.ordered_rates(speed), arm.ordered_rates(acceleration)
         return arm.of_arm(pin.rnea(self._model, self._data, *moved))
 
-    def push(self, q: Floats, force: Floats) -> Floats:
+    def push(self, q: FloatArray, force: FloatArray) -> FloatArray:
         """Return the torques (n,) in [Nm] for a force (3,) of the tool on its surroundings, in [N] and the
         base's axes.
         """
         return np.asarray(self._arm.jacobian(q)[:3].T @ force)
 
-    def use(self, set_points: Floats, period: float, torque: Floats, push: Floats | None = None) -> LimitUse:
+    def use(
+        self, set_points: FloatArray, period: float, torque: FloatArray, push: FloatArray | None = None
+    ) -> LimitUse:
         """Return the use of the limits by set-points (k, n), one each `period` in [s], from rest to rest.
 
         Args:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -18,18 +17,17 @@ from handcart.robotics.manipulation.motions.toppra_library import (
 )
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .tracking_limits import ArmLoad, LimitUse
-
-Floats = NDArray[np.float64]
 
 
 class TimedTracking(NamedTuple):
     """Set-points of the arm along a path, from rest to rest."""
 
-    set_points: Floats
+    set_points: FloatArray
     """(k, n), one each period, in [rad]."""
-    lengths: Floats
+    lengths: FloatArray
     """(k,): how far along the path each is, in [m]."""
     use: LimitUse
     """Use of the limits, at every set-point; nothing above 1."""
@@ -40,16 +38,16 @@ class TrackingLimits(NamedTuple):
 
     speed: float
     """Maximum speed of the tool, in [m/s]."""
-    acceleration: Floats
+    acceleration: FloatArray
     """(n,), in [rad/s²]."""
-    torque: Floats
+    torque: FloatArray
     """(n,), in [Nm]."""
     force: float = 0.0
     """With which the tool pushes along the path, in [N]."""
 
 
 def time_tracking(
-    arm: ArmModel, path: ToolPath, angles: Floats, limits: TrackingLimits, period: float
+    arm: ArmModel, path: ToolPath, angles: FloatArray, limits: TrackingLimits, period: float
 ) -> TimedTracking:
     """Return timed set-points along a path.
 
@@ -90,7 +88,7 @@ def time_tracking(
 
 
 def time_evenly(
-    arm: ArmModel, path: ToolPath, angles: Floats, limits: TrackingLimits, ramp: float, period: float
+    arm: ArmModel, path: ToolPath, angles: FloatArray, limits: TrackingLimits, ramp: float, period: float
 ) -> TimedTracking:
     """Return set-points at one speed of the tool with a ramp at both ends, for a base that drives along.
 
@@ -124,7 +122,7 @@ def time_evenly(
     raise Untrackable(int(np.searchsorted(path.lengths, along[index])), "takes too much torque at any speed")
 
 
-def _trapezoid(length: float, speed: float, ramp: float, period: float) -> Floats:
+def _trapezoid(length: float, speed: float, ramp: float, period: float) -> FloatArray:
     """Arc lengths (k,), one each `period`, from rest to rest."""
     speed = min(speed, np.sqrt(length * ramp))
     rising, whole = speed / ramp, length / speed + speed / ramp
@@ -140,7 +138,7 @@ _FOR_FEEDBACK = 0.75  # of the joints' speeds: the rest makes good what the base
 _ROOM = 0.98  # of the torque limits for TOPP-RA, which looks at fewer places
 
 
-def _push(arm: ArmModel, load: ArmLoad, path: ToolPath, angles: Floats, force: float) -> Floats:
+def _push(arm: ArmModel, load: ArmLoad, path: ToolPath, angles: FloatArray, force: float) -> FloatArray:
     """(p, n) sizes of the torques for the force along the path, in [Nm]; any turn of the base is the same."""
     if force == 0.0:
         return np.zeros_like(angles)
@@ -150,7 +148,9 @@ def _push(arm: ArmModel, load: ArmLoad, path: ToolPath, angles: Floats, force: f
     return np.abs([load.push(q, force * k) for q, k in zip(angles, tangents, strict=True)])
 
 
-def _check_holding(arm: ArmModel, load: ArmLoad, angles: Floats, push: Floats, torque: Floats) -> None:
+def _check_holding(
+    arm: ArmModel, load: ArmLoad, angles: FloatArray, push: FloatArray, torque: FloatArray
+) -> None:
     still = np.zeros(arm.dof)
     for index, (q, more) in enumerate(zip(angles, push, strict=True)):
         needed = np.abs(load.torques(q, still, still)) + more
@@ -164,12 +164,12 @@ def _check_holding(arm: ArmModel, load: ArmLoad, angles: Floats, push: Floats, t
 
 
 def _fastest(
-    arm: ArmModel, load: ArmLoad, path: ToolPath, angles: Floats, limits: TrackingLimits, push: Floats
-) -> tuple[Floats, Floats]:
+    arm: ArmModel, load: ArmLoad, path: ToolPath, angles: FloatArray, limits: TrackingLimits, push: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Arc lengths (g,) and the highest speed along the path at each (g,), from rest to rest."""
     spline = SplineInterpolator(path.lengths, angles, bc_type="not-a-knot")
 
-    def velocity(s: float) -> Floats:
+    def velocity(s: float) -> FloatArray:
         """Joint limits (n, 2) that also keep the tool at its speed."""
         bound = np.minimum(arm.velocity, limits.speed * np.abs(spline(s, 1)) + 1e-9)
         return np.column_stack((-bound, bound))
@@ -192,7 +192,7 @@ def _fastest(
     return grid, np.maximum(speed, 0.0)
 
 
-def _progress(s: Floats, speed: Floats, times: Floats, at: Floats) -> Floats:
+def _progress(s: FloatArray, speed: FloatArray, times: FloatArray, at: FloatArray) -> FloatArray:
     """Arc length at the times `at`, with constant acceleration between the points of the grid."""
     index = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(s) - 2)
     dt = at - times[index]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class BeaconErrors(NamedTuple):
     """One-sigma errors of ranges (ultra-wideband radio, say), and where beacons and tag are."""
 
-    places: NDArray[np.float64]
+    places: FloatArray
     """(k, 3) of the beacons: world's x, y, and height above the ground, in [m]."""
     tag: tuple[float, float, float]
     """Position of the robot's own radio in the base frame, in [m]."""

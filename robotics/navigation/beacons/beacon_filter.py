@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
@@ -28,6 +27,7 @@ from handcart.robotics.navigation.outdoors.field_model import (
 )
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .beacon_errors import BeaconErrors
 
@@ -37,7 +37,6 @@ MIN_OTHER_BEACONS = 2  # beacons that are believed meanwhile, at least: else it 
 NEVER_TIME_S = -CARRIED_OFF  # a time before all others
 MIN_BEACON_DISTANCE_M = 0.3  # [m] to a beacon, from where a range tells a direction
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
-Array = NDArray[np.float64]
 
 
 class BeaconFilter(FieldLocalizer):
@@ -56,17 +55,17 @@ class BeaconFilter(FieldLocalizer):
     TAKES_RANGES: ClassVar[bool] = True
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
-        "_mean": Array,
-        "_spread": Array,
+        "_mean": FloatArray,
+        "_spread": FloatArray,
         "_rested": bool,
-        "_still": Array,
+        "_still": FloatArray,
         "_origin": WatchedMoment | None,
         "_clock": float,
         "_squares": list[tuple[float, float | None]],
         "refused": int,
-        "_refused_since": Array,
-        "_believed_at": Array,
-        "_left_out": NDArray[np.bool_],
+        "_refused_since": FloatArray,
+        "_believed_at": FloatArray,
+        "_left_out": BoolArray,
     }
 
     def __init__(
@@ -108,7 +107,7 @@ class BeaconFilter(FieldLocalizer):
 
     @property
     @override
-    def covariance(self) -> Array:
+    def covariance(self) -> FloatArray:
         return self._spread[:3, :3].copy()
 
     @property
@@ -116,7 +115,7 @@ class BeaconFilter(FieldLocalizer):
     def inconsistency(self) -> Inconsistency | None:
         return inconsistency_of(self._squares, axes=1)
 
-    def _ranges(self, distances: Array) -> None:
+    def _ranges(self, distances: FloatArray) -> None:
         for beacon in np.flatnonzero(np.isfinite(distances) & ~self._left_out).tolist():
             self._take_range(beacon, float(distances[beacon]))
 
@@ -141,7 +140,7 @@ class BeaconFilter(FieldLocalizer):
         long = self._clock - self._refused_since[beacon] >= CARRIED_OFF
         self._left_out[beacon] = long and fits.sum() >= MIN_OTHER_BEACONS
 
-    def _forecast(self, beacon: int) -> tuple[float, Array]:
+    def _forecast(self, beacon: int) -> tuple[float, FloatArray]:
         """A range in [m], and how it depends on the states (1, n)."""
         lever = level_lever(self._errors.tag, self.tilt, float(self._mean[states.HEADING]))
         x, y, height = self._errors.places[beacon].tolist()
@@ -155,7 +154,7 @@ class BeaconFilter(FieldLocalizer):
         row[0, states.STATE_SIZE + beacon], row[0, -1] = 1.0, distance
         return scale * distance + float(self._mean[states.STATE_SIZE + beacon]), row
 
-    def _correct(self, rows: Array, residual: Array, variance: float) -> None:
+    def _correct(self, rows: FloatArray, residual: FloatArray, variance: float) -> None:
         if self._origin is not None:
             self._origin = self._origin.corrected(self._spread, rows, residual, variance)
         self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
@@ -190,7 +189,7 @@ class BeaconFilter(FieldLocalizer):
         self._correct(row, np.array([residual]), self._noise.gyro_white**2 / time)
         self._still = np.zeros(2)
 
-    def _fix(self, position: Array, sigma: float | None) -> bool:
+    def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         return False
 
     def _set_origin(self) -> None:

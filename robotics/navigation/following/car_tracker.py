@@ -5,22 +5,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.pure_pursuit import PurePursuit
 from handcart.robotics.navigation.routes.tangent_path import PATH_SPACING_M, CarPath
+from handcart.robotics.numerics.arrays import FloatArray
 
 BACKING_SPEED_M_S = 0.25  # [m/s]
 STANDSTILL_SPEED_M_S = 1e-3  # [m/s]
-Array = NDArray[np.float64]
 
 
 class _Leg:
     """A piece of the path that is driven in one direction."""
 
-    def __init__(self, poses: Array, reverse: bool, sharpest: float, limits: DriveLimits) -> None:
+    def __init__(self, poses: FloatArray, reverse: bool, sharpest: float, limits: DriveLimits) -> None:
         turned = poses + np.array([0.0, 0.0, math.pi if reverse else 0.0])
         speed = min(BACKING_SPEED_M_S, limits.speed) if reverse else limits.speed
         self.reverse = reverse
@@ -42,7 +41,7 @@ class CarTracker:
     It has the face of `PathTracker`. Nothing is regulated at the end: a car can't move sideways.
     """
 
-    def __init__(self, legs: list[tuple[Array, bool]], sharpest: float, limits: DriveLimits) -> None:
+    def __init__(self, legs: list[tuple[FloatArray, bool]], sharpest: float, limits: DriveLimits) -> None:
         """Follow some legs.
 
         Args:
@@ -80,7 +79,7 @@ class CarTracker:
         return sum(leg.length for leg in self._legs) - self.remaining
 
     @property
-    def ahead(self) -> Array:
+    def ahead(self) -> FloatArray:
         """(k, 2) what is left of the leg that is driven, in [m]."""
         if self._at >= len(self._legs):
             return np.empty((0, 2))
@@ -119,7 +118,7 @@ class CarTracker:
         return (-self._speed if leg.reverse else self._speed), turn
 
 
-def _straight(start: Pose2, way: float) -> Array:
+def _straight(start: Pose2, way: float) -> FloatArray:
     """(n, 3) poses along a straight line; one if it has no length."""
     count = math.ceil(abs(way) / PATH_SPACING_M - 1e-9) + 1
     return np.array([start.compose(Pose2(way * s, 0.0, 0.0)) for s in np.linspace(0.0, 1.0, count)])

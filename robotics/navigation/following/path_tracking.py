@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ramp, rate_to_stop
 from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
+from handcart.robotics.numerics.arrays import FloatArray
 
 HEADING_GAIN = 10.0  # [1/m], Kθ; with a sideways gain Ky = Kθ²/4 critically damped, 0.2 m to die down
 HEADING_RATE = 6.0  # [1/s] at most with which a heading error dies down: a period and the drives lag behind
@@ -39,7 +39,7 @@ class PathTracker:
 
     def __init__(
         self,
-        points: NDArray[np.float64],
+        points: FloatArray,
         goal_heading: float | None = None,
         limits: DriveLimits = DriveLimits(),
         reverse: bool = False,
@@ -72,7 +72,7 @@ class PathTracker:
     def _make_regulator(self, goal: Pose2, tolerance: PoseTolerance, any_heading: bool) -> PoseRegulator:
         return PoseRegulator(goal, self._limits, tolerance, any_heading, self._ramp)
 
-    def reroute(self, points: NDArray[np.float64], allowed: AllowedSpeeds | None = None) -> None:
+    def reroute(self, points: FloatArray, allowed: AllowedSpeeds | None = None) -> None:
         """Continue along another route to the same goal, without a stop.
 
         Args:
@@ -93,7 +93,7 @@ class PathTracker:
         """Limits that the speeds along the route are planned with."""
         return self._limits
 
-    def _set_route(self, points: NDArray[np.float64], allowed: AllowedSpeeds | None) -> None:
+    def _set_route(self, points: FloatArray, allowed: AllowedSpeeds | None) -> None:
         self._points, self._along = _resample(points)
         self._heading = _tangents(self._points)
         self._curvature = _curvatures(self._heading, self._along)
@@ -131,7 +131,7 @@ class PathTracker:
         return float(self._along[-1]) - self._progress
 
     @property
-    def ahead(self) -> NDArray[np.float64]:
+    def ahead(self) -> FloatArray:
         """(k, 2) the rest of the route, from where the robot is on it, in [m]."""
         here = [np.interp(self._progress, self._along, self._points[:, i]) for i in (0, 1)]
         return np.vstack([here, self._points[self._along > self._progress]])
@@ -205,7 +205,7 @@ class PathTracker:
         return Pose2(x, y, wrap(heading))
 
 
-def _resample(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _resample(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The route evenly spaced (n, 2), and the length along it (n,)."""
     points = np.asarray(points, dtype=np.float64)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
@@ -217,37 +217,37 @@ def _resample(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     return points, np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
-def _tangents(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _tangents(points: FloatArray) -> FloatArray:
     """Headings (n,) in travel direction, in [rad], without jumps of a whole turn."""
     if len(points) < 2:
         return np.zeros(len(points))
     index = np.arange(len(points))
     before, after = np.maximum(index - TANGENT_POINTS, 0), np.minimum(index + TANGENT_POINTS, len(points) - 1)
     rays = points[after] - points[before]
-    headings: NDArray[np.float64] = np.unwrap(np.arctan2(rays[:, 1], rays[:, 0]))
+    headings: FloatArray = np.unwrap(np.arctan2(rays[:, 1], rays[:, 0]))
     return headings
 
 
-def _curvatures(heading: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+def _curvatures(heading: FloatArray, along: FloatArray) -> FloatArray:
     if len(along) < 2:
         return np.zeros(len(along))
     return np.clip(np.gradient(heading, along), -CORNER_PER_M, CORNER_PER_M)
 
 
-def _around(most: NDArray[np.float64]) -> NDArray[np.float64]:
+def _around(most: FloatArray) -> FloatArray:
     """(n,) the least of each point's and its neighbours': the robot is never quite at one."""
     if len(most) < 2 * ZONE_MARGIN_POINTS + 1:
         return np.full(len(most), most.min())
     padded = np.pad(most, ZONE_MARGIN_POINTS, mode="edge")
-    least: NDArray[np.float64] = np.lib.stride_tricks.sliding_window_view(
-        padded, 2 * ZONE_MARGIN_POINTS + 1
-    ).min(axis=1)
+    least: FloatArray = np.lib.stride_tricks.sliding_window_view(padded, 2 * ZONE_MARGIN_POINTS + 1).min(
+        axis=1
+    )
     return least
 
 
 def _speed_profile(
-    along: NDArray[np.float64], curvature: NDArray[np.float64], limits: DriveLimits, most: NDArray[np.float64]
-) -> NDArray[np.float64]:
+    along: FloatArray, curvature: FloatArray, limits: DriveLimits, most: FloatArray
+) -> FloatArray:
     """Speeds (n,) in [m/s] up to `most` (n,) that curves allow and from which one can brake in time."""
     bend = np.maximum(np.abs(curvature), 1e-6)
     speed = np.minimum(most, TURN_SHARE * limits.turn_rate / bend)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import BRAKING_SHARE
+from handcart.robotics.numerics.arrays import FloatArray
 
 SEARCH_AHEAD_M = 0.4  # [m] of path ahead in which the nearest point is looked for
-Array = NDArray[np.float64]
 
 
 class PurePursuit:
@@ -22,8 +21,8 @@ class PurePursuit:
 
     def __init__(
         self,
-        poses: Array,
-        curvatures: Array,
+        poses: FloatArray,
+        curvatures: FloatArray,
         ahead: float = 0.8,
         sharpest: float = 0.5,
         speed: float = 0.5,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
@@ -13,6 +12,7 @@ from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ram
 from handcart.robotics.navigation.following.path_tracking import MIN_SPEED_M_S, PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .sideways_motion import SidewaysRamp, SidewaysRegulator, speed_towards, turn_to
 
@@ -33,7 +33,7 @@ class SidewaysTracker(PathTracker):
 
     def __init__(
         self,
-        points: NDArray[np.float64],
+        points: FloatArray,
         goal_heading: float | None,
         limits: DriveLimits,
         reverse: bool = False,
@@ -85,7 +85,7 @@ class SidewaysTracker(PathTracker):
 
 
 def make_tracker(
-    points: NDArray[np.float64],
+    points: FloatArray,
     goal_heading: float | None,
     limits: DriveLimits,
     reverse: bool = False,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 LOOK_AHEAD_M = 0.3
 """Minimum length of the route that is checked, however slow the robot is."""
@@ -21,13 +21,13 @@ DRIVEN_NEAR_M = 0.10
 
 
 def unseen_edge(
-    angles: NDArray[np.float64],
-    blind: NDArray[np.bool_],
+    angles: FloatArray,
+    blind: BoolArray,
     base_T_sensor: Pose2,
     radius: float,
     curvature: float,
     length: float,
-) -> NDArray[np.float64] | None:
+) -> FloatArray | None:
     """Return the middle of the unseen ground that a disc comes to on an arc, or None where it sees enough.
 
     The leading edge of the disc at the arc's end is looked at: it is unseen where no sound beam points.
@@ -64,7 +64,7 @@ def unseen_edge(
 
 
 def is_driven(
-    driven: NDArray[np.float64], pose: Pose2, curvature: float, length: float, near: float = DRIVEN_NEAR_M
+    driven: FloatArray, pose: Pose2, curvature: float, length: float, near: float = DRIVEN_NEAR_M
 ) -> bool:
     """Return whether the middle of a robot stays on an arc where it has driven.
 
@@ -83,7 +83,7 @@ def is_driven(
     return bool(apart.max() <= near)
 
 
-def _leading_edge(radius: float, curvature: float, length: float) -> NDArray[np.float64]:
+def _leading_edge(radius: float, curvature: float, length: float) -> FloatArray:
     """(k, 2) in the base frame, counter-clockwise."""
     heading = curvature * length + (math.pi if length < 0.0 else 0.0)
     count = max(3, math.ceil(2.0 * LEADING_RAD * radius / EDGE_STEP_M) + 1)
@@ -91,9 +91,7 @@ def _leading_edge(radius: float, curvature: float, length: float) -> NDArray[np.
     return np.array(_on_arc(curvature, length)) + radius * np.column_stack([np.cos(around), np.sin(around)])
 
 
-def _is_seen(
-    bearing: NDArray[np.float64], angles: NDArray[np.float64], blind: NDArray[np.bool_], spacing: float
-) -> NDArray[np.bool_]:
+def _is_seen(bearing: FloatArray, angles: FloatArray, blind: BoolArray, spacing: float) -> BoolArray:
     """(k,) whether the beam nearest to each bearing is sound, and near enough."""
     around = angles[0] - 0.75 * spacing + np.mod(bearing - angles[0] + 0.75 * spacing, 2.0 * math.pi)
     nearest = np.clip(np.rint((around - angles[0]) / spacing).astype(int), 0, len(angles) - 1)
@@ -101,7 +99,7 @@ def _is_seen(
     return np.asarray((off <= 0.75 * spacing) & ~blind[nearest])
 
 
-def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+def _longest_run(flags: BoolArray) -> tuple[int, int]:
     """Start and end of the longest run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     if len(edges) == 0:

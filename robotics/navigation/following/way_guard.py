@@ -6,11 +6,11 @@ import math
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.clearances import Clearances, nearest_square
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 # of each metre from where it stood too near to something, that it must be farther from it there
@@ -75,7 +75,7 @@ class WayGuard:
         self._map = Clearances(GridMap(nothing, nothing, 1.0, 0.0, 0.0) if grid is None else grid)
         self._stands: tuple[_Stand, ...] = ()
 
-    def stand_at(self, pose: Pose2, scan: NDArray[np.float64]) -> None:
+    def stand_at(self, pose: Pose2, scan: FloatArray) -> None:
         """Allow the robot to be at map_T_base with the room that the map and `scan` leave there.
 
         Args:
@@ -90,7 +90,7 @@ class WayGuard:
         self._stands += (_Stand(pose, (self._map.nearest(pose[:2]).distance, math.inf)),)
 
     def free_way(
-        self, pose: Pose2, scan: NDArray[np.float64], curvature: float, length: float
+        self, pose: Pose2, scan: FloatArray, curvature: float, length: float
     ) -> tuple[float, HoldingObstacle | None]:
         """Return how much of an arc is free, in [m], and the obstacle that ends it.
 
@@ -113,7 +113,7 @@ class WayGuard:
         )
         return free, None if ended_by == 0 else self._held(pose, scan, ended_by == 1, curvature, free)
 
-    def _stood(self, pose: Pose2) -> NDArray[np.float64]:
+    def _stood(self, pose: Pose2) -> FloatArray:
         """Return (k, 4): x and y of each allowed pose in the base frame, and the room of map and scan
         there.
         """
@@ -122,7 +122,7 @@ class WayGuard:
         return np.array(rows, dtype=np.float64).reshape(-1, 4)
 
     def _held(
-        self, pose: Pose2, scan: NDArray[np.float64], by_map: bool, curvature: float, along: float
+        self, pose: Pose2, scan: FloatArray, by_map: bool, curvature: float, along: float
     ) -> HoldingObstacle:
         there = pose.compose(Pose2(*_on_arc(curvature, along), 0.0))
         if by_map:
@@ -145,10 +145,10 @@ def _on_arc(curvature: float, along: float) -> tuple[float, float]:
 
 @compiled
 def _rooms(
-    solid: NDArray[np.bool_],
-    between_centres: NDArray[np.float32],
-    at: NDArray[np.float64],
-    scan: NDArray[np.float64],
+    solid: BoolArray,
+    between_centres: SingleArray,
+    at: FloatArray,
+    scan: FloatArray,
     x: float,
     y: float,
     most: float,
@@ -176,13 +176,13 @@ def _rooms(
 
 @compiled_for("(b1[:,::1], f4[:,::1], f8[::1], f8[:,::1], f8[::1], f8, f8[:,::1])")
 def _free_way(
-    solid: NDArray[np.bool_],
-    between_centres: NDArray[np.float32],
-    at: NDArray[np.float64],
-    scan: NDArray[np.float64],
-    way: NDArray[np.float64],
+    solid: BoolArray,
+    between_centres: SingleArray,
+    at: FloatArray,
+    scan: FloatArray,
+    way: FloatArray,
     needed: float,
-    stood: NDArray[np.float64],
+    stood: FloatArray,
 ) -> tuple[float, int]:
     """Length of the arc `way` (curvature, length) that is free, with its sign, and what ends it: 0 nothing, 1
     the map, 2 the scan.

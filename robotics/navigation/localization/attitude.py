@@ -6,15 +6,13 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 BIAS_TIME = 5.0  # over which a gyro's bias is averaged at rest [s]
 TILT_TIME = 0.5  # over which the direction of gravity is averaged [s]
 MAX_REST_TURN_RATE = 0.002  # [rad/s] beside its bias: more is no rest
-
-Vector = NDArray[np.float64]
 
 
 class Attitude:
@@ -29,7 +27,7 @@ class Attitude:
         "moved": float,
         "_bias": float,
         "_known": float,
-        "_felt": NDArray[np.float64],
+        "_felt": FloatArray,
     }
     """Attributes that change, with their types; so in all that a checkpoint keeps."""
 
@@ -42,7 +40,7 @@ class Attitude:
         self._known = 0.0
         self._felt = np.array([0.0, 0.0, 1.0])
 
-    def update(self, rates: Vector, accelerations: Vector, period: float, at_rest: bool) -> None:
+    def update(self, rates: FloatArray, accelerations: FloatArray, period: float, at_rest: bool) -> None:
         """Update the attitude with a period's readings.
 
         Args:

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 MIN_LINE_POINTS = 12  # points: fewer don't make a line
 FIT_ITERATIONS = 8
@@ -33,8 +33,8 @@ class FrontLine(NamedTuple):
 
 
 def fit_front(
-    points: NDArray[np.float64],
-    expected: NDArray[np.float64],
+    points: FloatArray,
+    expected: FloatArray,
     sigma: float = 0.01,
     gate: float = 0.1,
     margin: float = 0.05,
@@ -69,7 +69,7 @@ def fit_front(
     return _front(chosen, weights, centre, normal, sigma)
 
 
-def _axes(segment: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _axes(segment: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Unit vectors along a segment and across it, the latter away from the origin."""
     along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
     normal = np.array([-along[1], along[0]])
@@ -77,8 +77,8 @@ def _axes(segment: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def _first_line(
-    points: NDArray[np.float64], along: NDArray[np.float64], normal: NDArray[np.float64], sigma: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    points: FloatArray, along: FloatArray, normal: FloatArray, sigma: float
+) -> tuple[FloatArray, FloatArray]:
     """A point and the normal of the line through two far points that explains most of the points (MSAC)."""
     ordered = points[np.argsort(points @ along, kind="stable")]
     some = ordered[np.linspace(0, len(points) - 1, min(SEED_POINT_COUNT, len(points))).astype(np.int64)]
@@ -92,10 +92,10 @@ def _first_line(
 
 
 def _weighted_line(
-    points: NDArray[np.float64], weights: NDArray[np.float64], towards: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    points: FloatArray, weights: FloatArray, towards: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Centre of the points and normal of the line through them, on the side of `towards`."""
-    centre: NDArray[np.float64] = weights @ points / weights.sum()
+    centre: FloatArray = weights @ points / weights.sum()
     off = points - centre
     _, axes = np.linalg.eigh((off * weights[:, None]).T @ off)
     normal = axes[:, 0] if axes[:, 0] @ towards >= 0.0 else -axes[:, 0]
@@ -103,10 +103,10 @@ def _weighted_line(
 
 
 def _front(
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    centre: NDArray[np.float64],
-    normal: NDArray[np.float64],
+    points: FloatArray,
+    weights: FloatArray,
+    centre: FloatArray,
+    normal: FloatArray,
     sigma: float,
 ) -> FrontLine:
     used = weights > 0.0
@@ -122,7 +122,7 @@ def _front(
     return FrontLine(float(centre @ normal), angle, distance_std, angle_std, int(used.sum()))
 
 
-def pose_from_front(pose: Pose2, front: FrontLine, segment: NDArray[np.float64]) -> Pose2:
+def pose_from_front(pose: Pose2, front: FrontLine, segment: FloatArray) -> Pose2:
     """Correct a pose by a front: its heading, and its place along the front's normal; the rest stays.
 
     Args:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .odometry import Odometry, OdometryErrors, SidewaysErrors
 
@@ -69,9 +69,7 @@ class HolonomicOdometry(Odometry):
         by_scale = np.array([-left, right, -(right - left), 0.0, 0.0, sideways * self.tread]) / self.tread
         return float(by_scale @ self._state[3:, 3:] @ by_scale)
 
-    def _slip_covariance(
-        self, left: float, right: float, sideways: float, tread: float
-    ) -> NDArray[np.float64]:
+    def _slip_covariance(self, left: float, right: float, sideways: float, tread: float) -> FloatArray:
         """(3, 3) of the motion ahead, to the left in [m] and of the turn in [rad]."""
         length = self._errors.slip_length * self.slip_factor
         slip = self._errors.slip**2 * length
@@ -81,9 +79,7 @@ class HolonomicOdometry(Odometry):
         return np.asarray(rolled + across * np.diag([1.0, 1.0, (2.0 / tread) ** 2]))
 
 
-def odometry_of(
-    pose: Pose2, tread: float, errors: OdometryErrors, covariance: NDArray[np.float64] | None
-) -> Odometry:
+def odometry_of(pose: Pose2, tread: float, errors: OdometryErrors, covariance: FloatArray | None) -> Odometry:
     """Return the odometry of a base: of one that drives sideways if `errors` has such errors."""
     kind = Odometry if errors.sideways is None else HolonomicOdometry
     return kind(pose, tread, errors, covariance)
@@ -96,7 +92,7 @@ def _twist(forward: float, left: float, turn: float) -> Pose2:
     return Pose2(chord * (cos * forward - sin * left), chord * (sin * forward + cos * left), float(turn))
 
 
-def _body_jacobian(moved: Pose2, heading: float, turn: float) -> NDArray[np.float64]:
+def _body_jacobian(moved: Pose2, heading: float, turn: float) -> FloatArray:
     """(3, 3) of x, y, heading on the map by motion ahead, to the left, and turn."""
     middle = heading + 0.5 * turn
     cos, sin = math.cos(middle), math.sin(middle)

@@ -11,10 +11,10 @@ import math
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .likelihood_field import LikelihoodField
 from .scan_matching import match_scan
@@ -30,15 +30,13 @@ MIN_POINTS = 20
 MIN_INLIERS = 0.6  # share of a scan that the keyframes must explain
 RELATIVE = np.diag([0.03, 0.03, 0.02]) ** 2  # [m², rad²] of the motion by wheels between two scans
 
-Array = NDArray[np.float64]
-
 
 class LayerMatch(NamedTuple):
     """Pose of a scan among the keyframes."""
 
     pose: Pose2
     """map_T_base."""
-    covariance: Array
+    covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad], that of the keyframe in it."""
     inliers: float
     """Share of the points that the keyframes explain."""
@@ -48,10 +46,10 @@ class KeyframeLayer:
     """Keyframes of a drive with their poses and covariances."""
 
     STATE: ClassVar = {
-        "_poses": NDArray[np.float64],
-        "_covariances": NDArray[np.float64],
-        "_points": NDArray[np.float64],
-        "_owners": NDArray[np.int64],
+        "_poses": FloatArray,
+        "_covariances": FloatArray,
+        "_points": FloatArray,
+        "_owners": IntArray,
     }
     """Attributes that a checkpoint keeps, with their types."""
 
@@ -71,7 +69,7 @@ class KeyframeLayer:
         """True without a keyframe."""
         return len(self._poses) == 0
 
-    def take(self, points: Array, pose: Pose2, covariance: Array) -> bool:
+    def take(self, points: FloatArray, pose: Pose2, covariance: FloatArray) -> bool:
         """Add a scan if it is far enough from all keyframes; return whether it was added.
 
         Args:
@@ -92,7 +90,7 @@ class KeyframeLayer:
         self._field = None
         return True
 
-    def match(self, points: Array, prior: Pose2, sigma: float) -> LayerMatch | None:
+    def match(self, points: FloatArray, prior: Pose2, sigma: float) -> LayerMatch | None:
         """Find a scan among the keyframes; None without a near keyframe, or if they explain too little.
 
         Args:
@@ -116,10 +114,10 @@ class KeyframeLayer:
         turns = np.abs(np.remainder(self._poses[:, 2] - pose.theta + math.pi, 2.0 * math.pi) - math.pi)
         return bool(np.any((away < NEW_KEYFRAME_M) & (turns < NEW_KEYFRAME_RAD)))
 
-    def _anchored(self, pose: Pose2) -> Array | None:
+    def _anchored(self, pose: Pose2) -> FloatArray | None:
         """Return the least covariance (3, 3) of a near keyframe, carried over to a pose; None without one."""
         away = np.hypot(*(self._poses[:, :2] - pose[:2]).T)
-        best: Array | None = None
+        best: FloatArray | None = None
         for number in np.flatnonzero(away < OVERLAP_M):
             x, y, _ = self._poses[number].tolist()
             carry = np.array([[1.0, 0.0, y - pose.y], [0.0, 1.0, pose.x - x], [0.0, 0.0, 1.0]])

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array, SingleArray, Uint16Array
 from handcart.robotics.numerics.compiled import compiled
 
 STEPS_PER_CELL = 256  # in which distances are stored: two bytes each reach to 255 cells
@@ -32,9 +33,9 @@ NORMAL_CELLS = 1.5  # sigma by which a map is blurred for its normals
 class FieldValues(NamedTuple):
     """Values of a likelihood field at points."""
 
-    distances: NDArray[np.float64]
+    distances: FloatArray
     """(n,) in [m] to the nearest surface; inf outside the map."""
-    slopes: NDArray[np.float64]
+    slopes: FloatArray
     """(n, 2) of the distances, along x and y."""
 
 
@@ -61,7 +62,7 @@ class LikelihoodField:
             self.distance = (cells * grid.resolution).astype(np.float32)
 
     @cached_property
-    def facing(self) -> NDArray[np.uint16]:
+    def facing(self) -> Uint16Array:
         """(8, h, w) of the cells to the nearest surface that faces the sensor, by `beam_sectors`.
 
         In steps of which a cell has `STEPS_PER_CELL`, at most 255 cells. (1, h, w), the distance to any
@@ -82,23 +83,23 @@ class LikelihoodField:
             found[sector] = _in_steps(_distances(solid & (beside > 0)))
         return found
 
-    def read(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def read(self, points: FloatArray) -> FloatArray:
         """Distance (n,) in [m] of points (n, 2) of the map to the nearest surface; inf outside the map."""
         return np.asarray(read_distance(self.distance, self._scaled(points)))
 
-    def reading(self, points: NDArray[np.float64], sensor: tuple[float, float]) -> FieldValues:
+    def reading(self, points: FloatArray, sensor: tuple[float, float]) -> FieldValues:
         """Return distances of points (n, 2), in [m], to the surfaces that face a sensor at x, y in [m]."""
         sectors = beam_sectors(points, sensor, len(self.facing))
         readings = read_field(self.facing, self.map.occupied, self._scaled(points), sectors)
         return FieldValues(readings[:, 0] * self.map.resolution, readings[:, 1:3])
 
-    def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _scaled(self, points: FloatArray) -> FloatArray:
         """Column and row (n, 2), cell centres at whole numbers."""
         grid = self.map
         return (points - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
 
 
-def _distances(surface: NDArray[np.bool_]) -> NDArray[np.float32]:
+def _distances(surface: BoolArray) -> SingleArray:
     """(h, w) of all cells to the nearest one of a surface, in cells; inf without one."""
     if not surface.any():
         return np.full(surface.shape, np.inf, dtype=np.float32)
@@ -106,14 +107,14 @@ def _distances(surface: NDArray[np.bool_]) -> NDArray[np.float32]:
     return np.asarray(cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), dtype=np.float32)
 
 
-def _in_steps(cells: NDArray[np.floating[Any]]) -> NDArray[np.uint16]:
+def _in_steps(cells: NDArray[np.floating[Any]]) -> Uint16Array:
     """Distances in cells as whole steps, as far as two bytes reach."""
     steps = np.minimum(cells * STEPS_PER_CELL + 0.5, np.iinfo(np.uint16).max)
     return np.asarray(steps, dtype=np.uint16)
 
 
 @compiled
-def beam_sectors(points: NDArray[np.float64], sensor: tuple[float, float], count: int) -> NDArray[np.int32]:
+def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) -> Int32Array:
     """(n,) index of each point's distances in `LikelihoodField.facing`, seen from a sensor.
 
     Args:
@@ -136,7 +137,7 @@ def beam_sectors(points: NDArray[np.float64], sensor: tuple[float, float], count
 
 
 @compiled
-def read_distance(distance: NDArray[np.float32], at: NDArray[np.float64]) -> NDArray[np.float64]:
+def read_distance(distance: SingleArray, at: FloatArray) -> FloatArray:
     """(n,) distance (h, w) of the cells at columns and rows (n, 2), bilinear; inf outside.
 
     Cell centres are at whole numbers.
@@ -157,11 +158,11 @@ def read_distance(distance: NDArray[np.float32], at: NDArray[np.float64]) -> NDA
 
 @compiled
 def read_field(
-    facing: NDArray[np.uint16],
-    occupied: NDArray[np.bool_],
-    at: NDArray[np.float64],
-    sectors: NDArray[np.int32],
-) -> NDArray[np.float64]:
+    facing: Uint16Array,
+    occupied: BoolArray,
+    at: FloatArray,
+    sectors: Int32Array,
+) -> FloatArray:
     """Distance in cells, its bilinear slopes along x and y, 1 in solids: (n, 4); inf and zeros outside.
 
     Args:

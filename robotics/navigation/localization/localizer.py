@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
@@ -24,6 +23,7 @@ from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, 
 from handcart.robotics.navigation.localization.start_search import ScanBeams, StartFit, check_start
 from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
 from handcart.robotics.navigation.localization.way_monitor import WayMonitor
+from handcart.robotics.numerics.arrays import FloatArray
 
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
@@ -65,7 +65,7 @@ class Localizer(ABC):
         start: Pose2,
         tread: float,
         errors: OdometryErrors = OdometryErrors(),
-        covariance: NDArray[np.float64] | None = None,
+        covariance: FloatArray | None = None,
     ) -> None:
         """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
         self._odometry = odometry_of(start, tread, errors, covariance)
@@ -88,7 +88,7 @@ class Localizer(ABC):
         return self._odometry.pose
 
     @property
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> FloatArray:
         """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
         return self._odometry.covariance
 
@@ -104,7 +104,7 @@ class Localizer(ABC):
     def extend_map(self, field: LikelihoodField) -> None:
         """Compare scans with another map of the same frame from now on."""
 
-    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         """Compare scans with the map of another frame from now on.
 
         Args:
@@ -115,12 +115,12 @@ class Localizer(ABC):
         self._odometry.reset(pose, covariance)
         self.extend_map(field)
 
-    def find_again(self, points: NDArray[np.float64]) -> bool:
+    def find_again(self, points: FloatArray) -> bool:
         """Take over another pose if a scan's end points (n, 2), in [m], clearly fit there; whether so."""
         return False
 
     @abstractmethod
-    def correct(self, points: NDArray[np.float64]) -> bool:
+    def correct(self, points: FloatArray) -> bool:
         """Take a scan's end points (n, 2), base frame, in [m]; whether the estimate could be corrected."""
 
 
@@ -134,7 +134,7 @@ class ScanLocalizer(Localizer):
     STATE: ClassVar[Mapping[str, Any]] = {
         "last_match": ScanMatch | None,
         "_poor": int,
-        "_map_error": NDArray[np.float64],
+        "_map_error": FloatArray,
         "_rolled": RolledWay,
         "misplaced": bool,
     }
@@ -145,7 +145,7 @@ class ScanLocalizer(Localizer):
         start: Pose2,
         tread: float,
         errors: OdometryErrors = OdometryErrors(),
-        covariance: NDArray[np.float64] | None = None,
+        covariance: FloatArray | None = None,
         sigma: float = 0.01,
         least_inliers: float = LEAST_INLIERS,
         patience: int = 10,
@@ -191,7 +191,7 @@ class ScanLocalizer(Localizer):
         self.unmapped = UnmappedSurroundings(field, self._sigma)
 
     @override
-    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         super().change_map(field, pose, covariance)
         self._poor, self._map_error, self.misplaced, self.last_match = 0, np.zeros((3, 3)), False, None
         self.slip.begin()
@@ -204,7 +204,7 @@ class ScanLocalizer(Localizer):
         return self.last_match is not None and self._poor == 0
 
     @property
-    def map_error(self) -> NDArray[np.float64]:
+    def map_error(self) -> FloatArray:
         """(3, 3) share of the map's error in `covariance`: the same in all poses measured at one place."""
         return self._map_error @ self._map_error.T
 
@@ -236,7 +236,7 @@ class ScanLocalizer(Localizer):
         """
         return self.misplaced or self._poor >= self._patience
 
-    def correct(self, points: NDArray[np.float64]) -> bool:
+    def correct(self, points: FloatArray) -> bool:
         """Match the scan and take the pose over, unless the map explains too little of it."""
         if len(points) < FEWEST_POINTS:
             self._poor += 1
@@ -255,7 +255,7 @@ class ScanLocalizer(Localizer):
         self.unmapped.take(points, here, self.pose, self.covariance)
         return True
 
-    def _correct_among_unmapped(self, points: NDArray[np.float64]) -> bool:
+    def _correct_among_unmapped(self, points: FloatArray) -> bool:
         """Take over the pose among the robot's own keyframes, corrected by what is left of the map."""
         here = self.pose
         if self.unmapped.layer.empty and not self.unmapped.contradicts(points, here):
@@ -311,7 +311,7 @@ class ScanLocalizer(Localizer):
         if wrong:
             self._odometry.doubt_scale(wrong)
 
-    def find_again(self, points: NDArray[np.float64]) -> bool:
+    def find_again(self, points: FloatArray) -> bool:
         """See `Localizer`; up to about 0.3 m and 10 degrees away."""
         if len(points) < FEWEST_POINTS:
             return False
@@ -325,7 +325,7 @@ class ScanLocalizer(Localizer):
         self.relocalize(self.pose, points)
         return True
 
-    def relocalize(self, near: Pose2, points: NDArray[np.float64]) -> ScanMatch:
+    def relocalize(self, near: Pose2, points: FloatArray) -> ScanMatch:
         """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
         match = match_scan(self._field, points, near, SEARCH_COVARIANCE, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
@@ -343,7 +343,7 @@ def is_apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_er
     return float(off @ np.linalg.solve(after.spread, off)) > DISPLACED_SIGMAS**2
 
 
-def pose_difference(before: Pose2, after: Pose2) -> NDArray[np.float64]:
+def pose_difference(before: Pose2, after: Pose2) -> FloatArray:
     """(3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
     x, y, turn = np.subtract(after, before).tolist()
     return np.array([x, y, wrap(turn)])

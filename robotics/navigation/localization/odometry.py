@@ -6,9 +6,9 @@ import math
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .watched_moment import Belief, WatchedMoment
 
@@ -51,8 +51,8 @@ class Odometry:
 
     STATE: ClassVar = {
         "pose": Pose2,
-        "_scales": NDArray[np.float64],
-        "_state": NDArray[np.float64],
+        "_scales": FloatArray,
+        "_state": FloatArray,
         "_origin": WatchedMoment,
     }
     """Attributes that change, with their types."""
@@ -62,7 +62,7 @@ class Odometry:
         pose: Pose2,
         tread: float,
         errors: OdometryErrors = OdometryErrors(),
-        covariance: NDArray[np.float64] | None = None,
+        covariance: FloatArray | None = None,
     ) -> None:
         """Start at a pose.
 
@@ -91,7 +91,7 @@ class Odometry:
         return errors.radius, errors.radius, errors.tread
 
     @property
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> FloatArray:
         """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
         return self._state[:3, :3].copy()
 
@@ -116,7 +116,7 @@ class Odometry:
         now = Belief(np.array([self.pose.x, self.pose.y, heading]), self._state[:3, :3])
         return self._origin.relative_pose(now)
 
-    def reset(self, pose: Pose2, covariance: NDArray[np.float64] | None = None) -> None:
+    def reset(self, pose: Pose2, covariance: FloatArray | None = None) -> None:
         """Set the pose; keep the calibration of the wheels."""
         self.pose = pose
         self._state[:3] = 0.0
@@ -159,9 +159,7 @@ class Odometry:
         self._state[:3, :3] += (by_wheel * slips) @ by_wheel.T
         self.pose = self.pose.compose(_arc(chord, turn))
 
-    def correct(
-        self, pose: Pose2, covariance: NDArray[np.float64], kept: NDArray[np.float64] | None = None
-    ) -> None:
+    def correct(self, pose: Pose2, covariance: FloatArray, kept: FloatArray | None = None) -> None:
         """Take over a better pose, found with this one as its prior.
 
         Args:
@@ -208,7 +206,7 @@ class Odometry:
         self._state[3:5, 3:5] += size**2
 
 
-def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> NDArray[np.float64]:
+def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> FloatArray:
     """(3, 2) of x, y, heading by the travel of the left and the right wheel."""
     bend = 0.5 * forward / tread
     return np.array(

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .localizer import (
     FEWEST_POINTS,
@@ -59,7 +59,7 @@ class OdometryLocalizer(Localizer):
         start: Pose2,
         tread: float,
         errors: OdometryErrors = OdometryErrors(),
-        covariance: NDArray[np.float64] | None = None,
+        covariance: FloatArray | None = None,
         field: LikelihoodField | None = None,
         sigma: float = 0.01,
     ) -> None:
@@ -87,7 +87,7 @@ class OdometryLocalizer(Localizer):
         self._field = field
 
     @override
-    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+    def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         super().change_map(field, pose, covariance)
         self._stands, self._rolled, self.astray, self.explained = None, 0.0, False, 0.0
         self._driven, self._then = UNCHECKED_WAY_M, UNKNOWN_VARIANCE_M2
@@ -104,7 +104,7 @@ class OdometryLocalizer(Localizer):
         elif self._stands is not None:
             self._stands = self._stands.compose(self.pose.relative_to(before))
 
-    def correct(self, points: NDArray[np.float64]) -> bool:
+    def correct(self, points: FloatArray) -> bool:
         """Scans are not looked at."""
         return False
 
@@ -123,7 +123,7 @@ class OdometryLocalizer(Localizer):
             return 0.0
         return math.sqrt(max(0.0, _worst_variance(self.covariance) - self._then))
 
-    def check_drive(self, points: NDArray[np.float64]) -> None:
+    def check_drive(self, points: FloatArray) -> None:
         """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
 
         If chance doesn't explain the difference between the two, the wheels slipped, and the scan's pose
@@ -135,7 +135,7 @@ class OdometryLocalizer(Localizer):
             self._correct_at_rest(self._field, points)
         self._driven, self._then = 0.0, _worst_variance(self.covariance)
 
-    def _correct_at_rest(self, field: LikelihoodField, points: NDArray[np.float64]) -> None:
+    def _correct_at_rest(self, field: LikelihoodField, points: FloatArray) -> None:
         prior, best = (
             np.asarray(self.covariance + SEARCH_COVARIANCE),
             MIN_SHARE_KEPT_BY_DRIVE * self.explained,
@@ -157,7 +157,7 @@ class OdometryLocalizer(Localizer):
         pose = Pose2(self.pose.x + x, self.pose.y + y, wrap(self.pose.theta + turn))
         self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
-    def find_again(self, points: NDArray[np.float64]) -> bool:
+    def find_again(self, points: FloatArray) -> bool:
         """Return True if the last two scans of a base at rest fit the map at different places.
 
         The difference between them is added to the pose.
@@ -179,6 +179,6 @@ class OdometryLocalizer(Localizer):
         return apart
 
 
-def _worst_variance(covariance: NDArray[np.float64]) -> float:
+def _worst_variance(covariance: FloatArray) -> float:
     """Return the variance of a position along its worst direction, in [m²]."""
     return float(np.linalg.eigvalsh(covariance[:2, :2])[-1])

@@ -7,11 +7,11 @@ from itertools import chain
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
+from handcart.robotics.numerics.arrays import FloatArray
 
 KEPT_PERIODS = 64  # periods of wheel travel: readings may be as late
 MAX_SQUARED_MAHALANOBIS = 25.0  # squared Mahalanobis distance beyond which a reading isn't explained
@@ -39,7 +39,7 @@ class PositioningLocalizer(Localizer):
         tread: float,
         sigma: tuple[float, float],
         errors: OdometryErrors = OdometryErrors(),
-        covariance: NDArray[np.float64] | None = None,
+        covariance: FloatArray | None = None,
     ) -> None:
         """Start at a pose.
 
@@ -62,7 +62,7 @@ class PositioningLocalizer(Localizer):
         self._poses = (*self._poses[-KEPT_PERIODS:], self.pose)
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
 
-    def correct(self, points: NDArray[np.float64]) -> bool:
+    def correct(self, points: FloatArray) -> bool:
         """Scans are not looked at."""
         return False
 

@@ -12,10 +12,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray, Int32Array, Uint16Array
 from handcart.robotics.numerics.compiled import compiled_fast
 
 from .likelihood_field import STEPS_PER_CELL, FieldValues, beam_sectors
@@ -34,13 +34,11 @@ OFF_MAP_SCALES = 1e3  # scales: as far as a point beyond the map
 NO_SLOPES = np.empty((0, 2))
 MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the same
 
-Array = NDArray[np.float64]
-
 
 class ScanEvidence(NamedTuple):
     """What a scan says about the direction that it determines worst."""
 
-    direction: Array
+    direction: FloatArray
     """(2,) unit vector on the map."""
     share: float
     """Share of the information about it that the cost confirms, 0 to 1; 0 where that is too little."""
@@ -50,11 +48,11 @@ class ScanEvidence(NamedTuple):
 
 def weakest_evidence(
     grid: GridMap,
-    facing: NDArray[np.uint16],
-    points: Array,
+    facing: Uint16Array,
+    points: FloatArray,
     reading: FieldValues,
     pose: Pose2,
-    information: Array,
+    information: FloatArray,
     scale: float,
     noise: float,
 ) -> ScanEvidence:
@@ -91,7 +89,7 @@ def weakest_evidence(
     return ScanEvidence(direction, share, max(0.0, across - by_slopes) / noise**2)
 
 
-def _weakest_axis(information: Array) -> Array:
+def _weakest_axis(information: FloatArray) -> FloatArray:
     """Return the unit vector (2,) along which an information (2, 2) is least: its eigenvector."""
     (xx, _), (xy, yy) = information.tolist()
     strongest = 0.5 * math.atan2(2.0 * xy, xx - yy)
@@ -102,23 +100,23 @@ class _Shifted(NamedTuple):
     """A scan that is shifted about on a map, its heading following."""
 
     grid: GridMap
-    facing: NDArray[np.uint16]
+    facing: Uint16Array
     """(k, h, w) of the map's cells to the nearest surface that faces the sensor, in steps."""
-    sectors: NDArray[np.int32]
+    sectors: Int32Array
     """(m,) which of the k distances each point reads."""
-    points: Array
+    points: FloatArray
     """(m, 2) on the map, in [m]."""
-    distances: Array
+    distances: FloatArray
     """(m,) of the points as they are, in [m]."""
-    slopes: Array
+    slopes: FloatArray
     """(m, 2) of the distances, along x and y."""
-    middle: Array
+    middle: FloatArray
     """(2,) the base, in [m]."""
-    lever: Array
+    lever: FloatArray
     """(2,) by which the heading turns back with a shift, in [rad/m]."""
     scale: float
 
-    def rise(self, direction: Array) -> tuple[float, float]:
+    def rise(self, direction: FloatArray) -> tuple[float, float]:
         """Rise of the cost along a direction (2,), as it is seen and as the slopes claim it.
 
         Both as a number of points: those on a wall straight across that would make it rise as much. The least
@@ -127,7 +125,7 @@ class _Shifted(NamedTuple):
         rises = self._rises(direction[None], 1, self.slopes)[0].tolist()
         return min(seen / one for seen, _, one in rises), min(claimed / one for _, claimed, one in rises)
 
-    def flattest(self, direction: Array) -> Array:
+    def flattest(self, direction: FloatArray) -> FloatArray:
         """Direction (2,) near this one along which the cost rises least: that of the walls."""
         x, y = direction.tolist()
         rays = FAN_COS_SIN * x + FAN_ACROSS * y
@@ -140,7 +138,7 @@ class _Shifted(NamedTuple):
             [math.cos(turned) * x - math.sin(turned) * y, math.sin(turned) * x + math.cos(turned) * y]
         )
 
-    def _rises(self, rays: Array, every: int, slopes: Array) -> Array:
+    def _rises(self, rays: FloatArray, every: int, slopes: FloatArray) -> FloatArray:
         """See `rises`: along directions (k, 2), by every so manieth point."""
         grid = self.grid
         steps, corner = SHIFT_CELLS * grid.resolution, (grid.origin_x, grid.origin_y)
@@ -150,20 +148,20 @@ class _Shifted(NamedTuple):
 
 @compiled_fast
 def rises(
-    rays: Array,
-    steps: Array,
+    rays: FloatArray,
+    steps: FloatArray,
     every: int,
     origin: tuple[float, float],
     resolution: float,
-    facing: NDArray[np.uint16],
-    sectors: NDArray[np.int32],
-    points: Array,
-    distances: Array,
-    slopes: Array,
-    middle: Array,
-    lever: Array,
+    facing: Uint16Array,
+    sectors: Int32Array,
+    points: FloatArray,
+    distances: FloatArray,
+    slopes: FloatArray,
+    middle: FloatArray,
+    lever: FloatArray,
     scale: float,
-) -> Array:
+) -> FloatArray:
     """Return by how much the cost of a scan rises as it is shifted along directions, forth and back.
 
     Args:
@@ -214,10 +212,10 @@ def rises(
 
 @compiled_fast
 def _shifted_cost(
-    facing: NDArray[np.uint16],
-    plane: NDArray[np.int32],
-    at: Array,
-    moved: Array,
+    facing: Uint16Array,
+    plane: Int32Array,
+    at: FloatArray,
+    moved: FloatArray,
     step: float,
     resolution: float,
     scale: float,
@@ -266,7 +264,7 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
     )
 
 
-def unrelated(covariance: Array, seen: ScanEvidence) -> Array:
+def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
     """(3, 3) of a prior whose error along the direction says nothing about the rest, if the scan doesn't.
 
     The direction is only about right: through such a relation, the scan would seem to determine it.

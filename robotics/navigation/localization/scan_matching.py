@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Uint16Array
 from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField as LikelihoodField
@@ -35,13 +35,13 @@ class ScanMatch(NamedTuple):
 
     pose: Pose2
     """map_T_base."""
-    covariance: NDArray[np.float64]
+    covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's error all in it."""
-    map_error: NDArray[np.float64]
+    map_error: FloatArray
     """(3, 3) factor W of the map's share W Wᵀ in `covariance`: the same for all scans at one place."""
-    kept: NDArray[np.float64]
+    kept: FloatArray
     """(3, 3) by which an error of the prior is still in the pose; zero where the scan alone determines it."""
-    spread: NDArray[np.float64]
+    spread: FloatArray
     """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
     how far matches from one place lie apart."""
     evidence: ScanEvidence
@@ -54,14 +54,14 @@ class ScanMatch(NamedTuple):
 
 @compiled
 def _normal_equations(
-    facing: NDArray[np.uint16],
-    occupied: NDArray[np.bool_],
-    points: NDArray[np.float64],
+    facing: Uint16Array,
+    occupied: BoolArray,
+    points: FloatArray,
     middle: tuple[float, float],
     origin: tuple[float, float],
     resolution: float,
     scale: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[FloatArray, FloatArray]:
     """Hessian (3, 3) and gradient (3,) of the points' robust cost, weights of Geman and McClure.
 
     The points (n, 2) are those of the map, `middle` the base on it, `origin` the map's corner, all in [m].
@@ -96,12 +96,12 @@ def _normal_equations(
 
 def match_scan(
     field: LikelihoodField,
-    points: NDArray[np.float64],
+    points: FloatArray,
     prior: Pose2,
-    prior_covariance: NDArray[np.float64],
+    prior_covariance: FloatArray,
     sigma: float = 0.01,
     anneal: bool = False,
-    map_error: NDArray[np.float64] | None = None,
+    map_error: FloatArray | None = None,
     before: ScanEvidence | None = None,
 ) -> ScanMatch:
     """The pose from which the scan looks like the map.
@@ -124,7 +124,7 @@ def match_scan(
     found, evidence = near, ScanEvidence(np.array([1.0, 0.0]), 1.0)
     seen = evidence
 
-    def descend(trust: NDArray[np.float64], scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def descend(trust: FloatArray, scale: float) -> tuple[FloatArray, FloatArray]:
         where = (grid.origin_x, grid.origin_y), grid.resolution
         return descend_scan(
             field.facing, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
@@ -155,7 +155,7 @@ def match_scan(
     return ScanMatch(pose, covariance, error, kept, spread, evidence, inliers, residuals)
 
 
-def _inverse(covariance: NDArray[np.float64], small: float = 1e-12) -> NDArray[np.float64]:
+def _inverse(covariance: FloatArray, small: float = 1e-12) -> FloatArray:
     """Return that of a symmetric matrix (3, 3) with a `small` number added to its diagonal, from its L D Lᵀ.
 
     By hand: a call of LAPACK takes ten times as long. Minors would lose too much where it is almost singular.
@@ -177,11 +177,11 @@ def _inverse(covariance: NDArray[np.float64], small: float = 1e-12) -> NDArray[n
 
 
 def _posterior(
-    fit: NDArray[np.float64],
-    kept: NDArray[np.float64],
-    cells: NDArray[np.float64],
-    before: NDArray[np.float64] | None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    fit: FloatArray,
+    kept: FloatArray,
+    cells: FloatArray,
+    before: FloatArray | None,
+) -> tuple[FloatArray, FloatArray]:
     """Covariance (3, 3) and factor (3, 3) of the map's share in it (Schmidt, 1966).
 
     The map errs alike in all scans at one place: no number of them averages that away. Along a direction that
@@ -202,19 +202,19 @@ def _posterior(
 
 @compiled
 def descend_scan(
-    facing: NDArray[np.uint16],
-    occupied: NDArray[np.bool_],
-    points: NDArray[np.float64],
-    start: NDArray[np.float64],
-    prior: NDArray[np.float64],
-    information: NDArray[np.float64],
-    direction: NDArray[np.float64],
+    facing: Uint16Array,
+    occupied: BoolArray,
+    points: FloatArray,
+    start: FloatArray,
+    prior: FloatArray,
+    information: FloatArray,
+    direction: FloatArray,
     share: float,
     origin: tuple[float, float],
     resolution: float,
     scale: float,
     noise: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[FloatArray, FloatArray]:
     """Gauss-Newton at one robust scale: the pose (3,) and its information (3, 3).
 
     The points are left a `share` of what they say about the position along a `direction` (2,).
@@ -245,9 +245,7 @@ def descend_scan(
 
 
 @compiled
-def _thin(
-    hessian: NDArray[np.float64], gradient: NDArray[np.float64], direction: NDArray[np.float64], share: float
-) -> None:
+def _thin(hessian: FloatArray, gradient: FloatArray, direction: FloatArray, share: float) -> None:
     """Leave the points a share of what they say about the position along a direction (2,)."""
     less = 1.0 - math.sqrt(share)
     pull = gradient[0] * direction[0] + gradient[1] * direction[1]
@@ -270,7 +268,7 @@ def _wrapped(angle: float) -> float:
 
 
 @compiled
-def _solved(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[float, float, float]:
+def _solved(matrix: FloatArray, right: FloatArray) -> tuple[float, float, float]:
     """The x of (matrix + LEAST) x = right, the matrix (3, 3) symmetric: Cholesky, by hand because numba takes
     two seconds to compile a call of LAPACK.
     """
@@ -286,7 +284,7 @@ def _solved(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[fl
     return (x - b * y - c * z) / a, y, z
 
 
-def _excess(residuals: NDArray[np.float64], noise: float) -> float:
+def _excess(residuals: FloatArray, noise: float) -> float:
     """By how much a scan varies more than it should, at least 1: a sensor may be noisier than is supposed."""
     if not len(residuals):
         return 1.0
@@ -294,13 +292,13 @@ def _excess(residuals: NDArray[np.float64], noise: float) -> float:
     return max(1.0, (middle / OF_SIGMA / noise) ** 2)
 
 
-def _median(values: NDArray[np.float64]) -> float:
+def _median(values: FloatArray) -> float:
     """Of (n,), the upper of the two middle ones for an even n; none of them NaN."""
     half = len(values) // 2
     return float(np.partition(values, half)[half])
 
 
-def _cells(points: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
+def _cells(points: FloatArray, resolution: float) -> FloatArray:
     """(3, 3) factor of what no number of beams averages away: where surfaces lie in their cells."""
     reach = math.sqrt(float(np.vdot(points, points)) / points.size + 0.01) if len(points) else 1.0
     bias = CELL_BIAS * resolution

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField
@@ -31,23 +31,21 @@ AT_SURFACE = 0.2  # cells from a surface, where a beam ends
 SHORT_OF_REACH = 0.9  # of the reach: what the map shows nearer has to return
 CANDIDATE_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
 
-Array = NDArray[np.float64]
-
 
 class ScanBeams(NamedTuple):
     """A scan by its beams."""
 
-    origin: Array
+    origin: FloatArray
     """(2,) of the sensor, in the base frame, in [m]."""
-    angles: Array
+    angles: FloatArray
     """(n,) in the base frame, in [rad]."""
-    ranges: Array
+    ranges: FloatArray
     """(n,) in [m]; infinity where nothing came back, NaN where nothing is known."""
     reach: float
     """Maximum range of the lidar, in [m]."""
 
     @property
-    def points(self) -> Array:
+    def points(self) -> FloatArray:
         """(m, 2) what was hit, in the base frame, in [m]."""
         hit = np.isfinite(self.ranges)
         rays = np.column_stack([np.cos(self.angles[hit]), np.sin(self.angles[hit])])
@@ -120,7 +118,7 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
     return StartFit(share, where, best, is_sure)
 
 
-def map_ranges(field: LikelihoodField, sensor: Pose2, angles: Array, reach: float) -> Array:
+def map_ranges(field: LikelihoodField, sensor: Pose2, angles: FloatArray, reach: float) -> FloatArray:
     """Range (n,) in [m] of each beam to what the map shows; infinity where that is beyond the reach.
 
     Args:
@@ -147,7 +145,7 @@ def _same(one: Pose2, other: Pose2) -> bool:
     return one.distance(other) < NEAR_M and one.turn(other) < NEAR_RAD
 
 
-def _candidates(field: LikelihoodField, points: Array) -> list[Pose2]:
+def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
     """Poses all over the map from which the points lie near what it shows, the best first."""
     grid = field.map
     free = ~grid.occupied & (field.distance > CLEAR_M)
@@ -173,8 +171,8 @@ def _candidates(field: LikelihoodField, points: Array) -> list[Pose2]:
 
 @compiled
 def score_poses(
-    distance: NDArray[np.float32], cells: NDArray[np.int64], turns: Array, points: Array, scale: float
-) -> Array:
+    distance: SingleArray, cells: IntArray, turns: FloatArray, points: FloatArray, scale: float
+) -> FloatArray:
     """(n, m) how near the points, in cells, lie to surfaces, from cells (n, 2) and with headings (m,)."""
     height, width = distance.shape
     out = np.zeros((len(cells), len(turns)))
@@ -195,14 +193,14 @@ def score_poses(
 
 @compiled
 def trace_ranges(
-    distance: NDArray[np.float32],
-    occupied: NDArray[np.bool_],
+    distance: SingleArray,
+    occupied: BoolArray,
     column: float,
     row: float,
-    angles: Array,
+    angles: FloatArray,
     resolution: float,
     reach: float,
-) -> Array:
+) -> FloatArray:
     """Return ranges (n,) in [m] from a column and row, as real numbers, along angles of the map in [rad].
 
     Infinity where the map shows nothing within `reach`, in [m].

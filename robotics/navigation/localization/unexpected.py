@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.numerics.arrays import FloatArray
 
 MIN_APPROACH_M = 0.005
 """Approach of the route to a point that is too near already, from which on the point blocks the route."""
 
 
-def unexpected_points(
-    points: NDArray[np.float64], field: LikelihoodField, margin: float
-) -> NDArray[np.float64]:
+def unexpected_points(points: FloatArray, field: LikelihoodField, margin: float) -> FloatArray:
     """Return the scan points that the map doesn't explain.
 
     A point is explained by an occupied cell within `margin`, in [m], and by not lying in a free cell:
@@ -33,17 +31,17 @@ def unexpected_points(
     away = points[field.read(points) > margin]  # few of them: the rest is asked of no more
     there = away[grid.inside(away)]
     rows, columns = grid.to_cell(there).T
-    unexplained: NDArray[np.float64] = there[~(grid.occupied[rows, columns] | grid.unknown[rows, columns])]
+    unexplained: FloatArray = there[~(grid.occupied[rows, columns] | grid.unknown[rows, columns])]
     return unexplained
 
 
 def path_blocked(
-    route: NDArray[np.float64],
-    points: NDArray[np.float64],
+    route: FloatArray,
+    points: FloatArray,
     radius: float,
     horizon: float,
     fewest: int = 2,
-) -> tuple[float, NDArray[np.float64]] | None:
+) -> tuple[float, FloatArray] | None:
     """Return where along a route a robot would touch sensed points.
 
     A point that is too near already, and from which the route only leads away, is not in the way.

@@ -7,9 +7,9 @@ it contradicts no wall: beams end before what the map shows, they do not pass th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .keyframe_layer import KeyframeLayer, LayerMatch, differs
 from .likelihood_field import LikelihoodField
@@ -24,8 +24,6 @@ PARTIAL_SIGMA_M, PARTIAL_SIGMA_RAD = 0.06, 0.02  # of a pose that part of a scan
 PARTIAL_SIGMAS = 3.0  # by which that may move the pose at most
 SHIFT_M, SHIFT_RAD = 0.05, 0.02  # by which a correction by the map makes the keyframes useless
 
-Array = NDArray[np.float64]
-
 
 class UnmappedSurroundings:
     """Keyframes of a drive on a map, and what they say of a scan that the map explains too little of."""
@@ -36,7 +34,7 @@ class UnmappedSurroundings:
         self.layer = KeyframeLayer()
         """Keyframes so far."""
 
-    def locate(self, points: Array, prior: Pose2) -> LayerMatch | None:
+    def locate(self, points: FloatArray, prior: Pose2) -> LayerMatch | None:
         """Return the pose of a scan among the keyframes; None if they or the map contradict it.
 
         Args:
@@ -46,14 +44,16 @@ class UnmappedSurroundings:
         found = self.layer.match(points, prior, self._sigma)
         return None if found is None or self.contradicts(points, found.pose) else found
 
-    def contradicts(self, points: Array, pose: Pose2) -> bool:
+    def contradicts(self, points: FloatArray, pose: Pose2) -> bool:
         """Return whether more beams pass through walls of the map than things are taken away."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         angles = np.arctan2(points[:, 1], points[:, 0])
         walls = map_ranges(self._field, pose, angles, float(ranges.max(initial=0.0)))
         return float((ranges > walls + THROUGH_M).mean()) > MAX_THROUGH_SHARE if len(points) else False
 
-    def corrected_by_map(self, points: Array, found: LayerMatch, map_error: Array) -> ScanMatch | None:
+    def corrected_by_map(
+        self, points: FloatArray, found: LayerMatch, map_error: FloatArray
+    ) -> ScanMatch | None:
         """Correct a pose by the part of a scan that the map explains; None if that is unsafe.
 
         Args:
@@ -75,7 +75,7 @@ class UnmappedSurroundings:
         allowed = found.covariance + cells
         return match if float(off @ np.linalg.solve(allowed, off)) < PARTIAL_SIGMAS**2 else None
 
-    def take(self, points: Array, before: Pose2, pose: Pose2, covariance: Array) -> None:
+    def take(self, points: FloatArray, before: Pose2, pose: Pose2, covariance: FloatArray) -> None:
         """Take in a scan at its final pose.
 
         Args:

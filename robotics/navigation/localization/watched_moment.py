@@ -11,20 +11,18 @@ from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 from handcart.robotics.numerics.small_solve import solved
-
-Array = NDArray[np.float64]
 
 
 class Belief(NamedTuple):
     """Mean and covariance of the states of a filter or a smoother."""
 
-    mean: Array
+    mean: FloatArray
     """(n,) states."""
-    covariance: Array
+    covariance: FloatArray
     """(n, n)."""
 
 
@@ -33,13 +31,13 @@ class BeliefBranch(NamedTuple):
 
     weight: float
     """Probability of the branch, given the readings; all weights add up to one."""
-    transition: Array | None
+    transition: FloatArray | None
     """(n, n), of the change; None where there was none."""
-    covariance: Array
+    covariance: FloatArray
     """(n, n) of the states after it."""
-    residual: Array
+    residual: FloatArray
     """(m,) of the readings."""
-    mean: Array
+    mean: FloatArray
     """Mean (n,) of the states after the update."""
 
 
@@ -48,7 +46,7 @@ class WatchedMoment(NamedTuple):
 
     belief: Belief
     """Mean (k,) and covariance (k, k) of the states then."""
-    shared: Array
+    shared: FloatArray
     """(k, n) covariance of the states then (rows) with those now."""
 
     @classmethod
@@ -57,11 +55,13 @@ class WatchedMoment(NamedTuple):
         covariance = now.covariance[:states].copy()
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
-    def stepped(self, transition: Array) -> Self:
+    def stepped(self, transition: FloatArray) -> Self:
         """Return the moment after the present states were predicted with `transition` (n, n)."""
         return type(self)(self.belief, self.shared @ transition.T)
 
-    def corrected(self, covariance: Array, rows: Array, residual: Array, variance: float) -> Self:
+    def corrected(
+        self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
+    ) -> Self:
         """Readings are seen with `residual` (m,), each of `variance`.
 
         `rows` (m, n) is how they depend on the states now, `covariance` (n, n) that of those without them.
@@ -70,7 +70,7 @@ class WatchedMoment(NamedTuple):
         mean, spread, shared = _corrected(mean, spread, shared, covariance, rows, residual, variance)
         return type(self)(Belief(mean, spread), shared)
 
-    def corrected_either(self, branches: Sequence[BeliefBranch], rows: Array, variance: float) -> Self:
+    def corrected_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> Self:
         """Return the moment after an update before which the states may have changed in one of several
         ways.
         """
@@ -110,7 +110,7 @@ class WatchedMoment(NamedTuple):
         return Belief(mean, 0.5 * (spread + spread.T))
 
 
-def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
+def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
     """Mean and covariance of one of several beliefs, by how likely each is (k,)."""
     means, covariances = np.array([each.mean for each in beliefs]), np.array([b.covariance for b in beliefs])
     mean = weights @ means
@@ -118,7 +118,9 @@ def mixed(beliefs: Sequence[Belief], weights: Array) -> Belief:
 
 
 @compiled
-def spread_about(away: Array, weights: Array, covariances: Array, shares: Array) -> Array:
+def spread_about(
+    away: FloatArray, weights: FloatArray, covariances: FloatArray, shares: FloatArray
+) -> FloatArray:
     """(n, n) of a mixture: of its parts (k, n, n) by their shares, and of how far they are away (k, n)."""
     out = np.zeros(covariances.shape[1:])
     size = away.shape[1]
@@ -131,14 +133,14 @@ def spread_about(away: Array, weights: Array, covariances: Array, shares: Array)
 
 @compiled
 def _corrected(
-    mean: Array,
-    spread: Array,
-    shared: Array,
-    covariance: Array,
-    rows: Array,
-    residual: Array,
+    mean: FloatArray,
+    spread: FloatArray,
+    shared: FloatArray,
+    covariance: FloatArray,
+    rows: FloatArray,
+    residual: FloatArray,
     variance: float,
-) -> tuple[Array, Array, Array]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """See `WatchedMoment.corrected`: mean, spread and shared of the states then."""
     seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
     gain = solved(seen, rows @ shared.T).T

@@ -11,11 +11,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField, read_distance
 from handcart.robotics.navigation.localization.scan_matching import CELL_SIGMA, INLIER_SCALES
 from handcart.robotics.navigation.localization.start_search import SHORT_OF_REACH, ScanBeams, trace_ranges
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 INDEPENDENT_RAD = math.radians(9.0)
@@ -29,23 +29,21 @@ SLACK_RATIO = 0.02  # of the range, likewise
 GRAZING_SLACK_M, GRAZING_SLACK_RATIO = 0.3, 0.1  # likewise where the beam ends at a surface of the map
 MAX_BEAMS = 180
 
-Array = NDArray[np.float64]
-
 
 class Explained(NamedTuple):
     """Shares of a scan's beams, for each of n poses."""
 
-    explained: Array
+    explained: FloatArray
     """(n,) beams that the map explains, those that return nothing too."""
-    short: Array
+    short: FloatArray
     """(n,) beams that end before what the map shows."""
-    through: Array
+    through: FloatArray
     """(n,) beams that pass through what the map shows."""
     independent: float
     """Number of independent beams in the scan."""
 
     @property
-    def log_likelihood(self) -> Array:
+    def log_likelihood(self) -> FloatArray:
         """(n,) natural logarithm of the scan's likelihood; 0 where the map explains all beams."""
         cost = math.log(SHORT_ODDS) * self.short + math.log(THROUGH_ODDS) * self.through
         return np.asarray(-self.independent * cost)
@@ -70,7 +68,7 @@ def independent_beams(beams: ScanBeams) -> float:
     return float(len(np.unique(np.floor(known / INDEPENDENT_RAD)))) if len(known) else 0.0
 
 
-def explain(field: LikelihoodField, beams: ScanBeams, poses: Array, noise: float) -> Explained:
+def explain(field: LikelihoodField, beams: ScanBeams, poses: FloatArray, noise: float) -> Explained:
     """Compare a scan with what the map shows from poses.
 
     Args:
@@ -98,17 +96,17 @@ def explain(field: LikelihoodField, beams: ScanBeams, poses: Array, noise: float
 
 @compiled
 def _count(
-    distance: NDArray[np.float32],
-    occupied: NDArray[np.bool_],
+    distance: SingleArray,
+    occupied: BoolArray,
     corner: tuple[float, float],
     resolution: float,
-    poses: Array,
-    origin: Array,
-    angles: Array,
-    ranges: Array,
+    poses: FloatArray,
+    origin: FloatArray,
+    angles: FloatArray,
+    ranges: FloatArray,
     reach: float,
     near: float,
-) -> Array:
+) -> FloatArray:
     """Return (n, 3) numbers of beams that are explained, short, and through, from poses (n, 3)."""
     out = np.zeros((len(poses), 3))
     ends = np.empty((len(angles), 2))

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.scan_matching import ANNEALING_SCALES_M, descend_scan
@@ -17,6 +16,7 @@ from handcart.robotics.navigation.localization.start_search import (
     ScanBeams,
     score_poses,
 )
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, Uint16Array
 from handcart.robotics.numerics.compiled import compiled
 
 from .beam_evidence import explain
@@ -34,15 +34,13 @@ SAME_M, SAME_RAD = 0.25, math.radians(10.0)  # within which two poses are the sa
 KEPT_LOG = 60.0  # below the best log-likelihood, beyond which a pose is not kept
 MAX_FOUND = 200
 
-Array = NDArray[np.float64]
-
 
 class Found(NamedTuple):
     """Poses that may explain a scan, the best first."""
 
-    poses: Array
+    poses: FloatArray
     """(n, 3) map_T_base, in [m, m, rad]."""
-    log_likelihoods: Array
+    log_likelihoods: FloatArray
     """(n,) of the scan."""
 
 
@@ -77,8 +75,8 @@ def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:
 
 
 def refine_poses(
-    field: LikelihoodField, points: Array, poses: Array, noise: float, scales: tuple[float, ...]
-) -> Array:
+    field: LikelihoodField, points: FloatArray, poses: FloatArray, noise: float, scales: tuple[float, ...]
+) -> FloatArray:
     """Return poses (n, 3) from which scan points (m, 2), in the base frame, fit the map best, near `poses`.
 
     Args:
@@ -98,14 +96,14 @@ def refine_poses(
     )
 
 
-def same_place(poses: Array, pose: Array) -> NDArray[np.bool_]:
+def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
     """(n,) which of poses (n, 3) are at the same place as another one (3,)."""
     away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
     turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)
     return np.asarray((away < SAME_M) & (turn < SAME_RAD))
 
 
-def _can_stand(field: LikelihoodField, poses: Array) -> NDArray[np.bool_]:
+def _can_stand(field: LikelihoodField, poses: FloatArray) -> BoolArray:
     """(n,) which of poses (n, 3) are on the map, and not in a wall."""
     grid = field.map
     fits = grid.inside(poses[:, :2])
@@ -114,7 +112,7 @@ def _can_stand(field: LikelihoodField, poses: Array) -> NDArray[np.bool_]:
     return fits
 
 
-def _distinct(poses: Array, order: NDArray[np.int64]) -> NDArray[np.int64]:
+def _distinct(poses: FloatArray, order: IntArray) -> IntArray:
     """Return the indices in `order` without poses at the place of an earlier one."""
     left, kept = order, []
     while len(left):
@@ -125,7 +123,7 @@ def _distinct(poses: Array, order: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.array(kept, dtype=np.int64)
 
 
-def _coarse(field: LikelihoodField, points: Array) -> Array:
+def _coarse(field: LikelihoodField, points: FloatArray) -> FloatArray:
     """(n, 3) poses all over the map from which the points lie near what it shows, one for each bin."""
     grid = field.map
     free = ~grid.occupied & (field.distance > CLEAR_M)
@@ -145,7 +143,7 @@ def _coarse(field: LikelihoodField, points: Array) -> Array:
     return np.column_stack([grid.to_point(cells[cell]), turns[heading]])
 
 
-def _best_of_bins(scores: Array, cells: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+def _best_of_bins(scores: FloatArray, cells: IntArray, size: int) -> IntArray:
     """Return the flat indices of the best scores (n, m), at most one in each bin of `size` cells."""
     flat = scores.ravel()
     many = min(len(flat), 40 * MAX_REFINED_HARD)
@@ -160,15 +158,15 @@ def _best_of_bins(scores: Array, cells: NDArray[np.int64], size: int) -> NDArray
 
 @compiled
 def _refine(
-    facing: NDArray[np.uint16],
-    occupied: NDArray[np.bool_],
-    points: Array,
-    poses: Array,
+    facing: Uint16Array,
+    occupied: BoolArray,
+    points: FloatArray,
+    poses: FloatArray,
     corner: tuple[float, float],
     resolution: float,
-    scales: Array,
+    scales: FloatArray,
     noise: float,
-) -> Array:
+) -> FloatArray:
     """Return (n, 3) the poses after Gauss-Newton at each scale."""
     out = np.empty_like(poses)
     nothing, direction = np.zeros((3, 3)), np.array([1.0, 0.0])

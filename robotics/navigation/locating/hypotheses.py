@@ -11,11 +11,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import ScanBeams
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .beam_evidence import explain, matching_noise
 from .global_search import KEPT_LOG, PLAIN_LOG, refine_poses, same_place, search_map
@@ -29,8 +29,6 @@ NEW_SCAN_M = 1.0  # from all earlier scans, where a scan counts fully
 ODOMETRY_M, ODOMETRY_RATIO, ODOMETRY_RAD = 0.05, 0.03, 0.02  # sigma of a motion, of its length, of its turn
 MAX_ODOMETRY_LOG = 12.0  # that a motion which does not fit costs at most
 MAX_HYPOTHESES = 120
-
-Array = NDArray[np.float64]
 
 
 class Look(NamedTuple):
@@ -51,11 +49,11 @@ class Hypotheses:
         self._field, self._noise = field, matching_noise(field, sigma)
         self.looks: list[Look] = []
         """Scans so far."""
-        self.poses: Array = np.empty((0, 3))
+        self.poses: FloatArray = np.empty((0, 3))
         """(n, 3) map_T_base at the last scan, in [m, m, rad]."""
-        self.log_likelihoods: Array = np.empty(0)
+        self.log_likelihoods: FloatArray = np.empty(0)
         """(n,) of all scans."""
-        self.explained: Array = np.empty(0)
+        self.explained: FloatArray = np.empty(0)
         """(n,) share of the beams of all scans that the map explains."""
 
     def take(self, beams: ScanBeams, pose: Pose2) -> None:
@@ -78,7 +76,7 @@ class Hypotheses:
         self._keep(poses, likely, explained)
 
     @property
-    def alive(self) -> NDArray[np.int64]:
+    def alive(self) -> IntArray:
         """(k,) indices of the hypotheses that are not refuted."""
         if not len(self.log_likelihoods):
             return np.empty(0, dtype=np.int64)
@@ -106,11 +104,13 @@ class Hypotheses:
         """True if exactly one hypothesis explains the scans, and all others are refuted."""
         return self.is_explained and len(self.alive) == 1
 
-    def _needs_search(self, likely: Array) -> bool:
+    def _needs_search(self, likely: FloatArray) -> bool:
         count = sum(look.weight for look in self.looks)
         return len(self.looks) <= 2 or not len(likely) or float(likely.max()) < PLAIN_LOG * count
 
-    def _moved(self, poses: Array, before: Look, after: Look) -> tuple[Array, Array, Array]:
+    def _moved(
+        self, poses: FloatArray, before: Look, after: Look
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return poses (n, 3) after the motion between two looks, the log-likelihoods (n,) of motion and
         scan, and the shares (n,) of the scan that the map explains.
         """
@@ -127,7 +127,7 @@ class Hypotheses:
         cost = -np.minimum(0.5 * squares, MAX_ODOMETRY_LOG)
         return fitted, cost + after.weight * fit.log_likelihood, fit.explained
 
-    def _traced_back(self, poses: Array) -> tuple[Array, Array, Array]:
+    def _traced_back(self, poses: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return poses (n, 3) at the last look with their log-likelihoods (n,) of all looks, and the sums
         (n,) of the shares explained.
         """
@@ -142,7 +142,7 @@ class Hypotheses:
             total, shares, later = total + cost, shares + look.weight * share, look
         return poses, total, shares
 
-    def _keep(self, poses: Array, likely: Array, explained: Array) -> None:
+    def _keep(self, poses: FloatArray, likely: FloatArray, explained: FloatArray) -> None:
         """Keep the best hypotheses, from different places each."""
         kept: list[int] = []
         left = np.argsort(-likely, kind="stable")

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array
 
 CELL_M = 0.05
 MARGIN_M = 1.0  # of map beyond what was seen
@@ -20,19 +20,17 @@ SURFACE_GAP_M = 0.4  # between neighbouring echoes that are one surface
 MAX_FREE_M = 6.0  # of a beam along which ground counts as seen to be free
 KEYFRAME_M, KEYFRAME_RAD = 0.5, math.radians(30.0)  # of motion after which a scan is added
 
-Array = NDArray[np.float64]
-
 
 class _View(NamedTuple):
     """A scan, in the local frame."""
 
-    echoes: Array
+    echoes: FloatArray
     """(n, 2) in [m]."""
-    joined: NDArray[np.bool_]
+    joined: BoolArray
     """(n,) True where an echo and the one after it are one surface."""
-    outline: Array
+    outline: FloatArray
     """(m, 2) corners of the ground that was seen to be free, in [m]."""
-    origin: Array
+    origin: FloatArray
     """(2,) of the sensor, in [m]."""
 
 
@@ -73,12 +71,12 @@ class LocalMap:
         return self._field
 
     @property
-    def echoes(self) -> Array:
+    def echoes(self) -> FloatArray:
         """(n, 2) of all scans, in [m]."""
         return np.vstack([np.empty((0, 2)), *(view.echoes for view in self._views)])
 
     @classmethod
-    def of_echoes(cls, echoes: Array, pose: Pose2) -> LocalMap:
+    def of_echoes(cls, echoes: FloatArray, pose: Pose2) -> LocalMap:
         """Return a map of surfaces alone, from echoes (n, 2) in [m] seen about local_T_base."""
         made = cls()
         none = np.zeros(len(echoes), dtype=np.bool_)
@@ -113,7 +111,7 @@ def _drawn(views: list[_View]) -> GridMap:
     width, height = (np.ceil((points.max(axis=0) + MARGIN_M - low) / CELL_M).astype(int) + 1).tolist()
     free, occupied = np.zeros((height, width), np.uint8), np.zeros((height, width), np.uint8)
 
-    def cells(part: Array) -> NDArray[np.int32]:
+    def cells(part: FloatArray) -> Int32Array:
         return np.asarray(np.floor((part - low) / CELL_M), dtype=np.int32)
 
     for view in views:

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import map_ranges
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import Ways
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 MARGIN_M = 0.05  # beside the footprint, from anything that was not seen to be free
 MAX_AWAY_M, MIN_AWAY_M = 6.0, 0.5  # of a place from the base
@@ -34,13 +34,11 @@ MAX_ALIKE = 150  # places in the test whether the map looks the same from everyw
 MIN_DIFFERENCE = 0.05  # share of beams that differ where a scan could tell two hypotheses apart
 MAX_ROUTES = 8  # places to which a route is looked for
 
-Array = NDArray[np.float64]
-
 
 class View(NamedTuple):
     """A place to look from."""
 
-    route: Array
+    route: FloatArray
     """(n, 2) points from the base to it, in the local frame, in [m]."""
     difference: float
     """Mean share of beams by which the hypotheses would differ there."""
@@ -55,11 +53,11 @@ class Surroundings(NamedTuple):
     """local_T_base."""
     radius: float
     """Radius of the footprint, in [m]."""
-    tried: Array
+    tried: FloatArray
     """(n, 2) places in the local frame that were looked from, in [m]."""
 
 
-def next_view(around: Surroundings, field: LikelihoodField, poses: Array, reach: float) -> View | None:
+def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, reach: float) -> View | None:
     """Return the next place to look from; None if there is none.
 
     Args:
@@ -86,8 +84,8 @@ def next_view(around: Surroundings, field: LikelihoodField, poses: Array, reach:
 
 
 def predicted_difference(
-    here: Pose2, places: Array, field: LikelihoodField, poses: Array, reach: float
-) -> Array:
+    here: Pose2, places: FloatArray, field: LikelihoodField, poses: FloatArray, reach: float
+) -> FloatArray:
     """(n,) mean share of beams whose ranges would differ between the best hypothesis and each other one.
 
     Args:
@@ -113,7 +111,7 @@ def predicted_difference(
     return shares
 
 
-def look_alike(field: LikelihoodField, poses: Array, radius: float, within: float, reach: float) -> bool:
+def look_alike(field: LikelihoodField, poses: FloatArray, radius: float, within: float, reach: float) -> bool:
     """Return whether the map looks the same for the best hypothesis and another one, from every place around.
 
     Args:
@@ -135,7 +133,7 @@ def look_alike(field: LikelihoodField, poses: Array, radius: float, within: floa
     return False
 
 
-def _reachable(around: Surroundings, within: float = MAX_AWAY_M) -> Array:
+def _reachable(around: Surroundings, within: float = MAX_AWAY_M) -> FloatArray:
     """(n, 2) places on connected ground that was seen to be free, with room for the footprint, in [m]."""
     seen = around.seen
     clear = cv2.distanceTransform((~seen.blocked).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
@@ -159,7 +157,7 @@ def _reachable(around: Surroundings, within: float = MAX_AWAY_M) -> Array:
     return np.asarray(places[fits])
 
 
-def _novelty(seen: GridMap, places: Array) -> Array:
+def _novelty(seen: GridMap, places: FloatArray) -> FloatArray:
     """(n,) share of ground around places (n, 2) that was not seen."""
     size = 2 * round(NOVELTY_RADIUS_M / seen.resolution) + 1
     unseen = cv2.blur(seen.unknown.astype(np.float32), (size, size), borderType=cv2.BORDER_REPLICATE)
@@ -168,8 +166,8 @@ def _novelty(seen: GridMap, places: Array) -> Array:
 
 
 def _is_blocked(
-    around: Surroundings, places: Array, field: LikelihoodField, poses: Array
-) -> NDArray[np.bool_]:
+    around: Surroundings, places: FloatArray, field: LikelihoodField, poses: FloatArray
+) -> BoolArray:
     """(n,) True where the map shows something at a place, as one of the hypotheses has it."""
     steps = around.here.inverse().apply(places)
     blocked = np.zeros(len(places), dtype=np.bool_)

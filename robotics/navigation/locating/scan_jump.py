@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.start_search import ScanBeams
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
 MAX_CHANGED_SHARE = 0.3
@@ -19,8 +19,6 @@ CONFIRMED_CHANGES = 6  # scans in a row that differ from the last one before the
 CONFIRMED_CHANGES_AT_REST = 2
 MIN_COMPARED = 20  # beams
 MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last scan before is too old
-
-Array = NDArray[np.float64]
 
 
 class ScanJump:
@@ -80,7 +78,7 @@ class ScanJump:
 
 
 @compiled
-def _changed_beams(points: Array, angles: Array, ranges: Array) -> tuple[int, int]:
+def _changed_beams(points: FloatArray, angles: FloatArray, ranges: FloatArray) -> tuple[int, int]:
     """Return how many of the points (n, 2), in [m] from the sensor, the beams do not show any more, and how
     many were compared.
     """

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .map_comparison import SAME_WALL_M, wall_points
 
-Array = NDArray[np.float64]
 SAMPLE_M = 0.05
 """Distance between the points of an outline, in [m]."""
 Box = tuple[float, float, float, float, float]
@@ -23,7 +22,7 @@ Box = tuple[float, float, float, float, float]
 class BoxWalls(NamedTuple):
     """How a map fits boxes."""
 
-    cells: Array
+    cells: FloatArray
     """(n,) distance of each wall cell to the nearest surface of a box, in [m]."""
     missing: list[float]
     """Share of the visible outline of each box that the map lacks, 0 to 1; 0 if nothing of it is visible."""
@@ -31,7 +30,7 @@ class BoxWalls(NamedTuple):
     """Length of each box's outline that is outside the other boxes and on known ground, in [m]."""
 
 
-def surface_distances(points: Array, boxes: Sequence[Box]) -> Array:
+def surface_distances(points: FloatArray, boxes: Sequence[Box]) -> FloatArray:
     """Return the distance (n,) in [m] of points (n, 2) to the nearest surface of any box."""
     found = np.full(len(points), np.inf)
     for box in boxes:
@@ -70,17 +69,17 @@ def compare_with_boxes(grid: GridMap, boxes: Sequence[Box], map_T_boxes: Pose2) 
     return BoxWalls(surface_distances(map_T_boxes.inverse().apply(walls), boxes), missing, visible)
 
 
-def _beyond(points: Array, box: Box) -> Array:
+def _beyond(points: FloatArray, box: Box) -> FloatArray:
     """Return how far (n, 2) points are beyond a box's sides, along its own x and y; negative inside."""
     local = Pose2(*box[:3]).inverse().apply(points)
-    beyond: Array = np.abs(local) - 0.5 * np.array(box[3:])
+    beyond: FloatArray = np.abs(local) - 0.5 * np.array(box[3:])
     return beyond
 
 
-def _outline(box: Box) -> Array:
+def _outline(box: Box) -> FloatArray:
     """Return points (n, 2) along the outline of a box."""
     length, width = box[3:]
-    sides = list[Array]()
+    sides = list[FloatArray]()
     for sign in (-0.5, 0.5):
         xs = np.arange(SAMPLE_M / 2, length, SAMPLE_M) - length / 2
         ys = np.arange(SAMPLE_M / 2, width, SAMPLE_M) - width / 2

@@ -6,13 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .scan_surface import Surface
 
-Array = NDArray[np.float64]
 GATES_M = (0.5, 0.3, 0.15, 0.1)
 """Distances in [m] up to which a point finds its partner, one after the other."""
 ITERATIONS = 6
@@ -36,7 +35,7 @@ class LineMatch(NamedTuple):
 
     pose: Pose2
     """reference_T_moved."""
-    information: Array
+    information: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad], in the reference frame; singular along a corridor."""
     inliers: float
     """Share of the points that the reference explains, 0 to 1."""
@@ -48,7 +47,7 @@ def match_surfaces(
     reference: Surface,
     moved: Surface,
     start: Pose2,
-    prior: Array | None = None,
+    prior: FloatArray | None = None,
     gates: tuple[float, ...] = GATES_M,
 ) -> LineMatch:
     """Return the pose near `start` from which `moved` fits `reference`.
@@ -85,18 +84,18 @@ def match_surfaces(
     return LineMatch(pose, _limited(hessian, sigma) + trust, inliers, sigma)
 
 
-def _limited(information: Array, sigma: float) -> Array:
+def _limited(information: FloatArray, sigma: float) -> FloatArray:
     """Return the information (3, 3) after adding the errors that no number of points averages away."""
     place, heading = (BIAS_SHARE * sigma) ** -2, (BIAS_SHARE_RAD * sigma) ** -2
     floor = np.diag([place, place, heading])
     # The sum of two covariances by their informations; the first may be singular.
-    found: Array = floor - floor @ np.linalg.solve(information + floor, floor)
+    found: FloatArray = floor - floor @ np.linalg.solve(information + floor, floor)
     return 0.5 * (found + found.T)
 
 
 def _pairs(
     reference: Surface, moved: Surface, pose: Pose2, gate: float, scale: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return slopes (n, 3), residuals (n,) in [m] and weights (n,) of the points that have a partner."""
     here = pose.apply(moved.points)
     normals = Pose2(0.0, 0.0, pose.theta).apply(moved.normals)

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_matching import LineMatch, match_surfaces
 from .ray_counts import RayCounts, count_rays
@@ -20,7 +20,6 @@ from .scan_log import Keyframe
 from .scan_surface import Surface
 from .window_search import search_window
 
-Array = NDArray[np.float64]
 PLACE_KEYFRAMES = 6
 """Keyframes on each side of one that belong to the same place."""
 CELL_M = 0.1
@@ -48,12 +47,12 @@ class KeyframeView(NamedTuple):
     surface: Surface
     sample: Surface
     """Some points of the surface."""
-    hits: Array
+    hits: FloatArray
     """(n, 2) where some of the beams ended, in [m]."""
     grid: GridMap
     """Occupied where beams ended, and next to it."""
 
-    def contradictions(self, hits: Array) -> float:
+    def contradictions(self, hits: FloatArray) -> float:
         """Return the share of points (n, 2), of those in known cells, that lie in free space."""
         cells = self.grid.to_cell(hits[self.grid.inside(hits)])
         rows, columns = cells[:, 0], cells[:, 1]
@@ -92,7 +91,10 @@ def _thick(counts: RayCounts) -> GridMap:
 
 
 def close_loop(
-    places: tuple[KeyframeView, KeyframeView], numbers: tuple[int, int], predicted: Pose2, covariance: Array
+    places: tuple[KeyframeView, KeyframeView],
+    numbers: tuple[int, int],
+    predicted: Pose2,
+    covariance: FloatArray,
 ) -> Loop:
     """Match two places, wherever within the uncertainty of the prediction they fit.
 
@@ -154,7 +156,7 @@ def track_loop(places: tuple[KeyframeView, KeyframeView], numbers: tuple[int, in
     return loop
 
 
-def _offset(pose: Pose2, other: Pose2) -> Array:
+def _offset(pose: Pose2, other: Pose2) -> FloatArray:
     return np.array([pose.x - other.x, pose.y - other.y, wrap(pose.theta - other.theta)])
 
 

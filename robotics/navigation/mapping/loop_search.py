@@ -6,13 +6,12 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 from .loop_closure import Loop
 
-Array = NDArray[np.float64]
 VIEW_M = 3.0
 """Distance between two keyframes that see the same place."""
 MIN_TRAVEL_M = 10.0
@@ -37,7 +36,12 @@ class Candidate(NamedTuple):
 
 
 def candidates(
-    poses: Array, travel: Array, second: int, sigmas: Array, view: float = VIEW_M, most: int = MAX_CANDIDATES
+    poses: FloatArray,
+    travel: FloatArray,
+    second: int,
+    sigmas: FloatArray,
+    view: float = VIEW_M,
+    most: int = MAX_CANDIDATES,
 ) -> list[Candidate]:
     """Return the earlier keyframes at which a keyframe may be, the nearest of each pass, nearest first.
 
@@ -61,7 +65,7 @@ def candidates(
     return sorted(found, key=lambda each: each.distance)[:most]
 
 
-def _runs(flags: NDArray[np.bool_]) -> Iterator[NDArray[np.int64]]:
+def _runs(flags: BoolArray) -> Iterator[IntArray]:
     """Yield the numbers of each unbroken run of True."""
     numbers = np.flatnonzero(flags)
     if len(numbers):

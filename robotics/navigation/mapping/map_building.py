@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .loop_closure import KeyframeView, Loop, close_loop, place_at, track_loop
 from .loop_search import Candidate, candidates, supported
@@ -26,7 +26,6 @@ from .ray_counts import RayCounts, count_rays
 from .scan_chain import chain
 from .scan_log import Keyframe, ScanLog, keyframe, keyframe_rows
 
-Array = NDArray[np.float64]
 Heard = Callable[[str, float], None]
 """Receives what is being done, and its finished share."""
 MAX_ROUNDS = 6
@@ -45,15 +44,15 @@ class BuiltMap(NamedTuple):
     counts: RayCounts
     rows: list[int]
     """Rows of the log that are keyframes."""
-    poses: Array
+    poses: FloatArray
     """(n, 3) map_T_base of each keyframe; the map's frame is that of the first odometry pose."""
-    covariances: Array
+    covariances: FloatArray
     """(n, 3, 3) of each pose relative to the first, in [m, m, rad]."""
     accepted: list[Loop]
     """Loop closures in the graph."""
     rejected: Counter[str]
     """Number of rejected loop closures by reason."""
-    chi2: Array
+    chi2: FloatArray
     """(m,) squared error in sigmas of each accepted closure."""
     blind: int
     """Number of motions that only the odometry measured."""
@@ -206,7 +205,7 @@ def _edge(loop: Loop) -> Edge:
     return Edge(loop.first, loop.second, loop.match.pose, loop.match.information, is_loop=True)
 
 
-def _in_frame_of(spread: Array, second: Array, first: Array) -> Array:
+def _in_frame_of(spread: FloatArray, second: FloatArray, first: FloatArray) -> FloatArray:
     """Return the covariance (3, 3) of first_T_second in the first frame, with a lower limit.
 
     Args:
@@ -219,5 +218,5 @@ def _in_frame_of(spread: Array, second: Array, first: Array) -> Array:
     moved = turn @ spread @ turn.T
     cos, sin = np.cos(first[2]), np.sin(first[2])
     rotation = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    found: Array = rotation @ moved @ rotation.T + np.diag([0.05, 0.05, 0.02]) ** 2
+    found: FloatArray = rotation @ moved @ rotation.T + np.diag([0.05, 0.05, 0.02]) ** 2
     return found

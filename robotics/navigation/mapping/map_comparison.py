@@ -7,14 +7,13 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 
-Array = NDArray[np.float64]
 COARSE_M = 0.2
 """Side of a cell, in [m], in the search for the alignment."""
 TURN_STEP_RAD = math.radians(1.0)
@@ -48,7 +47,7 @@ class MapComparison(NamedTuple):
         return float(np.median(near)), float(np.quantile(near, 0.95)), 1.0 - len(near) / len(known)
 
 
-def wall_points(grid: GridMap) -> Array:
+def wall_points(grid: GridMap) -> FloatArray:
     """Return the centres (n, 2) of occupied cells next to one that is not, in [m]."""
     solid = grid.occupied.astype(np.uint8)
     inner = cv2.erode(solid, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=1)
@@ -72,11 +71,11 @@ def compare_maps(first: GridMap, second: GridMap, alignment: Pose2 | None = None
     )
 
 
-def _distances(points: Array, others: Array, other_T_own: Pose2, other: GridMap) -> FarArray:
+def _distances(points: FloatArray, others: FloatArray, other_T_own: Pose2, other: GridMap) -> FarArray:
     """Return the distance (n,) of points to the nearest of the others; infinity where nothing is known."""
     from scipy.spatial import cKDTree
 
-    found: Array = cKDTree(others).query(points)[0]
+    found: FloatArray = cKDTree(others).query(points)[0]
     moved = other_T_own.apply(points)
     seen = _near_known(other)
     inside = other.inside(moved)
@@ -86,14 +85,14 @@ def _distances(points: Array, others: Array, other_T_own: Pose2, other: GridMap)
     return np.where(known, found, np.inf)
 
 
-def _near_known(grid: GridMap) -> NDArray[np.bool_]:
+def _near_known(grid: GridMap) -> BoolArray:
     """Return (h, w) whether a cell is known, or next to one: a wall's own cells may be unknown."""
     known = (~grid.unknown).astype(np.uint8)
     size = 2 * max(1, math.ceil(SAME_WALL_M / grid.resolution)) + 1
     return cv2.dilate(known, np.ones((size, size), np.uint8)) > 0
 
 
-def _align(first: GridMap, one: Array, other: Array) -> Pose2:
+def _align(first: GridMap, one: FloatArray, other: FloatArray) -> Pose2:
     """Return the pose at which the points `other` (m, 2) fit a map with the points `one` (n, 2) best.
 
     All turns are tried; for each, the shift is the peak of the correlation of both pictures (by Fourier
@@ -127,7 +126,7 @@ def _align(first: GridMap, one: Array, other: Array) -> Pose2:
     return max(refined, key=lambda each: each[0])[1]
 
 
-def _raster(points: Array, shape: tuple[int, int], is_blurred: bool) -> NDArray[np.float32]:
+def _raster(points: FloatArray, shape: tuple[int, int], is_blurred: bool) -> SingleArray:
     """Return the picture (x, y) of points from the corner on."""
     picture = np.zeros(shape, np.float32)
     cells = (points / COARSE_M).astype(int)
@@ -135,7 +134,7 @@ def _raster(points: Array, shape: tuple[int, int], is_blurred: bool) -> NDArray[
     return np.asarray(cv2.GaussianBlur(picture, (0, 0), BLUR_CELLS), np.float32) if is_blurred else picture
 
 
-def _refined(field: LikelihoodField, points: Array, pose: Pose2) -> tuple[float, Pose2]:
+def _refined(field: LikelihoodField, points: FloatArray, pose: Pose2) -> tuple[float, Pose2]:
     """Return the share of points (n, 2) that the first map explains at the refined pose, and the pose."""
     match = match_scan(field, points, pose, START_COVARIANCE, sigma=field.map.resolution, anneal=True)
     return match.inliers, match.pose

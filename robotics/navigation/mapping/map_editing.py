@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import (
@@ -18,8 +17,8 @@ from handcart.robotics.navigation.maps.grid_map import (
     from_occupancy,
 )
 from handcart.robotics.navigation.maps.turned_map import turned_occupancy
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
-Array = NDArray[np.float64]
 MARGIN_CELLS = 5
 """Unknown cells kept around what is known."""
 MAX_WALL_POINTS = 20_000
@@ -61,7 +60,7 @@ def crop_to_known(grid: GridMap) -> GridMap:
     return _part(grid, first, last)
 
 
-def _part(grid: GridMap, first: NDArray[np.int64], last: NDArray[np.int64]) -> GridMap:
+def _part(grid: GridMap, first: IntArray, last: IntArray) -> GridMap:
     cut = slice(int(first[0]), int(last[0])), slice(int(first[1]), int(last[1]))
     x, y = (grid.origin_x, grid.origin_y) + first[::-1] * grid.resolution
     return GridMap(grid.occupied[cut], grid.unknown[cut], grid.resolution, float(x), float(y))
@@ -94,7 +93,7 @@ def straightening_angle(grid: GridMap) -> float:
     return wrap(best)
 
 
-def _crowding(points: Array, angle: float, width: float) -> float:
+def _crowding(points: FloatArray, angle: float, width: float) -> float:
     """Return the sum of squared counts of points (n, 2) in rows and columns of a width, after a turn."""
     turned = Pose2(0.0, 0.0, angle).apply(points)
     return sum(

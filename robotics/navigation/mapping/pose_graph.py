@@ -10,11 +10,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
-Array = NDArray[np.float64]
 MAX_STEPS = 60
 SMALL_STEP = 1e-6
 """Step in [m] or [rad] at which the optimization has converged."""
@@ -35,7 +34,7 @@ class Edge(NamedTuple):
     second: int
     pose: Pose2
     """first_T_second."""
-    information: Array
+    information: FloatArray
     """(3, 3) in the frame of the first node, in [1/m², 1/m rad, 1/rad²]."""
     is_loop: bool = False
     """Whether the edge closes a loop, and may be wrong."""
@@ -44,14 +43,14 @@ class Edge(NamedTuple):
 class _Edges(NamedTuple):
     """All edges as arrays."""
 
-    first: NDArray[np.int64]
-    second: NDArray[np.int64]
-    poses: Array
-    information: Array
-    is_loop: NDArray[np.bool_]
+    first: IntArray
+    second: IntArray
+    poses: FloatArray
+    information: FloatArray
+    is_loop: BoolArray
 
 
-def optimize(poses: Array, edges: list[Edge], robust: bool = True) -> Array:
+def optimize(poses: FloatArray, edges: list[Edge], robust: bool = True) -> FloatArray:
     """Return the likeliest poses (n, 3) of the nodes; the first stays where it is.
 
     Args:
@@ -65,7 +64,7 @@ def optimize(poses: Array, edges: list[Edge], robust: bool = True) -> Array:
     return poses
 
 
-def _descend(poses: Array, table: _Edges, limit: float) -> Array:
+def _descend(poses: FloatArray, table: _Edges, limit: float) -> FloatArray:
     """Levenberg-Marquardt at one limit of the squared errors."""
     from scipy.sparse.linalg import splu
 
@@ -88,17 +87,17 @@ def _descend(poses: Array, table: _Edges, limit: float) -> Array:
     return poses
 
 
-def edge_errors(poses: Array, edges: list[Edge]) -> Array:
+def edge_errors(poses: FloatArray, edges: list[Edge]) -> FloatArray:
     """Return the squared error (m,) of each edge, in sigmas."""
     if not edges:
         return np.empty(0)
     table = _arrays(edges)
     errors = _errors(poses, table)
-    chi2: Array = np.einsum("ni,nij,nj->n", errors, table.information, errors)
+    chi2: FloatArray = np.einsum("ni,nij,nj->n", errors, table.information, errors)
     return chi2
 
 
-def covariances(poses: Array, edges: list[Edge]) -> Array:
+def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
     """Return the covariance (n, 3, 3) of each pose relative to the first one, in the graph's frame."""
     factor = factorized(poses, edges)
     count = 3 * len(poses)
@@ -113,14 +112,14 @@ def covariances(poses: Array, edges: list[Edge]) -> Array:
     return 0.5 * (found + found.transpose(0, 2, 1))
 
 
-def factorized(poses: Array, edges: list[Edge]) -> Any:
+def factorized(poses: FloatArray, edges: list[Edge]) -> Any:
     """Return the factorized information matrix; its `solve` returns columns of the covariance."""
     from scipy.sparse.linalg import splu
 
     return splu(_normal_equations(poses, _arrays(edges), SCALING_CHI2)[0].tocsc())
 
 
-def relative_covariances(factor: Any, poses: Array, node: int, diagonal: Array) -> Array:
+def relative_covariances(factor: Any, poses: FloatArray, node: int, diagonal: FloatArray) -> FloatArray:
     """Return the covariance (n, 3, 3) of each pose relative to one node, in the graph's frame.
 
     Args:
@@ -136,7 +135,7 @@ def relative_covariances(factor: Any, poses: Array, node: int, diagonal: Array) 
     turn[:, 0, 2] = -(poses[:, 1] - poses[node, 1])
     turn[:, 1, 2] = poses[:, 0] - poses[node, 0]
     moved = cross @ turn.transpose(0, 2, 1)
-    found: Array = (
+    found: FloatArray = (
         diagonal - moved - moved.transpose(0, 2, 1) + turn @ diagonal[node] @ turn.transpose(0, 2, 1)
     )
     return found
@@ -152,17 +151,17 @@ def _arrays(edges: list[Edge]) -> _Edges:
     )
 
 
-def _wrapped(angles: Array) -> Array:
-    wrapped: Array = np.arctan2(np.sin(angles), np.cos(angles))
+def _wrapped(angles: FloatArray) -> FloatArray:
+    wrapped: FloatArray = np.arctan2(np.sin(angles), np.cos(angles))
     return wrapped
 
 
-def _errors(poses: Array, edges: _Edges) -> Array:
+def _errors(poses: FloatArray, edges: _Edges) -> FloatArray:
     """Return the error (m, 3) of each edge, in the frame of its first node."""
     one, other = poses[edges.first], poses[edges.second]
     cos, sin = np.cos(one[:, 2]), np.sin(one[:, 2])
     x, y = (other - one)[:, 0], (other - one)[:, 1]
-    errors: Array = np.column_stack(
+    errors: FloatArray = np.column_stack(
         [
             cos * x + sin * y - edges.poses[:, 0],
             -sin * x + cos * y - edges.poses[:, 1],
@@ -172,18 +171,18 @@ def _errors(poses: Array, edges: _Edges) -> Array:
     return errors
 
 
-def _scales(chi2: Array, is_loop: NDArray[np.bool_], limit: float) -> Array:
+def _scales(chi2: FloatArray, is_loop: BoolArray, limit: float) -> FloatArray:
     """Return the factor (m,) of each edge's information.
 
     A closure may be wrong (dynamic covariance scaling); the motion between neighbours may be far off, but no
     edge could replace it (Huber).
     """
     loops = np.minimum(1.0, 2.0 * limit / (limit + chi2)) ** 2
-    weights: Array = np.where(is_loop, loops, np.minimum(1.0, np.sqrt(limit / np.maximum(chi2, 1e-12))))
+    weights: FloatArray = np.where(is_loop, loops, np.minimum(1.0, np.sqrt(limit / np.maximum(chi2, 1e-12))))
     return weights
 
 
-def _cost(poses: Array, edges: _Edges, limit: float) -> float:
+def _cost(poses: FloatArray, edges: _Edges, limit: float) -> float:
     errors = _errors(poses, edges)
     chi2 = np.einsum("ni,nij,nj->n", errors, edges.information, errors)
     if math.isinf(limit):
@@ -194,7 +193,7 @@ def _cost(poses: Array, edges: _Edges, limit: float) -> float:
     return float(np.where(edges.is_loop, loops, motions).sum())
 
 
-def _normal_equations(poses: Array, edges: _Edges, limit: float) -> tuple[Any, Array]:
+def _normal_equations(poses: FloatArray, edges: _Edges, limit: float) -> tuple[Any, FloatArray]:
     """Return the Hessian (3n, 3n), sparse, and the gradient (3n,)."""
     from scipy.sparse import coo_matrix
 
@@ -224,7 +223,7 @@ def _normal_equations(poses: Array, edges: _Edges, limit: float) -> tuple[Any, A
     return coo_matrix((np.concatenate(values), indices), shape=shape).tocsc(), gradient.ravel()
 
 
-def _jacobians(poses: Array, edges: _Edges) -> tuple[Array, Array]:
+def _jacobians(poses: FloatArray, edges: _Edges) -> tuple[FloatArray, FloatArray]:
     """Return the slopes (m, 3, 3) of each error along the first and the second node's pose."""
     one, other = poses[edges.first], poses[edges.second]
     cos, sin = np.cos(one[:, 2]), np.sin(one[:, 2])
@@ -239,7 +238,7 @@ def _jacobians(poses: Array, edges: _Edges) -> tuple[Array, Array]:
     return first, second
 
 
-def _diagonal(values: Array) -> Any:
+def _diagonal(values: FloatArray) -> Any:
     from scipy.sparse import diags
 
     return diags(values)

@@ -7,15 +7,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray, Int32Array
 from handcart.robotics.numerics.compiled import compiled
 
 from .scan_log import Keyframe
 
-Array = NDArray[np.float64]
 MARGIN_M = 0.5
 """Room around what was hit."""
 MIN_HIT_SHARE = 0.25
@@ -32,9 +31,9 @@ class MapTooLarge(ValueError):
 class RayCounts(NamedTuple):
     """Counts of beams in each cell; row 0 has the lowest y."""
 
-    hits: NDArray[np.int32]
+    hits: Int32Array
     """(h, w) beams that ended in each cell."""
-    passes: NDArray[np.int32]
+    passes: Int32Array
     """(h, w) beams that passed each cell."""
     resolution: float
     """Side of a cell, in [m]."""
@@ -77,9 +76,7 @@ def count_rays(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], resolution
 
 
 @compiled
-def _cast(
-    hits: NDArray[np.int32], passes: NDArray[np.int32], origin: Array, ends: Array, is_hit: bool
-) -> None:
+def _cast(hits: Int32Array, passes: Int32Array, origin: FloatArray, ends: FloatArray, is_hit: bool) -> None:
     """Count beams from an origin (2,) to ends (n, 2), in cells: Amanatides and Woo (1987)."""
     height, width = hits.shape
     for k in range(len(ends)):

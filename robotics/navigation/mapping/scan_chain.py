@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_matching import LineMatch, match_surfaces
 from .pose_graph import Edge
@@ -15,7 +15,6 @@ from .scan_log import Keyframe
 from .scan_surface import Surface, merge_surfaces
 from .window_search import search_window
 
-Array = NDArray[np.float64]
 RECENT_KEYFRAMES = 10
 """Keyframes before the current one that it is matched with."""
 MIN_INLIERS = 0.4
@@ -30,7 +29,7 @@ ODOMETRY_SIGMAS = ((0.02, 0.1, 0.05), (0.01, 0.02, 0.1))
 """Standard deviation of position [m] and heading [rad]: at rest, per metre of travel, per radian of turn."""
 
 
-def odometry_information(moved: Pose2) -> Array:
+def odometry_information(moved: Pose2) -> FloatArray:
     """Return the information (3, 3) of a motion that odometry measured, for wheels nobody calibrated."""
     travel, turn = float(np.hypot(moved.x, moved.y)), abs(moved.theta)
     place, heading = (rest + metre * travel + radian * turn for rest, metre, radian in ODOMETRY_SIGMAS)

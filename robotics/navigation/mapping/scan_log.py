@@ -6,14 +6,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .scan_surface import Surface, fit_surface
 
-Array = NDArray[np.float64]
 KEYFRAME_TRAVEL_M = 0.3
 KEYFRAME_TURN_RAD = 0.2
 
@@ -21,11 +20,11 @@ KEYFRAME_TURN_RAD = 0.2
 class ScanLog(NamedTuple):
     """Scans of one lidar, and the odometry at the time of each, in order of time."""
 
-    times: Array
+    times: FloatArray
     """(n,) in [s], increasing."""
-    odometry: Array
+    odometry: FloatArray
     """(n, 3) odom_T_base: x, y in [m], heading in [rad]."""
-    angles: Array
+    angles: FloatArray
     """(b,) of the beams in the sensor frame, in [rad]."""
     ranges: FarArray
     """(n, b) in [m]; infinity where nothing is within the reach, NaN where nothing is known."""
@@ -51,11 +50,11 @@ class Keyframe(NamedTuple):
     """odom_T_base."""
     surface: Surface
     """Flat surfaces, to match."""
-    hits: Array
+    hits: FloatArray
     """(n, 2) where beams ended, in [m]."""
-    open_ends: Array
+    open_ends: FloatArray
     """(m, 2) ends of the beams on which nothing is within the reach, in [m]."""
-    origin: Array
+    origin: FloatArray
     """(2,) position of the sensor, in [m]."""
 
 

@@ -8,11 +8,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 HALF_WINDOW = 8
 """Beams on each side of a beam that may belong to the same surface."""
 MIN_SUPPORT_M = 0.2
@@ -27,7 +26,7 @@ MAX_FLATNESS = 0.1
 class Surface:
     """Points on surfaces, each with the surface's normal, which points to the side that was seen."""
 
-    def __init__(self, points: Array, normals: Array) -> None:
+    def __init__(self, points: FloatArray, normals: FloatArray) -> None:
         """Store `points` (n, 2) in [m] and unit `normals` (n, 2)."""
         self.points, self.normals = points, normals
 
@@ -56,7 +55,7 @@ def merge_surfaces(surfaces: Sequence[Surface]) -> Surface:
     )
 
 
-def fit_surface(points: Array, origin: Array) -> Surface:
+def fit_surface(points: FloatArray, origin: FloatArray) -> Surface:
     """Fit a line through the neighbours of each point of a scan, and return the points on flat surfaces.
 
     Each point is moved onto its line, so that the noise of a single beam averages out.
@@ -84,7 +83,7 @@ def fit_surface(points: Array, origin: Array) -> Surface:
     return Surface(smooth[flat], normals[flat])
 
 
-def _neighbours(points: Array, origin: Array) -> tuple[Array, Array]:
+def _neighbours(points: FloatArray, origin: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the points (n, k, 2) around each point, and weights (n, k): 1 on the same surface, else 0."""
     count = len(points)
     offsets = np.arange(-HALF_WINDOW, HALF_WINDOW + 1)
@@ -96,9 +95,9 @@ def _neighbours(points: Array, origin: Array) -> tuple[Array, Array]:
     return near, (distances <= reach[:, None]).astype(np.float64)
 
 
-def _spacing(points: Array, ranges: Array) -> Array:
+def _spacing(points: FloatArray, ranges: FloatArray) -> FloatArray:
     """Return the distance (n,) in [m] to the nearer neighbour in a scan, within what two degrees allow."""
     step = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1)
     nearer = np.minimum(step, np.roll(step, -1))
-    limited: Array = np.minimum(nearer, ranges * math.radians(2.0))
+    limited: FloatArray = np.minimum(nearer, ranges * math.radians(2.0))
     return limited

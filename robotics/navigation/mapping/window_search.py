@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
-Array = NDArray[np.float64]
 CELL_M = 0.1
 STRIDE_M = 0.2
 """Distance between the positions that are tried."""
@@ -35,7 +34,7 @@ class Hypothesis(NamedTuple):
 
 
 def search_window(
-    surface_points: Array, points: Array, centre: Pose2, reach: float, reach_turn: float
+    surface_points: FloatArray, points: FloatArray, centre: Pose2, reach: float, reach_turn: float
 ) -> list[Hypothesis]:
     """Return the best poses of a window, the best first, each at least `APART_M` from the others.
 
@@ -67,13 +66,13 @@ def search_window(
     return found
 
 
-def _steps(reach: float, step: float) -> Array:
+def _steps(reach: float, step: float) -> FloatArray:
     """Return the multiples (n,) of a step from -reach to reach, at least."""
     count = math.ceil(reach / step)
     return step * np.arange(-count, count + 1, dtype=np.float64)
 
 
-def _blurred(points: Array) -> tuple[NDArray[np.float32], Array]:
+def _blurred(points: FloatArray) -> tuple[SingleArray, FloatArray]:
     """Return the score of each cell (h, w), and the lower-left corner (2,) in [m]."""
     low = points.min(axis=0) - MARGIN_M
     cells = ((points - low) / CELL_M).astype(np.int64)
@@ -86,8 +85,8 @@ def _blurred(points: Array) -> tuple[NDArray[np.float32], Array]:
 
 @compiled
 def _scores(
-    picture: NDArray[np.float32], points: Array, turns: Array, xs: Array, ys: Array, cell: float
-) -> NDArray[np.float32]:
+    picture: SingleArray, points: FloatArray, turns: FloatArray, xs: FloatArray, ys: FloatArray, cell: float
+) -> SingleArray:
     """Return the mean score (turns, xs, ys) of points (n, 2) at each pose."""
     height, width = picture.shape
     found = np.zeros((len(turns), len(xs), len(ys)), np.float32)

@@ -10,8 +10,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import (
+    BoolArray,
+    FloatArray,
+    Int16Array,
+    Int32Array,
+    IntArray,
+    SingleArray,
+)
 from handcart.robotics.numerics.compiled import compiled
 
 # [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
@@ -25,15 +32,15 @@ class BlockedSquares(NamedTuple):
     All three arrays are one cell larger than the map on every side.
     """
 
-    above: NDArray[np.int16] | NDArray[np.int32]
+    above: Int16Array | Int32Array
     """(h + 2, w + 2) greatest row up to a cell's own that is blocked in its column, -1 if none is."""
-    below: NDArray[np.int16] | NDArray[np.int32]
+    below: Int16Array | Int32Array
     """(h + 2, w + 2) least row from a cell's own on that is blocked in its column, h + 2 if none is."""
-    distance: NDArray[np.float32]
+    distance: SingleArray
     """(h + 2, w + 2) from each cell's centre to the nearest blocked square, in [cells]."""
 
 
-def blocked_squares(blocked: NDArray[np.bool_]) -> BlockedSquares:
+def blocked_squares(blocked: BoolArray) -> BlockedSquares:
     """Compute the tables for the blocked cells (h, w) of a map."""
     padded = np.pad(blocked, 1, constant_values=True)
     whole = np.int16 if len(padded) < np.iinfo(np.int16).max else np.int32
@@ -45,10 +52,10 @@ def blocked_squares(blocked: NDArray[np.bool_]) -> BlockedSquares:
 
 @compiled
 def _measure(
-    blocked: NDArray[np.bool_],
-    above: NDArray[np.int16],
-    below: NDArray[np.int16],
-    distance: NDArray[np.float32],
+    blocked: BoolArray,
+    above: Int16Array,
+    below: Int16Array,
+    distance: SingleArray,
 ) -> None:
     """Fill in `above`, `below` and `distance`.
 
@@ -81,10 +88,10 @@ def _measure(
 
 @compiled
 def _envelope(
-    base: NDArray[np.float64],
-    apex: NDArray[np.int64],
-    begin: NDArray[np.float64],
-    between: NDArray[np.float64],
+    base: FloatArray,
+    apex: IntArray,
+    begin: FloatArray,
+    between: FloatArray,
 ) -> None:
     """The least (x - i)² + base[i] at each x = 0.5, 1.5, ... into `between`; the others are for scratch."""
     last = 0
@@ -182,7 +189,7 @@ def _stretch_clearance(
 
 @compiled
 def line_clearance(
-    squares: BlockedSquares, start: NDArray[np.float64], end: NDArray[np.float64], limit: float, enough: float
+    squares: BlockedSquares, start: FloatArray, end: FloatArray, limit: float, enough: float
 ) -> float:
     """Least distance of a straight line to any blocked square, in [cells]; exact, and -1 through a square.
 
@@ -228,9 +235,7 @@ def line_clearance(
 
 
 @compiled
-def is_clear(
-    squares: BlockedSquares, start: NDArray[np.float64], end: NDArray[np.float64], need: float
-) -> bool:
+def is_clear(squares: BlockedSquares, start: FloatArray, end: FloatArray, need: float) -> bool:
     """Return True if a straight line between two positions keeps `need`, in [cells], from every blocked
     square.
 
@@ -240,7 +245,7 @@ def is_clear(
 
 
 @compiled
-def path_clearance(squares: BlockedSquares, path: NDArray[np.float64]) -> NDArray[np.float64]:
+def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
     """(n,) least distance to blocked squares along the stretches that meet at each point of a path (n, 2).
 
     All in [cells]. So whatever one reads between two points, the less, the mean or anything in between, no

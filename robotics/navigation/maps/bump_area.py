@@ -6,17 +6,16 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 UNSEEN_SIZE_M = 0.45  # assumed size of what was run into: only one point of its outline is known
 FRONT_ANGLE_DEG = 75.0  # to both sides of the motion, in which a disc that is stopped touches
 GUARDED_ANGLE_DEG = 45.0  # likewise, in which a base keeps off on its way back: it may have slid
 SPACING_M = 0.05  # between points
 
-Floats = NDArray[np.float64]
 
-
-def bump_fronts(bumps: Floats, radius: float, half_angle_deg: float = GUARDED_ANGLE_DEG) -> Floats:
+def bump_fronts(bumps: FloatArray, radius: float, half_angle_deg: float = GUARDED_ANGLE_DEG) -> FloatArray:
     """Return (m, 2) points in [m] on the outline of a base where something stopped it.
 
     Args:
@@ -27,7 +26,7 @@ def bump_fronts(bumps: Floats, radius: float, half_angle_deg: float = GUARDED_AN
     return _sectors(bumps, np.array([radius]), half_angle_deg)
 
 
-def leading_points(outlines: Sequence[Floats], forwards: bool) -> Floats:
+def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray:
     """Return (m, 2) in [m] the half of each body's points that leads as the base drives.
 
     Args:
@@ -40,7 +39,7 @@ def leading_points(outlines: Sequence[Floats], forwards: bool) -> Floats:
     return np.asarray(np.unique(np.round(points / (0.5 * SPACING_M)), axis=0) * (0.5 * SPACING_M))
 
 
-def bump_areas(bumps: Floats, radius: float) -> Floats:
+def bump_areas(bumps: FloatArray, radius: float) -> FloatArray:
     """Return (m, 2) points in [m] that fill the area of a possible obstacle where a base was stopped.
 
     The obstacle touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it;
@@ -50,7 +49,7 @@ def bump_areas(bumps: Floats, radius: float) -> Floats:
     return _sectors(bumps, radius + depths, FRONT_ANGLE_DEG)
 
 
-def _sectors(bumps: Floats, radii: Floats, half_angle_deg: float) -> Floats:
+def _sectors(bumps: FloatArray, radii: FloatArray, half_angle_deg: float) -> FloatArray:
     bumps = np.asarray(bumps, dtype=np.float64).reshape(-1, 3)
     if len(bumps) == 0:
         return np.empty((0, 2))

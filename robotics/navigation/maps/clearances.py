@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 
@@ -18,7 +18,7 @@ class Nearest(NamedTuple):
 
     distance: float
     """Distance in [m]; 0 inside of the cell, inf if the map is empty."""
-    point: NDArray[np.float64]
+    point: FloatArray
     """(2,) of it, in [m]; NaN where there is nothing."""
 
 
@@ -28,7 +28,7 @@ class Clearances:
     Beyond the map there is nothing, or all is solid (`walled`).
     """
 
-    def __init__(self, grid: GridMap, solid: NDArray[np.bool_] | None = None, walled: bool = False) -> None:
+    def __init__(self, grid: GridMap, solid: BoolArray | None = None, walled: bool = False) -> None:
         """Prepare a map; takes a few milliseconds for 100,000 cells.
 
         Args:
@@ -37,7 +37,7 @@ class Clearances:
             walled: True if everything beyond the map's border is solid too.
         """
         chosen = grid.occupied if solid is None else solid
-        self.solid: NDArray[np.bool_] = np.pad(chosen, int(walled), constant_values=True)
+        self.solid: BoolArray = np.pad(chosen, int(walled), constant_values=True)
         """(h, w) cells, with a border of them where the map is `walled`."""
         self.resolution = grid.resolution
         """Side of a cell, in [m]."""
@@ -45,7 +45,7 @@ class Clearances:
         """(2,) lower-left corner of `solid`, in [m]."""
         self.empty = not bool(self.solid.any())
         """True if no cell is solid."""
-        self.between_centres: NDArray[np.float32] = np.zeros(self.solid.shape, dtype=np.float32)
+        self.between_centres: SingleArray = np.zeros(self.solid.shape, dtype=np.float32)
         """(h, w) from each cell's centre to that of the nearest solid one, in [cells]."""
         if not self.empty:
             open_ = (~self.solid).astype(np.uint8)
@@ -60,7 +60,7 @@ class Clearances:
         distance, column, row = nearest_square(self.solid, self.between_centres, x, y)
         return Nearest(distance * self.resolution, self.origin + self.resolution * np.array([column, row]))
 
-    def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(self, points: FloatArray) -> FloatArray:
         """Return the distance (n,) of points (n, 2), both in [m]; 0 inside a solid cell, inf if the map is
         empty.
         """
@@ -71,14 +71,14 @@ class Clearances:
         )
         return np.asarray(found * self.resolution)
 
-    def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _scaled(self, points: FloatArray) -> FloatArray:
         """Column and row (n, 2) in [cells]: cell [i, j] reaches from (j, i) to (j + 1, i + 1)."""
         return (points - self.origin) / self.resolution
 
 
 @compiled
 def nearest_square(
-    solid: NDArray[np.bool_], between_centres: NDArray[np.float32], x: float, y: float
+    solid: BoolArray, between_centres: SingleArray, x: float, y: float
 ) -> tuple[float, float, float]:
     """Distance of a point to the nearest solid cell's square, and where on it: x and y; all in [cells].
 
@@ -109,9 +109,7 @@ def nearest_square(
 
 
 @compiled
-def _distances(
-    solid: NDArray[np.bool_], between_centres: NDArray[np.float32], at: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _distances(solid: BoolArray, between_centres: SingleArray, at: FloatArray) -> FloatArray:
     found = np.empty(len(at))
     for i in range(len(at)):
         found[i] = nearest_square(solid, between_centres, at[i, 0], at[i, 1])[0]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 from .grid_map import GridMap
 
@@ -18,17 +18,15 @@ CELLS_PER_STEP = 32
 class ExpectedEchoes(NamedTuple):
     """Expected echo of each beam of a scan."""
 
-    met: NDArray[np.bool_]
+    met: BoolArray
     """(n,) whether it meets an occupied cell of the map within reach."""
-    cells: NDArray[np.int64]
+    cells: IntArray
     """Number (n,) of the first such cell in the map, by rows; -1 if the beam meets none."""
-    ranges: NDArray[np.float64]
+    ranges: FloatArray
     """Range (n,) of that cell, in [m]; infinity if the beam meets none."""
 
 
-def expected_echoes(
-    grid: GridMap, map_T_sensor: Pose2, angles: NDArray[np.float64], reach: float
-) -> ExpectedEchoes:
+def expected_echoes(grid: GridMap, map_T_sensor: Pose2, angles: FloatArray, reach: float) -> ExpectedEchoes:
     """Return what beams should show by the map.
 
     Args:
@@ -59,9 +57,9 @@ def expected_echoes(
     return ExpectedEchoes(met, cells, ranges)
 
 
-def _occupied(grid: GridMap, rows: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _occupied(grid: GridMap, rows: FloatArray, columns: FloatArray) -> BoolArray:
     """Return whether positions (n, m) in cells from the corner are in occupied cells; none beyond the map."""
     height, width = grid.occupied.shape
-    inside: NDArray[np.bool_] = (rows >= 0.0) & (rows < height) & (columns >= 0.0) & (columns < width)
+    inside: BoolArray = (rows >= 0.0) & (rows < height) & (columns >= 0.0) & (columns < width)
     inside[inside] = grid.occupied[rows[inside].astype(np.int64), columns[inside].astype(np.int64)]
     return inside

@@ -8,9 +8,9 @@ from typing import Literal, NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray, Int8Array, IntArray
 
 Mode = Literal["trinary", "scale", "raw"]
 UNKNOWN_VALUE = -1
@@ -22,9 +22,9 @@ UNKNOWN_GREY = 205  # what map_saver writes where nothing was measured
 class GridMap(NamedTuple):
     """Occupied and unknown cells of a map. Row 0 has the lowest y; a cell is read at its centre."""
 
-    occupied: NDArray[np.bool_]
+    occupied: BoolArray
     """(h, w), row by column."""
-    unknown: NDArray[np.bool_]
+    unknown: BoolArray
     """(h, w), never where `occupied`."""
     resolution: float
     """Side of a cell, in [m]."""
@@ -33,29 +33,29 @@ class GridMap(NamedTuple):
     origin_y: float
 
     @property
-    def blocked(self) -> NDArray[np.bool_]:
+    def blocked(self) -> BoolArray:
         """(h, w): occupied or unknown, where a robot has no business."""
         return self.occupied | self.unknown
 
-    def to_cell(self, points: NDArray[np.float64]) -> NDArray[np.int64]:
+    def to_cell(self, points: FloatArray) -> IntArray:
         """Cells (n, 2), row and column, of points (n, 2) in [m]; of points off the map too."""
         scaled = (np.asarray(points, dtype=np.float64) - (self.origin_x, self.origin_y)) / self.resolution
-        cells: NDArray[np.int64] = np.floor(scaled[:, ::-1]).astype(np.int64)
+        cells: IntArray = np.floor(scaled[:, ::-1]).astype(np.int64)
         return cells
 
-    def to_point(self, cells: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]:
+    def to_point(self, cells: IntArray | FloatArray) -> FloatArray:
         """Centres (n, 2) in [m] of cells (n, 2), row and column; positions between cells are welcome."""
         corner = np.array([self.origin_x, self.origin_y])
-        points: NDArray[np.float64] = (np.asarray(cells)[:, ::-1] + 0.5) * self.resolution + corner
+        points: FloatArray = (np.asarray(cells)[:, ::-1] + 0.5) * self.resolution + corner
         return points
 
-    def inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def inside(self, points: FloatArray) -> BoolArray:
         """(n,): which of the points (n, 2) in [m] lie on the map."""
         cells = self.to_cell(points)
-        within: NDArray[np.bool_] = np.all((cells >= 0) & (cells < self.occupied.shape), axis=1)
+        within: BoolArray = np.all((cells >= 0) & (cells < self.occupied.shape), axis=1)
         return within
 
-    def with_points(self, points: NDArray[np.float64], radius: float = 0.0) -> GridMap:
+    def with_points(self, points: FloatArray, radius: float = 0.0) -> GridMap:
         """Return this map with each sensed point (n, 2), in [m], as an obstacle.
 
         Cells whose centre is within `radius`, in [m], of a point become occupied, and always its own cell.
@@ -71,7 +71,7 @@ class GridMap(NamedTuple):
         return self._replace(occupied=self.occupied | added, unknown=self.unknown & ~added)
 
 
-def from_occupancy(values: NDArray[np.int8], resolution: float, origin: tuple[float, float]) -> GridMap:
+def from_occupancy(values: Int8Array, resolution: float, origin: tuple[float, float]) -> GridMap:
     """A map from occupancies (h, w) in percent, row 0 at the bottom: 100 is occupied, 0 free, others unknown.
 
     Args:
@@ -84,7 +84,7 @@ def from_occupancy(values: NDArray[np.int8], resolution: float, origin: tuple[fl
 
 
 def from_ros(
-    image: NDArray[np.uint8],
+    image: ByteArray,
     resolution: float,
     origin: tuple[float, float],
     occupied_thresh: float,
@@ -105,7 +105,7 @@ def from_ros(
     return from_occupancy(values, resolution, origin)
 
 
-def unknown_read_as_free(image: NDArray[np.uint8], free_thresh: float, negate: bool = False) -> int:
+def unknown_read_as_free(image: ByteArray, free_thresh: float, negate: bool = False) -> int:
     """Count the cells of grey 205 (nothing was measured there) that the threshold turns into free ones."""
     is_free = occupancy_of_levels(negate)[UNKNOWN_GREY] <= free_thresh
     return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
@@ -165,20 +165,20 @@ def _draw(grid: GridMap, box: FloorBox) -> None:
     grid.occupied[low[0] : high[0], low[1] : high[1]] |= overlap
 
 
-def occupancy_of_levels(negate: bool) -> NDArray[np.float64]:
+def occupancy_of_levels(negate: bool) -> FloatArray:
     """Return (256,) the occupancy, 0 to 1, of each grey level; dark is occupied, unless `negate`."""
     level = np.arange(256) / 255.0
     return level if negate else 1.0 - level
 
 
 def ros_occupancy(
-    image: NDArray[np.uint8],
+    image: ByteArray,
     mode: Mode,
     occupied_thresh: float,
     free_thresh: float,
     negate: bool = False,
-    opaque: NDArray[np.bool_] | None = None,
-) -> NDArray[np.int8]:
+    opaque: BoolArray | None = None,
+) -> Int8Array:
     """Occupancy (h, w) in percent, -1 for unknown, row 0 at the bottom: an OccupancyGrid's data.
 
     After nav2_map_server/src/map_io.cpp: `trinary` knows 0, 100 and unknown; `scale` also what lies between
@@ -204,12 +204,10 @@ def ros_occupancy(
     return values[::-1]
 
 
-def _table(
-    level: NDArray[np.float64], mode: Mode, occupied_thresh: float, free_thresh: float
-) -> NDArray[np.int8]:
+def _table(level: FloatArray, mode: Mode, occupied_thresh: float, free_thresh: float) -> Int8Array:
     between = np.full(256, float(UNKNOWN_VALUE))
     if mode == "scale":
         between = np.floor(100.0 * (level - free_thresh) / (occupied_thresh - free_thresh) + 0.5)
     found = np.where(level >= occupied_thresh, OCCUPIED_VALUE, between)
-    table: NDArray[np.int8] = np.where(level <= free_thresh, FREE_VALUE, found).astype(np.int8)
+    table: Int8Array = np.where(level <= free_thresh, FREE_VALUE, found).astype(np.int8)
     return table

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, IntArray
 
 
 def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
@@ -21,7 +21,7 @@ def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
     return grid._replace(unknown=grid.unknown | (barred & ~grid.occupied))
 
 
-def keepout_cells(grid: GridMap, zones: GridMap) -> NDArray[np.bool_]:
+def keepout_cells(grid: GridMap, zones: GridMap) -> BoolArray:
     """(h, w) cells of `grid` that a zone touches: whose centre lies in one, or that hold a zone's centre."""
     height, width = grid.occupied.shape
     across, up = np.arange(width, dtype=np.int64), np.arange(height, dtype=np.int64)
@@ -36,12 +36,10 @@ def keepout_cells(grid: GridMap, zones: GridMap) -> NDArray[np.bool_]:
     return barred
 
 
-def _picked(
-    cells: NDArray[np.bool_], rows: NDArray[np.int64], columns: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def _picked(cells: BoolArray, rows: IntArray, columns: IntArray) -> BoolArray:
     """(len(rows), len(columns)): those cells, False beyond the edge."""
     height, width = cells.shape
     inside = ((rows >= 0) & (rows < height))[:, None] & ((columns >= 0) & (columns < width))
     picked = cells[np.clip(rows, 0, height - 1)[:, None], np.clip(columns, 0, width - 1)]
-    found: NDArray[np.bool_] = picked & inside
+    found: BoolArray = picked & inside
     return found

@@ -6,18 +6,17 @@ import math
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 THIN_WALL_CELLS = 0.1  # of a cell: thickness of a wall that is one cell wide
 LONE_POST_CELLS = 0.5  # of a cell: side of a post of one cell
 
-Cells = NDArray[np.int64]
 _RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
-def map_walls(grid: GridMap) -> NDArray[np.float64]:
+def map_walls(grid: GridMap) -> FloatArray:
     """Return rectangles (n, 5) for the occupied cells: x, y, yaw, length, width each, in [m] and [rad].
 
     Surfaces are at the centres of the outermost occupied cells, where scan matching and planning read
@@ -43,7 +42,7 @@ def map_walls(grid: GridMap) -> NDArray[np.float64]:
     return np.column_stack([middles, table[:, 2], table[:, 3:] * grid.resolution])
 
 
-def _blocks(filled: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _blocks(filled: BoolArray) -> FloatArray:
     """Rectangles over squares between four occupied cells each: runs in rows, equal ones put together."""
     squares = np.argwhere(filled)
     first, wide = _runs(squares[:, 0], squares[:, 1])
@@ -54,7 +53,7 @@ def _blocks(filled: NDArray[np.bool_]) -> NDArray[np.float64]:
     return np.column_stack([middle, np.zeros(len(first)), size[:, ::-1]])
 
 
-def _lines(starts: Cells, step: tuple[int, int]) -> NDArray[np.float64]:
+def _lines(starts: IntArray, step: tuple[int, int]) -> FloatArray:
     """Thin walls over joints (n, 2) from a cell to the one a step on; joints in a row put together."""
     down, right = step
     first, long = _runs(starts[:, 1] * down - starts[:, 0] * right, starts[:, 0 if down else 1])
@@ -65,13 +64,13 @@ def _lines(starts: Cells, step: tuple[int, int]) -> NDArray[np.float64]:
     )
 
 
-def _posts(cells: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _posts(cells: BoolArray) -> FloatArray:
     """Cells that touch no other."""
     lone = np.argwhere(cells & (cv2.dilate(cells.view(np.uint8), _RING) == 0))
     return np.column_stack([lone, np.zeros(len(lone)), np.full((len(lone), 2), LONE_POST_CELLS)])
 
 
-def _runs(line: Cells, at: Cells) -> tuple[Cells, Cells]:
+def _runs(line: IntArray, at: IntArray) -> tuple[IntArray, IntArray]:
     """Unbroken runs of whole numbers `at` (n,) on the same `line` (n,): index of their first, and lengths."""
     order = np.lexsort((at, line))
     broken = (np.diff(line[order], prepend=-1) != 0) | (np.diff(at[order], prepend=-1) != 1)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 MAX_POINT_GAP_M = 0.6  # [m]: points nearer to each other belong to one thing
 HIDDEN_DEPTH_M = 0.25  # [m] by which a thing may be deeper than it was seen
-Array = NDArray[np.float64]
 
 
-def point_discs(points: Array) -> Array:
+def point_discs(points: FloatArray) -> FloatArray:
     """(n, 3) x, y, radius in [m] of the things that points (m, 2) lie on."""
     points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     if len(points) == 0:
@@ -26,7 +26,7 @@ def point_discs(points: Array) -> Array:
     return np.array([_disc(points[label == k]) for k in range(count)])
 
 
-def _disc(points: Array) -> Array:
+def _disc(points: FloatArray) -> FloatArray:
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     radius = float(np.hypot(*(points - middle).T).max()) + HIDDEN_DEPTH_M
     return np.array([*middle, radius])

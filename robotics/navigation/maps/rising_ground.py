@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 MAX_GROUND_SLOPE = 0.15  # [m/m] by which ground may rise from where the base stands
 
 
-def may_be_ground(points: NDArray[np.float64], height: float, tilt: tuple[float, float]) -> NDArray[np.bool_]:
+def may_be_ground(points: FloatArray, height: float, tilt: tuple[float, float]) -> BoolArray:
     """Return True for points (n, 2) of a scan that lie so low that ground may reach them.
 
     On a tilted base a beam sinks with its length, or the ground rises to it. An obstacle is higher: it

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray, SingleArray
 
 from .grid_map import GridMap
 from .speed_limits import AllowedSpeeds
@@ -19,13 +20,13 @@ class RoomSpeeds(NamedTuple):
     """Speed limits on a map with obstacles, and other limits if there are any."""
 
     grid: GridMap
-    clearance: NDArray[np.float32]
+    clearance: SingleArray
     """(h, w) distance from the centres of its cells to the nearest obstacle, in [m]."""
     radius: float
     """Radius of the footprint, in [m]."""
     other: AllowedSpeeds | None = None
 
-    def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
+    def at(self, points: FloatArray, top: float) -> FloatArray:
         """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
         cells = np.clip(self.grid.to_cell(points), 0, np.array(self.clearance.shape) - 1)
         room = self.clearance[cells[:, 0], cells[:, 1]].astype(np.float64) - self.radius

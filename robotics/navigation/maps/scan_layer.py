@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int8Array, Int32Array, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 from .grid_map import GridMap
@@ -17,8 +17,6 @@ PASS_SCORE = 1  # taken from a cell through which beams pass, once a scan
 OCCUPIED_SCORE = 5  # from which a cell counts as occupied: two hits; a lone reading is noise
 MAX_SCORE = 12  # so that what has left is cleared by eight scans
 REACH_M = 6.0  # beyond which nothing is taken in: beams are sparse and the heading's error shifts their ends
-
-Floats = NDArray[np.float64]
 
 
 class ScanLayer:
@@ -41,12 +39,12 @@ class ScanLayer:
         self._stamp = 0
 
     @property
-    def occupied(self) -> NDArray[np.bool_]:
+    def occupied(self) -> BoolArray:
         """(h, w) cells in which something was sensed."""
         return np.asarray(self._scores >= OCCUPIED_SCORE)
 
     @property
-    def points(self) -> Floats:
+    def points(self) -> FloatArray:
         """(n, 2) centres of the occupied cells on the map, in [m]."""
         return self._grid.to_point(np.argwhere(self.occupied))
 
@@ -60,9 +58,9 @@ class ScanLayer:
     def take(
         self,
         map_T_sensor: Pose2,
-        angles: Floats,
-        ranges: Floats,
-        explained: NDArray[np.bool_],
+        angles: FloatArray,
+        ranges: FloatArray,
+        explained: BoolArray,
         time: float,
     ) -> None:
         """Take in a scan.
@@ -84,7 +82,7 @@ class ScanLayer:
         raises = hits & ~explained
         _take(self._scores, self._hit_at, self._stamps, self._stamp, start, ends, raises, time)
 
-    def add(self, points: Floats, time: float) -> None:
+    def add(self, points: FloatArray, time: float) -> None:
         """Mark the cells of points (n, 2) on the map, in [m], as occupied at a time in [s]."""
         cells = self._grid.to_cell(points[self._grid.inside(points)])
         rows, columns = cells[:, 0], cells[:, 1]
@@ -97,7 +95,7 @@ class ScanLayer:
         self._scores[old] = 0
         return bool(old.any())
 
-    def cells(self) -> Floats:
+    def cells(self) -> FloatArray:
         """Return (n, 4) what was sensed: x, y of the cells in [m], score, and time of the last hit in [s]."""
         found = np.argwhere(self._scores > 0)
         rows, columns = found.T
@@ -105,7 +103,7 @@ class ScanLayer:
             [self._grid.to_point(found), self._scores[rows, columns], self._hit_at[rows, columns]]
         )
 
-    def restore(self, cells: Floats) -> None:
+    def restore(self, cells: FloatArray) -> None:
         """Take over what `cells` returned, also from a layer on another map."""
         inside = cells[self._grid.inside(cells[:, :2])] if len(cells) else cells
         rows, columns = self._grid.to_cell(inside[:, :2]).T
@@ -115,13 +113,13 @@ class ScanLayer:
 
 @compiled
 def _take(
-    scores: NDArray[np.int8],
-    hit_at: NDArray[np.float32],
-    stamps: NDArray[np.int32],
+    scores: Int8Array,
+    hit_at: SingleArray,
+    stamps: Int32Array,
     stamp: int,
-    start: Floats,
-    ends: Floats,
-    raises: NDArray[np.bool_],
+    start: FloatArray,
+    ends: FloatArray,
+    raises: BoolArray,
     time: float,
 ) -> None:
     """Raise the cells at the ends of beams, then lower those between; positions are rows and columns.

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array
 
 
 class AllowedSpeeds(Protocol):
     """Speed limits by position."""
 
-    def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
+    def at(self, points: FloatArray, top: float) -> FloatArray:
         """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
         ...
 
@@ -26,7 +26,7 @@ class SpeedLimits(NamedTuple):
     "unlimited".
     """
 
-    values: NDArray[np.int8]
+    values: Int8Array
     """(h, w) 0 to 100, -1 for unknown, row 0 at the bottom."""
     resolution: float
     """Side of a cell, in [m]."""
@@ -37,7 +37,7 @@ class SpeedLimits(NamedTuple):
     base: float
     multiplier: float
 
-    def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
+    def at(self, points: FloatArray, top: float) -> FloatArray:
         """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
         nothing = np.zeros(self.values.shape, dtype=np.bool_)
         grid = GridMap(nothing, nothing, self.resolution, *self.origin)

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array
 
 MAX_CELLS = 50_000_000
 UNKNOWN_VALUE = -1
@@ -22,7 +22,7 @@ class TooManyCells(ValueError):
 class TurnedOccupancy(NamedTuple):
     """A grid along the axes of its frame."""
 
-    values: NDArray[np.int8]
+    values: Int8Array
     """(h, w) in percent, -1 for unknown, row 0 at the bottom."""
     origin: tuple[float, float]
     """Lower-left corner, in [m]."""
@@ -33,7 +33,7 @@ def is_level(shape: tuple[int, ...], yaw: float) -> bool:
     return math.hypot(*shape) * abs(wrap(yaw)) < 0.5
 
 
-def turned_occupancy(values: NDArray[np.int8], resolution: float, corner: Pose2) -> TurnedOccupancy:
+def turned_occupancy(values: Int8Array, resolution: float, corner: Pose2) -> TurnedOccupancy:
     """Return the grid along x and y: each new cell has the value of the old cell in which its middle lies.
 
     The nearest cell is taken, not a mean: surfaces neither blur nor move, and are off by half a cell at most.
@@ -64,11 +64,11 @@ def turned_occupancy(values: NDArray[np.int8], resolution: float, corner: Pose2)
 
 
 def _sample_row(
-    values: NDArray[np.int8],
+    values: Int8Array,
     resolution: float,
     corner: Pose2,
-    start: NDArray[np.float64],
-    out: NDArray[np.int8],
+    start: FloatArray,
+    out: Int8Array,
 ) -> None:
     """Fill a row of new cells whose lower-left corner is at `start`."""
     height, width = values.shape

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.watched_moment import (
@@ -28,6 +27,7 @@ from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, F
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import Sky, leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import Entries, TrackRecord
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .filter_history import FilterMoment, FilterRequest, FixResult
 from .fix_monitor import MAX_TESTED_FIXES, FixMonitor, whitened
@@ -44,7 +44,6 @@ MIN_LOG_SHARE = math.log(1e-4)  # of what fixes' error may have done: less likel
 LEAST_TIME = 0.1  # [s] in which fixes may leap at least, for want of a step between two of them
 _BIAS_ROW = np.array([[1.0 if k in (states.BIAS, states.WARM_UP) else 0.0 for k in range(states.STATE_SIZE)]])
 _LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.STATE_SIZE)])
-Array = NDArray[np.float64]
 
 
 class FieldKalman:
@@ -57,16 +56,16 @@ class FieldKalman:
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
-        "_mean": Array,
-        "_spread": Array,
+        "_mean": FloatArray,
+        "_spread": FloatArray,
         "_rested": bool,
-        "_still": Array,
+        "_still": FloatArray,
         "_speed": float,
         "_unseen": float,
         "_lost": LostTrack,
         "_monitor": FixMonitor,
         "_past": list[tuple[FilterMoment, list[Advance | FilterRequest]]],
-        "_refused": Array,
+        "_refused": FloatArray,
         "_record": TrackRecord | None,
         "_origin": WatchedMoment | None,
         "refused": int,
@@ -179,7 +178,7 @@ class FieldKalman:
         self._correct(_BIAS_ROW, np.array([residual]), self.noise.gyro_white**2 / time)
         self._still = np.zeros(2)
 
-    def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> FixResult:
+    def fix(self, position: FloatArray, sigma: float | None, odometry: GyroOdometry) -> FixResult:
         """Update with a GNSS position (2,) in [m], if it is plausible.
 
         Args:
@@ -226,7 +225,7 @@ class FieldKalman:
             )
         return FixResult(False, likelihood, square, why)
 
-    def _leap(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> FixResult:
+    def _leap(self, position: FloatArray, sigma: float | None, odometry: GyroOdometry) -> FixResult:
         """Fixes have been off together since they leapt: begin with this one to find out by how much."""
         self._monitor.reset()
         self._mean, self._spread = _LEAPT @ self._mean, leapt(self._spread, self.noise.jump)
@@ -235,7 +234,7 @@ class FieldKalman:
         leaps = LEAST_TIME / self.noise.jump_every
         return fixed._replace(log_likelihood=fixed.log_likelihood + math.log(leaps))
 
-    def _reflected(self, residual: Array, whole: Array) -> float:
+    def _reflected(self, residual: FloatArray, whole: FloatArray) -> float:
         """Return the log-likelihood of a rejected fix: anywhere, or off in the same way as those before
         it.
         """
@@ -248,7 +247,7 @@ class FieldKalman:
         self._refused = goes_on + np.append(residual, 1.0)
         return float(np.logaddexp(anywhere, alike))
 
-    def _skies(self, rows: Array, residual: Array, variance: float) -> list[Sky]:
+    def _skies(self, rows: FloatArray, residual: FloatArray, variance: float) -> list[Sky]:
         """Return the possible changes of the fixes' error since the last one; their likelihoods add up to the
         fix's.
 
@@ -266,7 +265,7 @@ class FieldKalman:
         )
         return [same._replace(log_likelihood=same.log_likelihood + math.log1p(-leaps)), other]
 
-    def _take_in(self, skies: list[Sky], rows: Array, variance: float) -> None:
+    def _take_in(self, skies: list[Sky], rows: FloatArray, variance: float) -> None:
         """Correct by a fix under each sky, and keep the mixture (first-order generalised pseudo-Bayes)."""
         if len(skies) == 1 and skies[0].transition is None:
             self._correct(rows, skies[0].residual, variance)
@@ -288,14 +287,14 @@ class FieldKalman:
             self._origin = self._origin.corrected_either(branches, rows, variance)
         self._mean, self._spread = mixed(each, weights)
 
-    def _correct(self, rows: Array, residual: Array, variance: float) -> None:
+    def _correct(self, rows: FloatArray, residual: FloatArray, variance: float) -> None:
         if self._record is not None:
             self._record.correct(self._spread, rows, residual, variance)
         if self._origin is not None:
             self._origin = self._origin.corrected(self._spread, rows, residual, variance)
         self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
 
-    def _went_on(self, transition: Array) -> None:
+    def _went_on(self, transition: FloatArray) -> None:
         """Propagate the recorder and the origin's cloned states by `transition` (13, 13)."""
         if self._record is not None:
             self._record.step(transition)

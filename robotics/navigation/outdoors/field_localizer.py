@@ -8,18 +8,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.numerics.arrays import FloatArray
 
 CONSISTENCY_WINDOW = 60.0  # [s] over which readings are held against what was expected of them
 MIN_READINGS = 10  # readings to judge by
 MAX_MEAN_SIGMAS = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
 MAX_REFUSED_SHARE = 0.5  # share of readings: more, and it is the filter that may be wrong
 STEP_PERIOD_S = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
-Array = NDArray[np.float64]
 
 
 class Inconsistency(NamedTuple):
@@ -98,11 +97,11 @@ class FieldLocalizer(ABC):
 
     @property
     @abstractmethod
-    def covariance(self) -> Array:
+    def covariance(self) -> FloatArray:
         """(3, 3) of x, y in [m] and heading in [rad], in the world's frame, at the last step."""
 
     @property
-    def particles(self) -> Array | None:
+    def particles(self) -> FloatArray | None:
         """(3, n) x, y in [m], heading in [rad]; None where it isn't made of particles."""
         return None
 
@@ -128,14 +127,14 @@ class FieldLocalizer(ABC):
         x, y, turn = now.relative_to(self._lead)
         return Belief(np.array([x, y, wrap(turn)]), covariance)
 
-    def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
+    def predict(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
         """Take in one period's readings (see `GyroOdometry.update`)."""
         self._odometry.update(rates, accelerations, wheels, dt)
         due = self.REST_PERIOD if self._odometry.at_rest else STEP_PERIOD_S
         if self._odometry.pending >= due - 1e-9:
             self._flush()
 
-    def fix(self, position: Array, sigma: float | None = None) -> bool:
+    def fix(self, position: FloatArray, sigma: float | None = None) -> bool:
         """Take in a GPS position (2,) in [m], measured now; whether it was believed.
 
         `sigma` [m] an axis is what the receiver says; the filter's own figure if None. A position that isn't
@@ -146,7 +145,7 @@ class FieldLocalizer(ABC):
         self._flush()
         return self._fix(np.asarray(position, dtype=np.float64), sigma)
 
-    def ranges(self, distances: Array) -> None:
+    def ranges(self, distances: FloatArray) -> None:
         """Take in ranges (k,) in [m] to the beacons, measured now; NaN of those that weren't heard."""
         if self.TAKES_RANGES:
             self._flush()
@@ -168,7 +167,7 @@ class FieldLocalizer(ABC):
             self._advance(self._odometry.take())
             self._since = self._odometry.pose
 
-    def _ranges(self, distances: Array) -> None:
+    def _ranges(self, distances: FloatArray) -> None:
         """Update with ranges, after all earlier readings."""
 
     @abstractmethod
@@ -190,7 +189,7 @@ class FieldLocalizer(ABC):
         """One step of the filter."""
 
     @abstractmethod
-    def _fix(self, position: Array, sigma: float | None) -> bool:
+    def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         """Update with a fix of finite position, after all earlier readings."""
 
 

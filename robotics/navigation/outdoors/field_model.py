@@ -6,17 +6,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_CURVATURE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 from handcart.robotics.numerics.small_solve import solved
 
 X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y, DELAY = range(13)
 STATE_SIZE = 13
 TILT_SIGMA_RAD = math.radians(0.17)  # what a levelled accelerometer of ordinary make leaves
-Array = NDArray[np.float64]
 
 
 class FieldModel(NamedTuple):
@@ -31,7 +30,7 @@ class FieldModel(NamedTuple):
     tilt: float = TILT_SIGMA_RAD
     """Sigma of the estimated roll and pitch, in [rad]: the antenna isn't where it is thought to be."""
 
-    def start(self, pose: Array, position_sigma: float) -> tuple[Array, Array]:
+    def start(self, pose: FloatArray, position_sigma: float) -> tuple[FloatArray, FloatArray]:
         """Mean (13,) and covariance (13, 13) before the first reading, at a pose (3,)."""
         noise = self.noise
         mean = np.zeros(STATE_SIZE)
@@ -46,16 +45,20 @@ class FieldModel(NamedTuple):
         return mean, np.diag(sigmas**2)
 
     @property
-    def figures(self) -> Array:
+    def figures(self) -> FloatArray:
         """(11,) for the compiled step."""
         n = self.noise
         ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]
         gyro = [n.gyro_white, n.gyro_walk, n.gyro_warm_up_time]
         return np.array([*ground, *gyro, self._drift, n.gps_drift_time])
 
-    def step(self, mean: Array, advance: Advance, new_leg: bool) -> tuple[Array, Array, Array]:
+    def step(
+        self, mean: FloatArray, advance: Advance, new_leg: bool
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mean (13,), transition (13, 13) and added variances (13,) of one step."""
-        out: tuple[Array, Array, Array] = field_step(mean, np.array(advance), new_leg, self.figures)
+        out: tuple[FloatArray, FloatArray, FloatArray] = field_step(
+            mean, np.array(advance), new_leg, self.figures
+        )
         return out
 
     @property
@@ -65,7 +68,9 @@ class FieldModel(NamedTuple):
 
 
 @compiled
-def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tuple[Array, Array, Array]:
+def field_step(
+    mean: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """See `FieldModel.step`; `advance` as in `Advance`."""
     forward, turn, drift, time, rest, _ = advance
     slip, slip_length, turn_slip, side, side_length, side_turning = figures[:6]
@@ -120,15 +125,15 @@ def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tu
 
 @compiled
 def went_on(
-    mean: Array, covariance: Array, advance: Array, new_leg: bool, figures: Array
-) -> tuple[Array, Array, Array]:
+    mean: FloatArray, covariance: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean (13,), covariance and transition (13, 13) after a step (see `FieldModel.step`)."""
     mean, transition, added = field_step(mean, advance, new_leg, figures)
     return mean, carried(covariance, transition, added), transition
 
 
 @compiled
-def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> Array:
+def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> FloatArray:
     """(2,) from the base to its `antenna` [m] in the world's axes, in [m]; tilt and heading in [rad]."""
     x, y, z = antenna
     roll, pitch = tilt
@@ -139,7 +144,7 @@ def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], 
 
 
 @compiled
-def fix_forecast(mean: Array, lever: Array, speed: float) -> tuple[Array, Array]:
+def fix_forecast(mean: FloatArray, lever: FloatArray, speed: float) -> tuple[FloatArray, FloatArray]:
     """Return how a fix depends on the states, rows (2, 13), and its expected position (2,) in [m].
 
     Args:
@@ -160,7 +165,7 @@ def fix_forecast(mean: Array, lever: Array, speed: float) -> tuple[Array, Array]
 
 
 @compiled
-def carried(covariance: Array, transition: Array, added: Array) -> Array:
+def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -> FloatArray:
     """The covariance (13, 13) after a step."""
     out = transition @ covariance @ transition.T
     for i in range(len(added)):
@@ -170,8 +175,8 @@ def carried(covariance: Array, transition: Array, added: Array) -> Array:
 
 @compiled
 def corrected(
-    mean: Array, covariance: Array, rows: Array, residual: Array, variance: float
-) -> tuple[Array, Array]:
+    mean: FloatArray, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
+) -> tuple[FloatArray, FloatArray]:
     """Mean and covariance after readings with `residual` (m,) = reading - forecast, each of `variance`.
 
     `rows` (m, 13) is how they depend on the states. In Joseph's form the covariance stays positive.

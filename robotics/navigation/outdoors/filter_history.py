@@ -5,13 +5,9 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.robotics.navigation.localization.watched_moment import Belief, WatchedMoment
 from handcart.robotics.navigation.outdoors.smoothing import Entries
-
-Array = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class FilterRequest(Enum):
@@ -26,7 +22,7 @@ class FilterMoment(NamedTuple):
 
     belief: Belief
     rested: bool
-    still: Array
+    still: FloatArray
     entries: Entries
     origin: WatchedMoment | None
 

@@ -6,13 +6,13 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 MAX_SQUARED_SIGMAS = 25.0  # squared sigmas, two degrees of freedom: 4 in a million good ones are beyond
 RECOVERED_SQUARED_SIGMAS = 9.0  # squared sigmas of a mean that is good again
 MAX_TESTED_FIXES = 24  # fixes in a row that are tested together
 RECOVERY_FIX_COUNT = 5  # fixes in a row that must be good before one is believed again
-Array = NDArray[np.float64]
 
 
 class FixMonitor:
@@ -23,17 +23,17 @@ class FixMonitor:
     are where the filter, left alone, expects them.
     """
 
-    STATE: ClassVar = {"_sums": list[Array], "_doubted": list[Array], "doubting": bool}
+    STATE: ClassVar = {"_sums": list[FloatArray], "_doubted": list[FloatArray], "doubting": bool}
     """Attributes that change, with their types."""
 
     def __init__(self) -> None:
         """No fix yet."""
-        self._sums: list[Array] = []  # normalised innovations (2,) of believed fixes
-        self._doubted: list[Array] = []  # residuals (2,) in [m]
+        self._sums: list[FloatArray] = []  # normalised innovations (2,) of believed fixes
+        self._doubted: list[FloatArray] = []  # residuals (2,) in [m]
         self.doubting = False
         """True while fixes are rejected until proved right."""
 
-    def suspects(self, residual: Array, covariance: Array) -> int:
+    def suspects(self, residual: FloatArray, covariance: FloatArray) -> int:
         """Return how many of the latest fixes are implausible, this one counted first; 0 if all are
         plausible.
 
@@ -56,7 +56,7 @@ class FixMonitor:
         self._doubted = []
         return count
 
-    def cleared(self, residual: Array, forecast: Array, variance: float) -> bool:
+    def cleared(self, residual: FloatArray, forecast: FloatArray, variance: float) -> bool:
         """Return True if the doubt is over, given this fix's residual (2,) and its `variance` an axis, in
         [m²].
 
@@ -81,7 +81,7 @@ class FixMonitor:
         self._sums, self._doubted = [], []
 
 
-def whitened(residual: Array, covariance: Array) -> Array:
+def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
     """(2,) of which each is one sigma, by the covariance's lower root."""
     a = math.sqrt(covariance[0, 0])
     b = covariance[1, 0] / a

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
@@ -24,6 +23,7 @@ from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD, HeadingBank
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
+from handcart.robotics.numerics.arrays import FloatArray
 
 CAUTION_SHARES = (
     0.015,
@@ -32,7 +32,6 @@ CAUTION_SHARES = (
 WORSENING_PROBABILITY = 1e-4  # with each fix a world may become a worse one; never a better one
 UNKNOWN_HEADING_SIGMA_RAD = 1.0  # [rad] of a start heading's sigma: more, and it isn't told at all
 MIN_WEIGHT = 1e-130  # of a weight: two hours of good fixes bring it back
-Array = NDArray[np.float64]
 
 
 class GpsFilter(FieldLocalizer):
@@ -48,7 +47,7 @@ class GpsFilter(FieldLocalizer):
     """See `FieldLocalizer`: nothing but slow errors change meanwhile."""
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
-        "_weights": Array,
+        "_weights": FloatArray,
         "_searching": bool,
         "log_likelihood": float,
         "_clock": float,
@@ -86,7 +85,7 @@ class GpsFilter(FieldLocalizer):
             tuple[float, float | None]
         ] = []  # times of fixes, and squares as in `Fixed`; None if refused
         shares = np.array([each.share for each in supposed])
-        self._weights: Array = shares / shares.sum()
+        self._weights: FloatArray = shares / shares.sum()
         self._worse = [each.worse for each in supposed]
         worse = np.array([[a.may_become(b) for a in supposed] for b in supposed])
         self._becomes = np.eye(len(shares)) + WORSENING_PROBABILITY * self._weights[:, None] * worse
@@ -97,11 +96,11 @@ class GpsFilter(FieldLocalizer):
         ]
         """One for each supposition."""
         self._here: Pose2 | None = None
-        self._spread: Array | None = None
+        self._spread: FloatArray | None = None
         """(3, 3) covariance; like `_here` asked many times between two steps."""
 
     @property
-    def weights(self) -> Array:
+    def weights(self) -> FloatArray:
         """(k,) of the suppositions, by all that was seen."""
         return self._weights.copy()
 
@@ -145,7 +144,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     @override
-    def covariance(self) -> Array:
+    def covariance(self) -> FloatArray:
         if self._searching:
             away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
             return np.diag([away, away, math.pi**2 / 3.0])
@@ -191,7 +190,7 @@ class GpsFilter(FieldLocalizer):
         for each in self.filters:
             each.advance(advance)
 
-    def _fix(self, position: Array, sigma: float | None) -> bool:
+    def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         self.forget_derived()
         if self._searching:
             self._find_heading(position, self._noise.gps_white if sigma is None else sigma)
@@ -223,7 +222,7 @@ class GpsFilter(FieldLocalizer):
         covariances = np.array([each.covariance[:first, :first] for each in beliefs])
         return Belief(mean, spread_about(away, self._weights, covariances, cautious))
 
-    def _find_heading(self, position: Array, sigma: float) -> None:
+    def _find_heading(self, position: FloatArray, sigma: float) -> None:
         """Take in a fix before the heading is known; the filters begin when it is."""
         self.log_likelihood += self._bank.fix(position, sigma, self._odometry)
         if self._bank.is_known(self._heading_sigma):
@@ -237,7 +236,7 @@ def _computable(noise: FieldNoise) -> FieldNoise:
     return noise._replace(start_heading=min(noise.start_heading, UNKNOWN_HEADING_SIGMA_RAD))
 
 
-def _mean(means: list[Array], weights: Array) -> Array:
+def _mean(means: list[FloatArray], weights: FloatArray) -> FloatArray:
     """Return the weighted mean of states (n,), with headings averaged on the circle."""
     stacked = np.array(means)
     about = stacked[int(np.argmax(weights)), 2]

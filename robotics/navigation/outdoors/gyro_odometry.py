@@ -11,9 +11,9 @@ import math
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
 REST_WINDOW_READINGS = 20  # readings that must be quiet before the base counts as standing: 0.5 s
@@ -23,7 +23,6 @@ MAX_CREEP_M_S = 0.01  # [m/s] that a wheel may tell on average of a base that st
 MAX_BIAS_SIGMAS = 4.0
 BIAS_WANDER_RAD_S = math.radians(0.05)  # [rad/s] besides, for a bias that changes
 BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer and it drifts away meanwhile
-Array = NDArray[np.float64]
 
 
 class Advance(NamedTuple):
@@ -51,7 +50,7 @@ class GyroOdometry:
     still, or have crept while the vertical gyro read only its bias. The distance crept counts as travel.
     """
 
-    STATE: ClassVar = {"_state": Array, "_felt": Array, "_seen": Array}
+    STATE: ClassVar = {"_state": FloatArray, "_felt": FloatArray, "_seen": FloatArray}
     """Attributes that change, with their types."""
 
     def __init__(self, start: Pose2 = Pose2(0.0, 0.0, 0.0), euler: bool = True) -> None:
@@ -78,7 +77,7 @@ class GyroOdometry:
         return float(self._state[4]), float(self._state[5])
 
     @property
-    def bias(self) -> Array:
+    def bias(self) -> FloatArray:
         """(3,) of the gyros, in [rad/s]."""
         return self._state[6:9].copy()
 
@@ -97,7 +96,7 @@ class GyroOdometry:
         """Time since the last `take`, in [s]."""
         return float(self._state[15])
 
-    def update(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
+    def update(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
         """Take in one period's readings; one that isn't finite counts as the one before.
 
         Args:
@@ -116,7 +115,7 @@ class GyroOdometry:
 
 
 @compiled
-def _refresh(seen: Array, at: int, values: Array) -> Array:
+def _refresh(seen: FloatArray, at: int, values: FloatArray) -> FloatArray:
     """The latest finite values, remembered in `seen` from `at` on."""
     for k in range(len(values)):
         if math.isfinite(values[k]):
@@ -125,7 +124,7 @@ def _refresh(seen: Array, at: int, values: Array) -> Array:
 
 
 @compiled
-def _angle_rates(roll: float, pitch: float, rates: Array) -> tuple[float, float, float, float]:
+def _angle_rates(roll: float, pitch: float, rates: FloatArray) -> tuple[float, float, float, float]:
     """Rates of roll, pitch and yaw by body rates, and of yaw by the third alone."""
     sin, cos = math.sin(roll), math.cos(roll)
     across = rates[1] * sin + rates[2] * cos
@@ -138,13 +137,13 @@ def _angle_rates(roll: float, pitch: float, rates: Array) -> tuple[float, float,
 
 
 @compiled
-def _levelled(force: Array) -> tuple[float, float]:
+def _levelled(force: FloatArray) -> tuple[float, float]:
     """Roll and pitch by gravity."""
     return math.atan2(force[1], force[2]), math.atan2(-force[0], math.hypot(force[1], force[2]))
 
 
 @compiled
-def _quiet(felt: Array) -> bool:
+def _quiet(felt: FloatArray) -> bool:
     """Return True if each accelerometer (the first three columns) varies no more than at rest."""
     for axis in range(3):
         mean = felt[:, axis].mean()
@@ -154,7 +153,7 @@ def _quiet(felt: Array) -> bool:
 
 
 @compiled
-def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
+def _creeps(felt: FloatArray, bias: float, known: bool, dt: float) -> bool:
     """Return True if wheels (columns 3, 4) and vertical gyro (7) read no more than is possible at rest."""
     count = len(felt)
     if max(abs(felt[:, 3].mean()), abs(felt[:, 4].mean())) > MAX_CREEP_M_S * dt:
@@ -165,7 +164,7 @@ def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
 
 
 @compiled
-def _rest(state: Array, felt: Array, turning: Array, force: Array, dt: float) -> None:
+def _rest(state: FloatArray, felt: FloatArray, turning: FloatArray, force: FloatArray, dt: float) -> None:
     """A period at rest: the gyros' mean is their bias, gravity gives roll and pitch."""
     if state[10] == 0.0:  # it has come to rest: so have all readings that show it
         state[10] = (len(felt) - 1) * dt
@@ -185,7 +184,7 @@ def _rest(state: Array, felt: Array, turning: Array, force: Array, dt: float) ->
 
 
 @compiled
-def _creep(state: Array, travel: float) -> None:
+def _creep(state: FloatArray, travel: float) -> None:
     """Add the wheels' travel at rest to the position."""
     state[0] += travel * math.cos(state[5]) * math.cos(state[3])
     state[1] += travel * math.cos(state[5]) * math.sin(state[3])
@@ -194,7 +193,7 @@ def _creep(state: Array, travel: float) -> None:
 
 @compiled
 def _middle_rates(
-    state: Array, free: Array, dt: float, euler: bool
+    state: FloatArray, free: FloatArray, dt: float, euler: bool
 ) -> tuple[float, float, float, float, float]:
     """Rates of roll, pitch and yaw at the middle of a period, the pitch there, and the yaw's by the third
     gyro.
@@ -208,7 +207,7 @@ def _middle_rates(
 
 
 @compiled
-def _drive(state: Array, turning: Array, travel: float, dt: float, euler: bool) -> None:
+def _drive(state: FloatArray, turning: FloatArray, travel: float, dt: float, euler: bool) -> None:
     """A period of driving."""
     state[10] = 0.0
     roll_rate, pitch_rate, yaw_rate, pitch, gain = _middle_rates(state, turning - state[6:9], dt, euler)
@@ -227,7 +226,7 @@ def _drive(state: Array, turning: Array, travel: float, dt: float, euler: bool) 
 
 
 @compiled
-def _stands(state: Array, felt: Array, dt: float) -> bool:
+def _stands(state: FloatArray, felt: FloatArray, dt: float) -> bool:
     """Return True if the base is at rest, by the latest readings."""
     still = state[9] >= len(felt)
     known = state[6] != 0.0 or state[7] != 0.0 or state[8] != 0.0
@@ -236,12 +235,12 @@ def _stands(state: Array, felt: Array, dt: float) -> bool:
 
 @compiled
 def _update(
-    state: Array,
-    felt: Array,
-    seen: Array,
-    rates: Array,
-    accelerations: Array,
-    wheels: Array,
+    state: FloatArray,
+    felt: FloatArray,
+    seen: FloatArray,
+    rates: FloatArray,
+    accelerations: FloatArray,
+    wheels: FloatArray,
     dt: float,
     euler: bool,
 ) -> None:

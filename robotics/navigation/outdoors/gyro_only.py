@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_localizer import Array
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.suppositions import Supposition
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class GyroOnly(GpsFilter):
@@ -22,5 +22,5 @@ class GyroOnly(GpsFilter):
         """
         super().__init__(start, noise, start_position, supposed=[Supposition(noise, 1.0, 0)])
 
-    def _fix(self, position: Array, sigma: float | None) -> bool:
+    def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         return False

@@ -6,7 +6,6 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.watched_moment import Belief, spread_about
@@ -24,6 +23,7 @@ from handcart.robotics.navigation.outdoors.field_model import (
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import log_normal
+from handcart.robotics.numerics.arrays import FloatArray
 
 HEADING_COUNT = 36
 KNOWN_HEADING_SIGMA_RAD = math.radians(4.0)  # sigma of a heading that is known well enough to lay sensors by
@@ -36,7 +36,6 @@ LEAST_DRIFT_TIME_S = 60.0  # over which that changes
 MISFIT_MEMORY_FIXES = 10.0  # fixes over which the share of those that fit no heading is averaged
 MAX_ODD = 0.6  # of that share: more, and odometry was wrong at some time, so it begins anew
 _BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in range(STATE_SIZE)]])
-Array = NDArray[np.float64]
 
 
 class HeadingBank:
@@ -48,9 +47,9 @@ class HeadingBank:
     """
 
     STATE: ClassVar = {
-        "_weights": Array,
-        "_means": Array,
-        "_spreads": Array,
+        "_weights": FloatArray,
+        "_means": FloatArray,
+        "_spreads": FloatArray,
         "_rested": bool,
         "_fixes": int,
         "_speed": float,
@@ -123,7 +122,7 @@ class HeadingBank:
                 mean, spread = corrected(mean, spread, _BIAS_ROW, residual, white)
             self._means[k], self._spreads[k] = mean, spread
 
-    def fix(self, position: Array, sigma: float, odometry: GyroOdometry) -> float:
+    def fix(self, position: FloatArray, sigma: float, odometry: GyroOdometry) -> float:
         """Update with a fix, and return the logarithm of its likelihood.
 
         Args:
@@ -155,8 +154,13 @@ class HeadingBank:
 
 
 def _corrected_by(
-    mean: Array, spread: Array, position: Array, variance: float, lever: Array, speed: float
-) -> tuple[Array, Array, float, bool]:
+    mean: FloatArray,
+    spread: FloatArray,
+    position: FloatArray,
+    variance: float,
+    lever: FloatArray,
+    speed: float,
+) -> tuple[FloatArray, FloatArray, float, bool]:
     """Correct one filter by a fix: mean, covariance, logarithm of the likelihood, whether it is a reflection.
 
     A fix that is likelier a reflection counts as one of that size: it draws the filter but little.

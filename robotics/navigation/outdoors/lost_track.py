@@ -6,9 +6,9 @@ import math
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import FloatArray
 
 MAX_REVIEWED_FIXES = 300  # fixes that are looked back on
 MIN_REVIEWED_FIXES = 10  # fixes to judge by
@@ -17,14 +17,13 @@ LEAST_TURN = math.radians(5.0)
 # root mean square of the fixes about the odometry's track, in sigmas: more is no agreement
 MAX_AGREEING_RMS_SIGMAS = 1.4
 ODOMETRY_ERROR_RATIO = 0.02  # of the way: what odometry itself may be off
-Array = NDArray[np.float64]
 
 
 class FoundTrack(NamedTuple):
     """Pose of the robot according to the fixes."""
 
     pose: Pose2
-    covariance: Array
+    covariance: FloatArray
     """(3, 3) in [m, m, rad]."""
 
 
@@ -43,7 +42,7 @@ class LostTrack:
         self._patience = patience
         self._tracks: list[tuple[float, ...]] = []
 
-    def take(self, reckoned: Pose2, position: Array, believed: bool) -> None:
+    def take(self, reckoned: Pose2, position: FloatArray, believed: bool) -> None:
         """Record a fix of the base's `position` (2,) in [m], received when odometry alone was at
         `reckoned`.
         """
@@ -75,7 +74,7 @@ class LostTrack:
         return found
 
 
-def _turned(refused: Array, sigma: float, estimate: Pose2) -> FoundTrack | None:
+def _turned(refused: FloatArray, sigma: float, estimate: Pose2) -> FoundTrack | None:
     """The fixes lie on a track that is turned about."""
     found = _fit(refused, sigma)
     if found is None:
@@ -85,7 +84,7 @@ def _turned(refused: Array, sigma: float, estimate: Pose2) -> FoundTrack | None:
     return found if sure else None
 
 
-def _shifted(refused: Array, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
+def _shifted(refused: FloatArray, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
     """The fixes lie on a track beside; nothing is known of the heading beyond the estimate."""
     last = Pose2(*refused[-1, :3].tolist())
     moved = [estimate.compose(Pose2(*row[:3].tolist()).relative_to(last)) for row in refused]
@@ -99,12 +98,12 @@ def _shifted(refused: Array, sigma: float, estimate: Pose2, heading_sigma: float
     return FoundTrack(pose, np.diag([variance, variance, max(heading_sigma, math.radians(3.0)) ** 2]))
 
 
-def _length(tracks: Array) -> float:
+def _length(tracks: FloatArray) -> float:
     """Return the length of the odometry's track, in [m]."""
     return float(np.hypot(*np.diff(tracks[:, :2], axis=0).T).sum())
 
 
-def _fit(tracks: Array, sigma: float) -> FoundTrack | None:
+def _fit(tracks: FloatArray, sigma: float) -> FoundTrack | None:
     """The pose now by laying the odometry's track over the fixes (Umeyama, 1991), if they agree."""
     reckoned, seen = tracks[:, :2], tracks[:, 3:5]
     reckoned_middle, seen_middle = reckoned.mean(axis=0), seen.mean(axis=0)

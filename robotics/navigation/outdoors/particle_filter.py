@@ -7,19 +7,17 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
 from .fix_monitor import FixMonitor
 from .lost_track import LostTrack
-
-Array = NDArray[np.float64]
 
 
 class ParticleErrors(NamedTuple):
@@ -55,9 +53,9 @@ class ParticleFilter(FieldLocalizer):
 
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
-        "_particles": Array,
-        "_mean": Array,
-        "_covariance": Array,
+        "_particles": FloatArray,
+        "_mean": FloatArray,
+        "_covariance": FloatArray,
         "_lost": LostTrack,
         "_monitor": FixMonitor,
         "restarts": int,
@@ -100,7 +98,7 @@ class ParticleFilter(FieldLocalizer):
         return bool(self._covariance[2, 2] <= self._heading_sigma**2)
 
     @property
-    def covariance(self) -> Array:
+    def covariance(self) -> FloatArray:
         """(3, 3) of the particles."""
         return self._covariance.copy()
 
@@ -121,7 +119,7 @@ class ParticleFilter(FieldLocalizer):
         }
 
     @property
-    def particles(self) -> Array:
+    def particles(self) -> FloatArray:
         """(3, n): x, y in [m], heading in [rad]."""
         return self._particles[:3].copy()
 
@@ -144,7 +142,7 @@ class ParticleFilter(FieldLocalizer):
             _predict(self._particles, self._rng, advance.forward, advance.turn, along, across)
         self._mean, self._covariance = _average(self._particles)
 
-    def _fix(self, position: Array, sigma: float | None) -> bool:
+    def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         sigma = math.hypot(self._errors.gps if sigma is None else sigma, self._errors.gps_slow)
         away = position - self._mean[:2]
         cloud = self._covariance[:2, :2]
@@ -178,7 +176,7 @@ class ParticleFilter(FieldLocalizer):
 
 @compiled
 def _predict(
-    particles: Array, rng: np.random.Generator, forward: float, turn: float, along: float, across: float
+    particles: FloatArray, rng: np.random.Generator, forward: float, turn: float, along: float, across: float
 ) -> None:
     """Phase 2: move each particle (6, n) by the odometry's step with random errors."""
     for i in range(particles.shape[1]):
@@ -191,7 +189,7 @@ def _predict(
 
 
 @compiled
-def _resample(particles: Array, rng: np.random.Generator, x: float, y: float, sigma: float) -> bool:
+def _resample(particles: FloatArray, rng: np.random.Generator, x: float, y: float, sigma: float) -> bool:
     """Weigh by a fix (phase 4, eq. 4) and resample (phase 5); return False if no particle explains the fix.
 
     Draws are multinomial. n sorted uniform numbers are sums of n + 1 exponential ones, divided by the
@@ -221,7 +219,7 @@ def _resample(particles: Array, rng: np.random.Generator, x: float, y: float, si
 
 
 @compiled
-def _average(particles: Array) -> tuple[Array, Array]:
+def _average(particles: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Phase 6: mean (3,), the heading's on the circle, and covariance (3, 3)."""
     count = particles.shape[1]
     mean = np.zeros(3)

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from handcart.robotics.navigation.outdoors.field_model import GPS_X, GPS_Y
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
-
-Array = NDArray[np.float64]
 
 
 class Sky(NamedTuple):
     """One of the ways in which the error may have changed."""
 
-    transition: Array | None
+    transition: FloatArray | None
     """Transition (13, 13) of the states; None if the error did not change."""
-    spread: Array
+    spread: FloatArray
     """(13, 13) covariance of them after it."""
-    residual: Array
+    residual: FloatArray
     """(2,) fix less forecast, in [m]."""
-    whole: Array
+    whole: FloatArray
     """(2, 2) covariance that it should have, in [m²]."""
     log_likelihood: float
     """Log-likelihood of the fix together with the error's change."""
@@ -31,10 +27,10 @@ class Sky(NamedTuple):
     @classmethod
     def of(
         cls,
-        transition: Array | None,
-        spread: Array,
-        rows: Array,
-        residual: Array,
+        transition: FloatArray | None,
+        spread: FloatArray,
+        rows: FloatArray,
+        residual: FloatArray,
         variance: float,
         log_share: float,
     ) -> Sky:
@@ -47,7 +43,7 @@ class Sky(NamedTuple):
 
 
 @compiled
-def leapt(covariance: Array, jump: float) -> Array:
+def leapt(covariance: FloatArray, jump: float) -> FloatArray:
     """(13, 13) covariance of the states after the error leapt by `jump` [m] an axis, wherever it was."""
     out = covariance.copy()
     for state in (GPS_X, GPS_Y):
@@ -58,7 +54,7 @@ def leapt(covariance: Array, jump: float) -> Array:
 
 
 @compiled
-def log_normal(residual: Array, covariance: Array) -> float:
+def log_normal(residual: FloatArray, covariance: FloatArray) -> float:
     """Return the logarithm of the density of `residual` (2,) with mean zero and covariance (2, 2).
 
     Raises:
@@ -74,7 +70,9 @@ def log_normal(residual: Array, covariance: Array) -> float:
 
 
 @compiled
-def _innovation(spread: Array, rows: Array, residual: Array, variance: float) -> tuple[Array, float]:
+def _innovation(
+    spread: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
+) -> tuple[FloatArray, float]:
     """Covariance (2, 2) of a fix's residual, and the logarithm of how likely it is."""
     whole = rows @ spread @ rows.T
     whole[0, 0] += variance

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.localization.watched_moment import Belief, BeliefBranch, WatchedMoment
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 # of a state's variance before a gain is taken, relative to one: exactly known states have none
 MIN_RELATIVE_VARIANCE = 1e-9
 
@@ -60,12 +59,14 @@ class TrackRecord:
             self._over.append(self._smoothed())
         self._starts, self._links, self._latest = self._starts + 1, [], None
 
-    def step(self, transition: Array) -> None:
+    def step(self, transition: FloatArray) -> None:
         """Note that the filter predicted with `transition` (n, n)."""
         if self._latest is not None:
             self._latest = self._latest.stepped(transition)
 
-    def correct(self, covariance: Array, rows: Array, residual: Array, variance: float) -> None:
+    def correct(
+        self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
+    ) -> None:
         """The filter is about to see something: readings with `residual` (m,), each of `variance`.
 
         `rows` (m, n) is how they depend on the states, `covariance` (n, n) that of the states now, without
@@ -74,7 +75,7 @@ class TrackRecord:
         if self._latest is not None:
             self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
-    def correct_either(self, branches: Sequence[BeliefBranch], rows: Array, variance: float) -> None:
+    def correct_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> None:
         """Note an update before which the states may have changed in one of several ways."""
         if self._latest is not None:
             self._latest = self._latest.corrected_either(branches, rows, variance)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.routes.tangent_path import CarPath, car_path
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
-Array = NDArray[np.float64]
 
-
-def plan_car_route(start: Pose2, goal: Pose2, discs: Array, room: float, radius: float) -> CarPath | None:
+def plan_car_route(
+    start: Pose2, goal: Pose2, discs: FloatArray, room: float, radius: float
+) -> CarPath | None:
     """Return the shortest path found, or None.
 
     Only discs that a path meets are considered: a path that is the shortest past some of them and meets
@@ -38,11 +38,11 @@ def plan_car_route(start: Pose2, goal: Pose2, discs: Array, room: float, radius:
         near |= met
 
 
-def _met(path: CarPath, start: Pose2, goal: Pose2, discs: Array) -> NDArray[np.bool_]:
+def _met(path: CarPath, start: Pose2, goal: Pose2, discs: FloatArray) -> BoolArray:
     """(n,) which discs a path comes into, backing included."""
     ends = [start.compose(Pose2(-path.back_before * s, 0.0, 0.0))[:2] for s in np.linspace(0.0, 1.0, 10)]
     ends += [goal.compose(Pose2(path.back_after * s, 0.0, 0.0))[:2] for s in np.linspace(0.0, 1.0, 10)]
     points = np.vstack([path.poses[:, :2], np.array(ends)])
     away = np.hypot(*np.moveaxis(points[:, None] - discs[None, :, :2], -1, 0))
-    met: NDArray[np.bool_] = (away < discs[:, 2] - 1e-3).any(axis=0)
+    met: BoolArray = (away < discs[:, 2] - 1e-3).any(axis=0)
     return met

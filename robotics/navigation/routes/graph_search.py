@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, is_clear, line_clearance
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
 
 
 @compiled
 def way_in(
-    free: NDArray[np.bool_], squares: BlockedSquares, spot: NDArray[np.float64], reach: int, need: float
+    free: BoolArray, squares: BlockedSquares, spot: FloatArray, reach: int, need: float
 ) -> tuple[int, int]:
     """Return the nearest free cell that a spot can reach without coming nearer to blocked cells.
 
@@ -56,13 +56,13 @@ def way_in(
 def _first_seen(
     squares: BlockedSquares,
     need: float,
-    cells: NDArray[np.int64],
-    edge_of: NDArray[np.int64],
-    order: NDArray[np.int64],
+    cells: IntArray,
+    edge_of: IntArray,
+    order: IntArray,
     row: int,
     column: int,
     most: int,
-) -> NDArray[np.int64]:
+) -> IntArray:
     """Indices into `cells` of the first cell in sight of each of the first `most` edges, in this order."""
     found = np.empty(most, dtype=np.int64)
     count = 0
@@ -83,12 +83,12 @@ def _first_seen(
 def in_sight(
     squares: BlockedSquares,
     need: float,
-    cells: NDArray[np.int64],
-    edge_of: NDArray[np.int64],
+    cells: IntArray,
+    edge_of: IntArray,
     cell: tuple[int, int],
     edges: int = 4,
     tried: int = 400,
-) -> NDArray[np.int64]:
+) -> IntArray:
     """Return the cells where a cell can join the graph: on the nearest few edges in line of sight.
 
     Args:
@@ -115,14 +115,14 @@ def in_sight(
 
 
 def cheapest_nodes(
-    slots: NDArray[np.int64],
-    slot_first: NDArray[np.int64],
-    ends: NDArray[np.int64],
-    length: NDArray[np.float64],
-    start_cost: NDArray[np.float64],
-    goal_cost: NDArray[np.float64],
+    slots: IntArray,
+    slot_first: IntArray,
+    ends: IntArray,
+    length: FloatArray,
+    start_cost: FloatArray,
+    goal_cost: FloatArray,
     limit: float,
-) -> tuple[int, float, NDArray[np.int64]]:
+) -> tuple[int, float, IntArray]:
     """Run Dijkstra's search from many starts to many goals.
 
     The next node is searched linearly among all open ones: a Voronoi graph has a few hundred nodes, and a
@@ -149,14 +149,14 @@ def cheapest_nodes(
 
 @compiled
 def _spread(
-    slots: NDArray[np.int64],
-    slot_first: NDArray[np.int64],
-    ends: NDArray[np.int64],
-    length: NDArray[np.float64],
-    cost: NDArray[np.float64],
-    back: NDArray[np.int64],
-    done: NDArray[np.bool_],
-    goal_cost: NDArray[np.float64],
+    slots: IntArray,
+    slot_first: IntArray,
+    ends: IntArray,
+    length: FloatArray,
+    cost: FloatArray,
+    back: IntArray,
+    done: BoolArray,
+    goal_cost: FloatArray,
     limit: float,
 ) -> tuple[int, float]:
     """Bring `cost`, `back` and `done` of each node up to date, until the best last node is sure."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 
 @compiled
-def line_price(
-    price: NDArray[np.float32], start: NDArray[np.float64], end: NDArray[np.float64], limit: float
-) -> float:
+def line_price(price: SingleArray, start: FloatArray, end: FloatArray, limit: float) -> float:
     """Return the price of a straight line between two positions in [cells]; inf if it is above `limit`.
 
     The grid is read once for each cell of length; positions are row and column, cell centres at whole

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, blocked_squares, path_clearance
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.room_speeds import RoomSpeeds
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .shortcuts import path_length
 from .ways import Ways
@@ -24,15 +24,13 @@ ROOMY_DETOUR_RATIO = 0.8  # of the length of a roomy way, below which a narrower
 OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
 USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
-Floats = NDArray[np.float64]
-
 
 class RouteLook(NamedTuple):
     """Result of a look at the map and what was sensed."""
 
     kind: Literal["kept", "new", "none"]
     """The old route goes on, another one is better, or no way leads to the goal."""
-    points: Floats
+    points: FloatArray
     """(n, 2) route to drive, from the robot on, in [m]; the old one where no way leads on."""
     free: float
     """Length of the points that is free, in [m]."""
@@ -73,8 +71,8 @@ class Replanner:
         grid: GridMap,
         start: Pose2,
         goal: Pose2,
-        front: Floats | None = None,
-        route: Floats | None = None,
+        front: FloatArray | None = None,
+        route: FloatArray | None = None,
         lead: float = 0.0,
         better: bool = True,
     ) -> RouteLook:
@@ -113,7 +111,13 @@ class Replanner:
         return RouteLook("new", plan.points, path_length(plan.points), None, speeds)
 
     def _plan(
-        self, grid: GridMap, start: Pose2, goal: Pose2, front: Floats | None, head: Floats, usual: float
+        self,
+        grid: GridMap,
+        start: Pose2,
+        goal: Pose2,
+        front: FloatArray | None,
+        head: FloatArray,
+        usual: float,
     ) -> _Plan | None:
         """Return the plan with the most room that leads to the goal; None if none does.
 
@@ -135,7 +139,7 @@ class Replanner:
         return found
 
 
-def free_length(grid: GridMap, route: Floats, least: float) -> tuple[float, tuple[float, float] | None]:
+def free_length(grid: GridMap, route: FloatArray, least: float) -> tuple[float, tuple[float, float] | None]:
     """Return how much of a route is free, in [m], and the point that is not; None if all of it is.
 
     Args:
@@ -149,7 +153,7 @@ def free_length(grid: GridMap, route: Floats, least: float) -> tuple[float, tupl
 class _Plan(NamedTuple):
     """Answer of the planner."""
 
-    points: Floats
+    points: FloatArray
     """(n, 2) the complete route in [m]."""
     room: float
     """Room beside the footprint that it keeps, in [m]."""
@@ -160,7 +164,7 @@ class _Plan(NamedTuple):
         """Length of the route in [m]."""
         return path_length(self.points)
 
-    def is_worth(self, old: Floats) -> bool:
+    def is_worth(self, old: FloatArray) -> bool:
         """Return whether it costs enough less than an old route (n, 2) that is free."""
         return self.ways.price(self.points) < WORTH_RATIO * self.ways.price(old)
 
@@ -168,7 +172,7 @@ class _Plan(NamedTuple):
 class _Driven:
     """A route that is being driven, on a map with what was sensed."""
 
-    def __init__(self, points: Floats, grid: GridMap, squares: BlockedSquares) -> None:
+    def __init__(self, points: FloatArray, grid: GridMap, squares: BlockedSquares) -> None:
         self.points = points
         self._along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
         corner = np.array([grid.origin_y, grid.origin_x])
@@ -180,12 +184,12 @@ class _Driven:
         """Return the distance of the robot from the route's points, in [m]."""
         return float(np.hypot(*(self.points - start[:2]).T).min())
 
-    def head(self, length: float) -> Floats:
+    def head(self, length: float) -> FloatArray:
         """Return the first points, for about this length in [m]; empty if too few."""
         found = self.points[self._along <= length]
         return found if len(found) > 1 else np.empty((0, 2))
 
-    def free(self, least: float, front: Floats | None) -> tuple[float, tuple[float, float] | None]:
+    def free(self, least: float, front: FloatArray | None) -> tuple[float, tuple[float, float] | None]:
         """Return the length that has at least this room in [m], and the point that has less, if there is one.
 
         The beginning of a route that leads away from something too near counts as free, and so does what is

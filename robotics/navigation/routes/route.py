@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.blocked_squares import is_clear, line_clearance, path_clearance
@@ -22,6 +21,7 @@ from handcart.robotics.navigation.routes.shortcuts import (
 )
 from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path
 from handcart.robotics.navigation.routes.voronoi_graph import BLOCKED_PRICE, VoronoiGraph
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 MAX_DETOUR_RATIO = 1.1  # of the shortest way's length, that a way with more room may have
 LENGTH_PRICE_SHARES = (
@@ -37,9 +37,9 @@ CORNER_ROUNDING_PASSES = 20  # of corner rounding: about half a metre of corner 
 class Route(NamedTuple):
     """A way to drive, from where the robot is to where it is to be."""
 
-    points: NDArray[np.float64]
+    points: FloatArray
     """Points (n, 2) in [m], evenly spaced by roughly a cell; the first is the start, the last the goal."""
-    clearance: NDArray[np.float64]
+    clearance: FloatArray
     """(n,) least distance to any blocked cell's square along the stretches that meet at each point, in [m].
 
     No spot between two points is nearer than the less of theirs. All of it is at least the graph's radius,
@@ -60,18 +60,18 @@ class Route(NamedTuple):
 class _End(NamedTuple):
     """A start or goal and its connections to the graph; all positions are row and column."""
 
-    spot: NDArray[np.float64]
+    spot: FloatArray
     """The start or goal itself, in [cells]."""
     roomy: bool
     """True if the line from the spot to `cell` has the room that the robot needs."""
-    cell: NDArray[np.int64]
-    joins: NDArray[np.int64]
+    cell: IntArray
+    joins: IntArray
     """(k,) indices into the edge table's cells."""
-    ways: list[NDArray[np.int64]]
+    ways: list[IntArray]
     """Cells (2+, 2) from `cell` to each join, in straight lines with room."""
-    price: NDArray[np.float64]
+    price: FloatArray
     """(k,) of each way."""
-    length: NDArray[np.float64]
+    length: FloatArray
     """(k,) of each way, in [cells]."""
 
 
@@ -121,7 +121,7 @@ def plan_route(
     return Route(graph.map.to_point(points), clearance)
 
 
-def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.float64] | None:
+def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> FloatArray | None:
     """The way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
     points = _way(graph, start, goal, 0.0)
     if points is None or path_length(points) <= MAX_DETOUR_RATIO * math.hypot(*(points[-1] - points[0])):
@@ -137,7 +137,7 @@ def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.f
     return points if path_length(points) <= MAX_DETOUR_RATIO * path_length(shortest) else shortest
 
 
-def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.float64] | None:
+def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> FloatArray | None:
     """The cheapest way's roomy part (n, 2), in [cells], where length costs `haste` on top of its price."""
     way = _through_graph(graph, start, goal, haste)
     if way is None:
@@ -145,7 +145,7 @@ def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[
     return straightened(graph.price, haste, graph.squares, graph.need, _roomy_part(graph, start, way, goal))
 
 
-def _roomy_part(graph: VoronoiGraph, start: _End, way: NDArray[np.int64], goal: _End) -> NDArray[np.float64]:
+def _roomy_part(graph: VoronoiGraph, start: _End, way: IntArray, goal: _End) -> FloatArray:
     """The way (n, 2) around corners that are too narrow, with start and goal where these have room."""
     parts = [around_corners(graph.free, graph.squares, graph.need, way)]
     parts = [start.spot[None], *parts] if start.roomy else parts
@@ -153,7 +153,7 @@ def _roomy_part(graph: VoronoiGraph, start: _End, way: NDArray[np.int64], goal: 
     return np.vstack(parts)
 
 
-def _with_ends(start: _End, path: NDArray[np.float64], goal: _End) -> NDArray[np.float64]:
+def _with_ends(start: _End, path: FloatArray, goal: _End) -> FloatArray:
     """The path (n, 2) from start to goal, those included: at least two points."""
     first = path if start.roomy else np.vstack([sampled(np.array([start.spot, path[0]]), 1.0)[:-1], path])
     whole = first if goal.roomy else np.vstack([first, sampled(np.array([path[-1], goal.spot]), 1.0)[1:]])
@@ -187,12 +187,12 @@ def _join(graph: VoronoiGraph, point: tuple[float, float], reach: float) -> _End
     )
 
 
-def _price(graph: VoronoiGraph, way: NDArray[np.int64]) -> float:
+def _price(graph: VoronoiGraph, way: IntArray) -> float:
     """Price of straight lines between cells (k, 2)."""
     return sum(line_price(graph.price, a, b, np.inf) for a, b in pairwise(way.astype(np.float64)))
 
 
-def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.int64] | None:
+def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> IntArray | None:
     """Return the cells (n, 2) of the cheapest path from start to goal along the graph.
 
     If the graph has none (it lies behind a corner that is too narrow), return a shortest path on all free
@@ -221,9 +221,7 @@ def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -
     return np.vstack(parts[::-1])
 
 
-def _node_costs(
-    graph: VoronoiGraph, end: _End, haste: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _node_costs(graph: VoronoiGraph, end: _End, haste: float) -> tuple[FloatArray, IntArray]:
     """Return for each node the cost from `end` along a joined edge (inf if none), and the index of that
     join.
     """
@@ -253,13 +251,13 @@ def _on_one_edge(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> 
     return best
 
 
-def _stretch(graph: VoronoiGraph, i: int, j: int) -> NDArray[np.int64]:
+def _stretch(graph: VoronoiGraph, i: int, j: int) -> IntArray:
     """Cells of one edge from its cell i to its cell j."""
     cells = graph.edges.cells
     return cells[i : j + 1] if i <= j else cells[j : i + 1][::-1]
 
 
-def _to_node(graph: VoronoiGraph, join: int, node: int) -> NDArray[np.int64]:
+def _to_node(graph: VoronoiGraph, join: int, node: int) -> IntArray:
     """Cells from a join along its edge to one of the edge's nodes, the nearer one if both are the same."""
     table = graph.edges
     edge = table.edge_of[join]

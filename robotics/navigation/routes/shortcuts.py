@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.blocked_squares import ROUNDING_CELLS, BlockedSquares, is_clear
 from handcart.robotics.navigation.routes.line_price import line_price
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 SAMPLE_SPACING_CELLS = 4.0  # of the path, in [cells], before shortcuts
@@ -19,11 +19,11 @@ LONGEST_LEAP = 50  # samples
 
 
 @compiled
-def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def _apart(one: FloatArray, other: FloatArray) -> float:
     return math.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2)
 
 
-def _jumps(count: int) -> NDArray[np.int64]:
+def _jumps(count: int) -> IntArray:
     """Return the numbers of samples a shortcut may skip: one by one at first, then each a quarter larger."""
     jumps = [1]
     while jumps[-1] < count:
@@ -31,13 +31,13 @@ def _jumps(count: int) -> NDArray[np.int64]:
     return np.array(jumps)
 
 
-def _stretches(path: NDArray[np.float64]) -> NDArray[np.float64]:
+def _stretches(path: FloatArray) -> FloatArray:
     """Lengths (n - 1,) of the stretches of a path (n, 2)."""
     ways = path[1:] - path[:-1]
     return np.asarray(np.sqrt(ways[:, 0] * ways[:, 0] + ways[:, 1] * ways[:, 1]))
 
 
-def path_length(path: NDArray[np.float64]) -> float:
+def path_length(path: FloatArray) -> float:
     """Return the length of a path (n, 2), in the unit of its points."""
     total = 0.0
     for length in _stretches(path).tolist():
@@ -45,7 +45,7 @@ def path_length(path: NDArray[np.float64]) -> float:
     return total
 
 
-def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+def sampled(path: FloatArray, spacing: float) -> FloatArray:
     """Return the path (n, 2) with points inserted so that neighbours are at most `spacing` apart.
 
     Repeated points are dropped.
@@ -59,7 +59,7 @@ def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     return np.vstack([path[:1], points])
 
 
-def _evenly(path: NDArray[np.float64], spacing: float) -> NDArray[np.int64]:
+def _evenly(path: FloatArray, spacing: float) -> IntArray:
     """About every `spacing` one point of a path (n, 2), first and last included."""
     chosen = [0]
     along = 0.0
@@ -72,8 +72,8 @@ def _evenly(path: NDArray[np.float64], spacing: float) -> NDArray[np.int64]:
 
 
 def straightened(
-    price: NDArray[np.float32], haste: float, squares: BlockedSquares, need: float, path: NDArray[np.float64]
-) -> NDArray[np.float64]:
+    price: SingleArray, haste: float, squares: BlockedSquares, need: float, path: FloatArray
+) -> FloatArray:
     """Return the corners (k, 2) of the cheapest chain of straight lines between samples of a path.
 
     Found by dynamic programming. Each line keeps `need` from blocked squares; where not even the next
@@ -102,14 +102,14 @@ def straightened(
 
 @compiled
 def _leaps(
-    price: NDArray[np.float32],
+    price: SingleArray,
     haste: float,
     squares: BlockedSquares,
     need: float,
-    path: NDArray[np.float64],
-    samples: NDArray[np.int64],
-    jumps: NDArray[np.int64],
-) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    path: FloatArray,
+    samples: IntArray,
+    jumps: IntArray,
+) -> tuple[IntArray, BoolArray]:
     """Return for each sample (s,) the index of its predecessor, and True where the path itself is
     followed.
     """
@@ -137,9 +137,7 @@ def _leaps(
 
 
 @compiled
-def around_corners(
-    free: NDArray[np.bool_], squares: BlockedSquares, need: float, way: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: IntArray) -> FloatArray:
     """Return a path over cells (n, 2), with a neighbouring free cell inserted if a step over a corner is too
     narrow.
 
@@ -168,8 +166,8 @@ def around_corners(
 
 @compiled
 def rounded(
-    squares: BlockedSquares, need: float, path: NDArray[np.float64], rounds: int, roomy: float = 0.0
-) -> NDArray[np.float64]:
+    squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float = 0.0
+) -> FloatArray:
     """Round the corners of an evenly sampled path (n, 2) in [cells], ends kept.
 
     Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep

@@ -6,9 +6,9 @@ import heapq
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, blocked_squares, is_clear
+from handcart.robotics.numerics.arrays import BoolArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
 
 
@@ -21,12 +21,12 @@ def _sees(squares: BlockedSquares, need: float, row: int, column: int, to_row: i
 
 @compiled
 def _theta_star(
-    free: NDArray[np.bool_],
+    free: BoolArray,
     squares: BlockedSquares,
     need: float,
-    start: NDArray[np.int64],
-    goal: NDArray[np.int64],
-) -> NDArray[np.int64]:
+    start: IntArray,
+    goal: IntArray,
+) -> IntArray:
     """Parents as flat indices, -1 where the search was not."""
     height, width = free.shape
     cost = np.full(height * width, np.inf)
@@ -63,9 +63,7 @@ def _theta_star(
     return parent
 
 
-def shortest_path(
-    free: NDArray[np.bool_], start: NDArray[np.int64], goal: NDArray[np.int64]
-) -> NDArray[np.int64] | None:
+def shortest_path(free: BoolArray, start: IntArray, goal: IntArray) -> IntArray | None:
     """Return the corners (k, 2) of a nearly shortest path between two cells, or None if none exists.
 
     The path is that of a point: it stays within free cells, but may touch their border or corners.
@@ -79,12 +77,12 @@ def shortest_path(
 
 
 def shortest_clear_path(
-    free: NDArray[np.bool_],
+    free: BoolArray,
     squares: BlockedSquares,
     need: float,
-    start: NDArray[np.int64],
-    goal: NDArray[np.int64],
-) -> NDArray[np.int64] | None:
+    start: IntArray,
+    goal: IntArray,
+) -> IntArray | None:
     """Return the corners (k, 2) of a nearly shortest path for a robot that has a size, or None if none
     exists.
 
@@ -107,7 +105,7 @@ def shortest_clear_path(
     return _pull_tight(squares, need, np.column_stack(np.divmod(np.array(corners[::-1]), width)))
 
 
-def _pull_tight(squares: BlockedSquares, need: float, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def _pull_tight(squares: BlockedSquares, need: float, corners: IntArray) -> IntArray:
     """Leave out corners as long as their neighbours see each other."""
     kept = corners.tolist()
     i = 1

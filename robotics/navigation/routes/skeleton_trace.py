@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.routes.thinning import neighbour_steps
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
 
 LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8)
@@ -22,18 +22,16 @@ LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8
 class SkeletonTrace(NamedTuple):
     """Edges of a skeleton as runs of cells; cells are flat indices."""
 
-    nodes: NDArray[np.int64]
+    nodes: IntArray
     """(n,) cells that are a node: ends, junctions, lone cells, and one cell of each plain loop."""
-    cells: NDArray[np.int64]
+    cells: IntArray
     """All edges' cells one after the other, end nodes included."""
-    first: NDArray[np.int64]
+    first: IntArray
     """(e + 1,): edge i is cells[first[i]:first[i + 1]]."""
 
 
 @compiled
-def _link(
-    skeleton: NDArray[np.uint8], cells: NDArray[np.int64], links: NDArray[np.uint8], steps: NDArray[np.int64]
-) -> None:
+def _link(skeleton: ByteArray, cells: IntArray, links: ByteArray, steps: IntArray) -> None:
     up = steps[2]
     for cell in cells:
         code = 0
@@ -53,11 +51,11 @@ def _link(
 
 @compiled
 def _walk(
-    links: NDArray[np.uint8],
-    is_node: NDArray[np.uint8],
+    links: ByteArray,
+    is_node: ByteArray,
     start: int,
-    steps: NDArray[np.int64],
-    out: NDArray[np.int64],
+    steps: IntArray,
+    out: IntArray,
     filled: int,
 ) -> int:
     """Follow one link out of `start` to the next node, using links up; how much of `out` is filled then."""
@@ -79,12 +77,12 @@ def _walk(
 
 @compiled
 def _walk_all(
-    links: NDArray[np.uint8],
-    cells: NDArray[np.int64],
-    is_node: NDArray[np.uint8],
-    steps: NDArray[np.int64],
-    out: NDArray[np.int64],
-    first: NDArray[np.int64],
+    links: ByteArray,
+    cells: IntArray,
+    is_node: ByteArray,
+    steps: IntArray,
+    out: IntArray,
+    first: IntArray,
 ) -> int:
     """Walk from every node, then around what is left: plain loops, each given a node of its own."""
     edges = 0
@@ -98,7 +96,7 @@ def _walk_all(
     return edges
 
 
-def link(skeleton: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
     """The skeleton's cells (n,) as flat indices, and links (h * w,): bit k for a link along step k.
 
     Args:
@@ -110,7 +108,7 @@ def link(skeleton: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.uin
     return cells, links
 
 
-def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> SkeletonTrace:
+def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
     """Nodes and edges of linked cells (n,); `links` is left as it was."""
     degree = LINK_COUNTS[links[cells]]
     is_node = np.zeros(links.size, dtype=np.uint8)
@@ -122,9 +120,7 @@ def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> Ske
     return SkeletonTrace(cells[is_node[cells] == 1], out[: first[edges]], first[: edges + 1])
 
 
-def prune_leaves(
-    cells: NDArray[np.int64], links: NDArray[np.uint8], width: int, touching: NDArray[np.bool_]
-) -> NDArray[np.int64]:
+def prune_leaves(cells: IntArray, links: ByteArray, width: int, touching: BoolArray) -> IntArray:
     """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells.
 
     One pass only: an edge that becomes a leaf by it leads into a dead-end room.

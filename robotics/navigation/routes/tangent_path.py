@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 TOUCH_TOLERANCE_M = 1e-6  # [m] that a tangent may seem to be inside the disc it touches
 CIRCLE_DIRECTIONS_RAD = (
@@ -29,15 +29,14 @@ MANY_LEANS = tuple(0.25 * k for k in range(-6, 7))  # where those few give a lon
 BACKING_LENGTHS_M = (0.0, 0.25, 0.5, 0.75, 1.5, 2.25, 3.0)  # [m] that may be driven backwards at either end
 LONG_PATH_RATIO = 1.05  # of the detour that no vehicle can shorten: shorter, and backing isn't tried
 PATH_SPACING_M = 0.05  # [m] between points of a path
-Array = NDArray[np.float64]
 
 
 class CarPath(NamedTuple):
     """A path that a car can drive forward, and how far it backs before and after."""
 
-    poses: Array
+    poses: FloatArray
     """(n, 3): x, y in [m], heading in [rad]."""
-    curvatures: Array
+    curvatures: FloatArray
     """(n,) in [1/m], positive to the left, of the piece that ends with the point."""
     length: float
     """Total length in [m], backing included."""
@@ -66,7 +65,7 @@ class _Line(NamedTuple):
     length: float
 
 
-def car_path(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath | None:
+def car_path(start: Pose2, goal: Pose2, discs: FloatArray, radius: float) -> CarPath | None:
     """Return the shortest path found past discs, or None.
 
     If a car would have to circle, or has no path forwards, also try backing first, and driving past the
@@ -106,7 +105,11 @@ def _length(path: CarPath) -> float:
 
 
 def _forward(
-    start: Pose2, goal: Pose2, discs: Array, radius: float, leans: Sequence[float] = CIRCLE_DIRECTIONS_RAD
+    start: Pose2,
+    goal: Pose2,
+    discs: FloatArray,
+    radius: float,
+    leans: Sequence[float] = CIRCLE_DIRECTIONS_RAD,
 ) -> CarPath | None:
     """Return the shortest path past discs without backing, or None."""
     ends = [*_turning(start, radius), *_turning(goal, radius)]
@@ -115,7 +118,7 @@ def _forward(
     return _shortest(circles, (start.theta, goal.theta), discs)
 
 
-def shortest_detour(start: Array, goal: Array, discs: Array) -> float:
+def shortest_detour(start: FloatArray, goal: FloatArray, discs: FloatArray) -> float:
     """Return the length in [m] of the shortest path from point to point (2,) past discs (n, 3); inf if none
     exists.
     """
@@ -134,7 +137,7 @@ def _turning(pose: Pose2, radius: float) -> list[_Circle]:
     ]
 
 
-def _round(disc: Array, radius: float, aside: float, leans: Sequence[float]) -> list[_Circle]:
+def _round(disc: FloatArray, radius: float, aside: float, leans: Sequence[float]) -> list[_Circle]:
     """Circles round a disc; round a small one wide circles that touch it on the side where it is passed."""
     x, y, own = disc.tolist()
     if own >= radius:
@@ -148,7 +151,9 @@ def _round(disc: Array, radius: float, aside: float, leans: Sequence[float]) -> 
     return found
 
 
-def _shortest(circles: list[_Circle], headings: tuple[float, float] | None, discs: Array) -> CarPath | None:
+def _shortest(
+    circles: list[_Circle], headings: tuple[float, float] | None, discs: FloatArray
+) -> CarPath | None:
     """Dijkstra's search over tangents; circles 0 and 1 are the start's, 2 and 3 the goal's."""
     lines = _free_lines(circles, discs)
     leaving: dict[int, list[int]] = {}
@@ -201,7 +206,7 @@ def _turn(circle: _Circle, come: float | None, go: float) -> float:
     return 0.0 if turn > 2.0 * math.pi - 1e-9 else turn
 
 
-def _free_lines(circles: list[_Circle], discs: Array) -> list[_Line]:
+def _free_lines(circles: list[_Circle], discs: FloatArray) -> list[_Line]:
     """All tangents from one circle to another that meet no disc."""
     rows = np.array(circles)
     count = len(circles)
@@ -232,18 +237,18 @@ def _free_lines(circles: list[_Circle], discs: Array) -> list[_Line]:
     ]
 
 
-def _lines_free(start: Array, end: Array, discs: Array) -> NDArray[np.bool_]:
+def _lines_free(start: FloatArray, end: FloatArray, discs: FloatArray) -> BoolArray:
     """(n,) which lines between points (n, 2) stay out of all discs."""
     ray = end - start
     square = np.maximum((ray**2).sum(axis=1), 1e-18)
     to_disc = discs[None, :, :2] - start[:, None]
     share = np.clip((to_disc * ray[:, None]).sum(axis=2) / square[:, None], 0.0, 1.0)
     gap = np.hypot(*np.moveaxis(to_disc - share[..., None] * ray[:, None], -1, 0))
-    free: NDArray[np.bool_] = (gap > discs[:, 2] - TOUCH_TOLERANCE_M).all(axis=1)
+    free: BoolArray = (gap > discs[:, 2] - TOUCH_TOLERANCE_M).all(axis=1)
     return free
 
 
-def _arc_free(circle: _Circle, come: float, turn: float, discs: Array) -> bool:
+def _arc_free(circle: _Circle, come: float, turn: float, discs: FloatArray) -> bool:
     """Return True if an arc over `turn` that begins with heading `come` stays out of all discs."""
     if turn == 0.0 or circle.radius == 0.0 or len(discs) == 0:
         return True
@@ -263,7 +268,7 @@ def _drawn(
     chain: list[_Line], circles: list[_Circle], headings: tuple[float, float] | None, length: float
 ) -> CarPath:
     """Points along the lines of a chain and the arcs before, between and after them."""
-    pieces: list[Array] = []
+    pieces: list[FloatArray] = []
     come = chain[0].heading if headings is None else headings[0]
     for line in chain:
         pieces.append(_arc(circles[line.begin], come, line.heading))
@@ -279,7 +284,7 @@ def _drawn(
     return CarPath(rows[:, :3], rows[:, 3], length)
 
 
-def _arc(circle: _Circle, come: float, go: float) -> Array:
+def _arc(circle: _Circle, come: float, go: float) -> FloatArray:
     """(n, 4) x, y, heading, curvature of an arc, without its first point."""
     turn = _turn(circle, come, go)
     heading = come + circle.sense * _steps(circle.radius * turn) / max(circle.radius, 1e-12)
@@ -289,6 +294,6 @@ def _arc(circle: _Circle, come: float, go: float) -> Array:
     return np.column_stack([x, y, heading, np.full(len(x), bend)])
 
 
-def _steps(length: float) -> Array:
+def _steps(length: float) -> FloatArray:
     """Ways along a piece of this length, in [m], evenly, without 0."""
     return np.linspace(0.0, length, math.ceil(length / PATH_SPACING_M - 1e-9) + 1)[1:]

@@ -13,8 +13,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import (
+    BoolArray,
+    ByteArray,
+    FloatArray,
+    Int32Array,
+    IntArray,
+    SingleArray,
+)
 from handcart.robotics.numerics.compiled import compiled
 
 # slope of the distance: 1 before a wall, 0.71 into a right-angled corner, 0 in a corridor's middle
@@ -23,7 +30,7 @@ SQRT_2 = math.sqrt(2.0)
 LEVELS_PER_CELL = 16  # finer than a cell's rounding of a distance, coarse enough to sort by counting
 
 
-def _simple_table() -> NDArray[np.bool_]:
+def _simple_table() -> BoolArray:
     """(256,) whether a cell is simple, by its neighbourhood; bit k is the neighbour at k times 45 degrees."""
     codes = np.arange(256)
     away = 1 - ((codes[:, None] >> np.arange(8)) & 1)
@@ -33,7 +40,7 @@ def _simple_table() -> NDArray[np.bool_]:
     return np.asarray(number == 1)
 
 
-def _removable_table() -> NDArray[np.bool_]:
+def _removable_table() -> BoolArray:
     """(256,): simple and not the end of a line, which must stay or every branch would melt away."""
     neighbours = np.array([code.bit_count() for code in range(256)])
     return _simple_table() & (neighbours > 1)
@@ -43,12 +50,12 @@ SIMPLE_TABLE = _simple_table()
 REMOVABLE_TABLE = _removable_table()
 
 
-def neighbour_steps(width: int) -> NDArray[np.int64]:
+def neighbour_steps(width: int) -> IntArray:
     """(8,): how far the neighbours are in a flat array of this width; step k + 4 is the way back."""
     return np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, -width + 1], dtype=np.int64)
 
 
-def _nearest_first(distance: NDArray[np.float32], free: NDArray[np.uint8], levels: int) -> NDArray[np.int32]:
+def _nearest_first(distance: SingleArray, free: ByteArray, levels: int) -> Int32Array:
     """Flat indices of the free cells by growing distance, ties in raster order."""
     cells = np.flatnonzero(free).astype(np.int32)
     # NumPy sorts numbers of 16 bits in one pass.
@@ -57,11 +64,11 @@ def _nearest_first(distance: NDArray[np.float32], free: NDArray[np.uint8], level
     return cells[np.argsort(level, kind="stable")]
 
 
-def _ridges(distance: NDArray[np.float32], free: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
+def _ridges(distance: SingleArray, free: ByteArray, width: int) -> ByteArray:
     """Mark cells where the distance rises less than `MAX_RIDGE_SLOPE` to all sides: between two obstacles."""
     inner = slice(width + 1, free.size - width - 1)
 
-    def steepest(*steps: int) -> NDArray[np.float64]:
+    def steepest(*steps: int) -> FloatArray:
         beside = [distance[inner.start + step : inner.stop + step] for step in steps]
         return np.asarray(np.maximum.reduce(beside) - distance[inner], dtype=np.float64)
 
@@ -75,9 +82,7 @@ def _ridges(distance: NDArray[np.float32], free: NDArray[np.uint8], width: int) 
 
 
 @compiled
-def _removable(
-    state: NDArray[np.uint8], cell: np.int64, steps: NDArray[np.int64], table: NDArray[np.bool_]
-) -> bool:
+def _removable(state: ByteArray, cell: np.int64, steps: IntArray, table: BoolArray) -> bool:
     code = 0
     for k in range(8):
         if state[cell + steps[k]]:
@@ -87,11 +92,11 @@ def _removable(
 
 @compiled
 def _peel(
-    state: NDArray[np.uint8],
-    order: NDArray[np.int32],
-    fixed: NDArray[np.uint8],
-    steps: NDArray[np.int64],
-    table: NDArray[np.bool_],
+    state: ByteArray,
+    order: Int32Array,
+    fixed: ByteArray,
+    steps: IntArray,
+    table: BoolArray,
 ) -> None:
     """Remove cells in order; a cell that was kept (2) is asked again when a neighbour of it goes."""
     waiting = [np.int64(0)]
@@ -111,7 +116,7 @@ def _peel(
                         waiting.append(neighbour)
 
 
-def thin(free: NDArray[np.bool_], distance: NDArray[np.float32]) -> NDArray[np.bool_]:
+def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
     """The skeleton (h, w) of the free cells (h, w), as exact in topology and centred by `distance`.
 
     Args:

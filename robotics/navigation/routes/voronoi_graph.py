@@ -8,7 +8,6 @@ from functools import cached_property
 import cv2
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.navigation.maps.blocked_squares import (
     TOUCHING_CELLS,
@@ -19,6 +18,7 @@ from handcart.robotics.navigation.maps.blocked_squares import (
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.skeleton_trace import SkeletonTrace, link, prune_leaves, trace
 from handcart.robotics.navigation.routes.thinning import thin
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
 
 # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
 CLEARANCE_EXPONENT = 0.75
@@ -48,7 +48,7 @@ class EdgeTable:
         self,
         found: SkeletonTrace,
         width: int,
-        price: NDArray[np.float32],
+        price: SingleArray,
         squares: BlockedSquares,
         need: float,
     ) -> None:
@@ -56,20 +56,20 @@ class EdgeTable:
         self.cells = _unflatten(found.cells, width)
         self.first = found.first
         tips = np.column_stack([found.cells[found.first[:-1]], found.cells[found.first[1:] - 1]])
-        self.ends: NDArray[np.int64] = np.searchsorted(found.nodes, tips).reshape(-1, 2)
+        self.ends: IntArray = np.searchsorted(found.nodes, tips).reshape(-1, 2)
         step = np.hypot(*np.diff(self.cells, axis=0, prepend=self.cells[:1]).T)
         step[self.first[:-1]] = 0.0
         total = np.cumsum(step)
         sizes = np.diff(self.first)
-        self.along: NDArray[np.float64] = total - np.repeat(total[self.first[:-1]], sizes)
-        self.edge_of: NDArray[np.int64] = np.repeat(np.arange(len(sizes)), sizes)
-        self.length: NDArray[np.float64] = self.along[self.first[1:] - 1]
+        self.along: FloatArray = total - np.repeat(total[self.first[:-1]], sizes)
+        self.edge_of: IntArray = np.repeat(np.arange(len(sizes)), sizes)
+        self.length: FloatArray = self.along[self.first[1:] - 1]
         priced = np.cumsum(
             step * price[self.cells[:, 0], self.cells[:, 1]]
             + BLOCKED_PRICE * _too_narrow(squares, need, self.cells, step)
         )
-        self.price_along: NDArray[np.float64] = priced - np.repeat(priced[self.first[:-1]], sizes)
-        self.price: NDArray[np.float64] = self.price_along[self.first[1:] - 1]
+        self.price_along: FloatArray = priced - np.repeat(priced[self.first[:-1]], sizes)
+        self.price: FloatArray = self.price_along[self.first[1:] - 1]
         self.slots, self.slot_first = _incidence(self.ends, len(self.nodes))
 
 
@@ -91,11 +91,11 @@ class VoronoiGraph:
     """Blocked squares of the map, used for exact distances."""
     need: float
     """Clearance of every way, in [cells]: the radius less rounding, and always more than touching."""
-    clearance: NDArray[np.float32]
+    clearance: SingleArray
     """(h, w) distance from each cell's centre to the nearest blocked cell's square, in [m]."""
-    price: NDArray[np.float32]
+    price: SingleArray
     """(h, w) of each cell of length: less where there is more room."""
-    free: NDArray[np.bool_]
+    free: BoolArray
     """(h, w) the component: cells that the robot's centre may be in."""
     edges: EdgeTable
 
@@ -151,31 +151,25 @@ def voronoi_graph(
     return VoronoiGraph(grid, radius, squares, need, clearance, price, inner, table)
 
 
-def room_price(clearance: NDArray[np.float32], resolution: float) -> NDArray[np.float32]:
+def room_price(clearance: SingleArray, resolution: float) -> SingleArray:
     """Return the price of a cell of length at each clearance (h, w), in [m]."""
-    price: NDArray[np.float32] = np.maximum(clearance, np.float32(resolution)) ** np.float32(
-        -CLEARANCE_EXPONENT
-    )
+    price: SingleArray = np.maximum(clearance, np.float32(resolution)) ** np.float32(-CLEARANCE_EXPONENT)
     return price
 
 
-def _too_narrow(
-    squares: BlockedSquares, need: float, cells: NDArray[np.int64], step: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _too_narrow(squares: BlockedSquares, need: float, cells: IntArray, step: FloatArray) -> BoolArray:
     """(c,) whether a step to a cell (c, 2) leads over a corner too narrowly, and no free cell lies beside."""
     rows, columns = cells.T + 1
     before_row, before_column = np.roll(rows, 1), np.roll(columns, 1)
     beside = np.maximum(squares.distance[before_row, columns], squares.distance[rows, before_column])
-    narrow: NDArray[np.bool_] = (step > 1.0) & (beside < need)
+    narrow: BoolArray = (step > 1.0) & (beside < need)
     for i in np.flatnonzero(narrow):
         ends = cells[i - 1 : i + 1].astype(np.float64)
         narrow[i] = not is_clear(squares, ends[0], ends[1], need)
     return narrow
 
 
-def _component(
-    free: NDArray[np.bool_], grid: GridMap, seed_point: tuple[float, float] | None
-) -> NDArray[np.bool_]:
+def _component(free: BoolArray, grid: GridMap, seed_point: tuple[float, float] | None) -> BoolArray:
     """The largest component of the (padded) free cells, or the one nearest to the seed point."""
     if not free.any():
         raise ValueError("no free cell is left after growing the obstacles by the robot's radius")
@@ -188,7 +182,7 @@ def _component(
     return np.asarray(labels == labels[rows[nearest], columns[nearest]])
 
 
-def _network(grid: GridMap, table: EdgeTable, clearance: NDArray[np.float32]) -> nx.MultiGraph:
+def _network(grid: GridMap, table: EdgeTable, clearance: SingleArray) -> nx.MultiGraph:
     graph = nx.MultiGraph()
     graph.add_nodes_from(
         (i, {"point": (x, y)}) for i, (x, y) in enumerate(grid.to_point(table.nodes).tolist())
@@ -210,12 +204,12 @@ def _network(grid: GridMap, table: EdgeTable, clearance: NDArray[np.float32]) ->
     return graph
 
 
-def _unflatten(cells: NDArray[np.int64], padded_width: int) -> NDArray[np.int64]:
+def _unflatten(cells: IntArray, padded_width: int) -> IntArray:
     """Rows and columns (n, 2) on the map of flat indices on the padded map."""
     return np.column_stack(np.divmod(cells, padded_width)) - 1
 
 
-def _incidence(ends: NDArray[np.int64], nodes: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _incidence(ends: IntArray, nodes: int) -> tuple[IntArray, IntArray]:
     """Edges at each node: node i has slots[first[i]:first[i + 1]], each 2 * edge + (which end it is)."""
     flat = ends.ravel()
     slots = np.argsort(flat, kind="stable")

@@ -8,7 +8,6 @@ from typing import Literal, NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.clearances import Clearances
@@ -16,6 +15,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
@@ -87,7 +87,7 @@ class Ways:
         grid: GridMap,
         radius: float,
         start: Pose2 | tuple[float, float],
-        sensed: NDArray[np.float64] = NO_POINTS,
+        sensed: FloatArray = NO_POINTS,
         room: float = ROUTE_ROOM_M,
         rounding: float = 1.0,
     ) -> None:
@@ -107,7 +107,7 @@ class Ways:
         self._room, self._rounding = room, rounding
         self._grown = grid.with_points(sensed, SENSED_ROOM)
 
-    def to(self, goal: Pose2 | tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
+    def to(self, goal: Pose2 | tuple[float, float], front: FloatArray | None = None) -> Way:
         """Return the route to a goal.
 
         Args:
@@ -139,7 +139,7 @@ class Ways:
             return None
         return route if self._tight_spot(route, None) is None else None
 
-    def price(self, points: NDArray[np.float64]) -> float:
+    def price(self, points: FloatArray) -> float:
         """Return the price of a path on this map; inf where the robot fits nowhere.
 
         Args:
@@ -152,7 +152,7 @@ class Ways:
         rows, columns = np.clip(cells, 0, np.array(self._grid.occupied.shape) - 1).T
         return float(steps @ self._graph.price[rows, columns])
 
-    def _to(self, goal: tuple[float, float], stands: Way, front: NDArray[np.float64] | None) -> Way:
+    def _to(self, goal: tuple[float, float], stands: Way, front: FloatArray | None) -> Way:
         if stands.why:
             return stands
         found = stands._replace(component=self._component(goal))
@@ -165,7 +165,7 @@ class Ways:
         tight = self._tight_spot(route, front)
         return found._replace(route=route) if tight is None else self._too_narrow(found, tight)
 
-    def _standing(self, goal: tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
+    def _standing(self, goal: tuple[float, float], front: FloatArray | None = None) -> Way:
         """Return the clearance at a goal, with "too near" as reason if the robot does not fit."""
         distance, point = self._clearances.nearest(goal)
         at, needed, kind = (float(point[0]), float(point[1])), self._needed, self._kind(point)
@@ -176,7 +176,7 @@ class Ways:
         near = distance < needed - 1e-9
         return Way(distance, needed, at, kind, None, None, "too near" if near else "")
 
-    def _kind(self, point: NDArray[np.float64]) -> Kind:
+    def _kind(self, point: FloatArray) -> Kind:
         """Return the kind of obstacle at a point on the border of a cell."""
         if not np.isfinite(point).all():
             return "nothing"
@@ -191,9 +191,7 @@ class Ways:
         cell = self._near_free(self._labels > 0, goal, 0.5 * self._needed)
         return None if cell is None else int(self._labels[cell])
 
-    def _near_free(
-        self, free: NDArray[np.bool_], point: tuple[float, float], reach: float
-    ) -> tuple[int, int] | None:
+    def _near_free(self, free: BoolArray, point: tuple[float, float], reach: float) -> tuple[int, int] | None:
         rows, columns = np.nonzero(free)
         row, column = self._grid.to_cell(np.array([point]))[0].tolist()
         if len(rows) == 0:
@@ -215,14 +213,14 @@ class Ways:
             return found._replace(why="cut off")
         return self._too_narrow(found, self._grid.to_point(np.array([spot]))[0])
 
-    def _too_narrow(self, found: Way, at: NDArray[np.float64]) -> Way:
+    def _too_narrow(self, found: Way, at: FloatArray) -> Way:
         width, needed = self._width(at), 2.0 * (self._radius + self._room + self._unsure)
         if width >= needed:  # ways are looked for from cell to cell
             needed += self._grid.resolution
         spot = (float(at[0]), float(at[1]))
         return found._replace(why="too narrow", narrow=spot, width=width, width_needed=max(needed, width))
 
-    def _width(self, at: NDArray[np.float64]) -> float:
+    def _width(self, at: FloatArray) -> float:
         """Return the distance between the obstacles on both sides of a point, in [m]."""
         distance, point = self._clearances.nearest((float(at[0]), float(at[1])))
         if not 0.0 < distance < math.inf:
@@ -234,7 +232,7 @@ class Ways:
             other += max(left, 0.0)
         return other
 
-    def _tight_spot(self, route: Route, front: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+    def _tight_spot(self, route: Route, front: FloatArray | None) -> FloatArray | None:
         """Return the route's point with too little clearance, its beginning excepted; None if it has no such
         point.
         """
@@ -269,7 +267,7 @@ class Ways:
             return None
 
     @cached_property
-    def _labels(self) -> NDArray[np.int64]:
+    def _labels(self) -> IntArray:
         """(h, w) part of the map that each cell belongs to, 1 the largest; 0 where the robot can't be."""
         if self._graph is None:
             return np.zeros(self._grid.occupied.shape, dtype=np.int64)
@@ -281,7 +279,7 @@ class Ways:
         return np.asarray(numbers[labels])
 
 
-def without_front(grid: GridMap, front: NDArray[np.float64]) -> GridMap:
+def without_front(grid: GridMap, front: FloatArray) -> GridMap:
     """A map without the cells that a front (2, 2), in [m], runs through: there its real place counts."""
     near = 0.75 * grid.resolution
     rows, columns = np.nonzero(grid.blocked)
@@ -294,9 +292,7 @@ def without_front(grid: GridMap, front: NDArray[np.float64]) -> GridMap:
     return grid._replace(occupied=grid.occupied & kept, unknown=grid.unknown & kept)
 
 
-def _to_segment(
-    point: tuple[float, float], segment: NDArray[np.float64]
-) -> tuple[float, tuple[float, float]]:
+def _to_segment(point: tuple[float, float], segment: FloatArray) -> tuple[float, tuple[float, float]]:
     """Distance of a point to a segment (2, 2), and the point of it that is nearest, in [m]."""
     ray = segment[1] - segment[0]
     at = float(np.clip((np.array(point) - segment[0]) @ ray / max(ray @ ray, 1e-12), 0.0, 1.0))

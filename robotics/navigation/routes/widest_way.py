@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import IntArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 
 
 def narrowest_spot(
-    clearance: NDArray[np.float32], start: tuple[int, int], goal: tuple[int, int]
+    clearance: SingleArray, start: tuple[int, int], goal: tuple[int, int]
 ) -> tuple[int, int] | None:
     """The cell (row, column) at which the way with the most room everywhere is narrowest.
 
@@ -32,7 +32,7 @@ def narrowest_spot(
 
 
 @compiled
-def _root(parent: NDArray[np.int64], cell: int) -> int:
+def _root(parent: IntArray, cell: int) -> int:
     root = cell
     while parent[root] != root:
         parent[root] = parent[parent[root]]
@@ -41,7 +41,7 @@ def _root(parent: NDArray[np.int64], cell: int) -> int:
 
 
 @compiled
-def _connect(order: NDArray[np.int64], shape: tuple[int, int], start: int, goal: int) -> int:
+def _connect(order: IntArray, shape: tuple[int, int], start: int, goal: int) -> int:
     """Return the cell that connects start and goal when cells are added in this order; -1 if none does."""
     height, width = shape
     parent = np.full(height * width, -1)

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.blocks.plane_view import PlaneView
 from handcart.robotics.perception.blocks.rectangle_edges import fit_rectangle
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 MAX_TURN_RAD = 0.35
 """Largest difference from the expected heading, in [rad]."""
@@ -28,7 +28,7 @@ _NEARER = 3.0  # what a guess is worth more where it is expected than `within` f
 
 
 def find_block(
-    image: GreyImage,
+    image: ByteArray,
     camera: CameraModel,
     camera_T_plane: Transform,
     size: tuple[float, float],
@@ -80,7 +80,7 @@ def _guesses(view: PlaneView, size: tuple[float, float], expected: Pose2, within
         scores[:, np.hypot(offsets[:, None] - y, offsets - x) < _SAME] = 0.0
 
 
-def _picture(view: PlaneView, expected: Pose2, half: float) -> GreyImage:
+def _picture(view: PlaneView, expected: Pose2, half: float) -> ByteArray:
     """The plane about the expected pose: x along the rows, y along the columns, the pose in the middle."""
     half_px = math.ceil(half / _M_PER_PX) + 2 * _STRIP
     side = 2 * half_px + 1
@@ -93,7 +93,7 @@ def _picture(view: PlaneView, expected: Pose2, half: float) -> GreyImage:
     return view.camera.rectify(view.image, camera_T_expected[:, (0, 1, 3)][:3] @ to_plane, (side, side))
 
 
-def _scores(picture: GreyImage, size: tuple[float, float], within: float) -> Floats:
+def _scores(picture: ByteArray, size: tuple[float, float], within: float) -> FloatArray:
     """Return the contrast of a face of that size at each turn and position (turns, n, n)."""
     reach = math.ceil(within / _M_PER_PX) + 1
     half = [each / 2 / _M_PER_PX for each in size]
@@ -119,7 +119,7 @@ def _scores(picture: GreyImage, size: tuple[float, float], within: float) -> Flo
     return np.where(second >= _LEAST_STEP, score, 0.0)
 
 
-def _turned(picture: GreyImage, columns: int, rows: int) -> NDArray[np.float32]:
+def _turned(picture: ByteArray, columns: int, rows: int) -> SingleArray:
     """The picture in all turns, one below the other; the middle stays in the middle."""
     middle = picture.shape[0] // 2
     width, height = 2 * columns + 1, 2 * rows + 1
@@ -135,7 +135,7 @@ def _turned(picture: GreyImage, columns: int, rows: int) -> NDArray[np.float32]:
     return turned
 
 
-def _cut(stack: NDArray[np.float32], x: int, y: int, reach: int) -> NDArray[np.float32]:
+def _cut(stack: SingleArray, x: int, y: int, reach: int) -> SingleArray:
     """The places (turns, n, n), displaced by whole pixels."""
     _, height, width = stack.shape
     row, column = height // 2 + y, width // 2 + x

@@ -6,16 +6,15 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from handcart.robotics.perception.cameras.camera_model import Floats
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IndexArray
 
-SAMPLE_POSITIONS_PX: Floats = np.arange(-5.0, 5.25, 0.5)
+SAMPLE_POSITIONS_PX: FloatArray = np.arange(-5.0, 5.25, 0.5)
 """Sample positions of a profile, from inside to outside, in [px]."""
-_AT: Floats = np.arange(-2.4, 2.5, 0.2)
-_WIDTHS: Floats = np.array([1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8, 3.2, 3.8, 4.4, 5.0, 6.0])
-_BLURS: Floats = np.arange(0.65, 1.46, 0.05)
+_AT: FloatArray = np.arange(-2.4, 2.5, 0.2)
+_WIDTHS: FloatArray = np.array([1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8, 3.2, 3.8, 4.4, 5.0, 6.0])
+_BLURS: FloatArray = np.arange(0.65, 1.46, 0.05)
 _USUAL = 6  # 0.95 px: a lens of 0.7 px, the area of a pixel, sampling twice
 _BETTER, _BETTER_AWAY = 0.4, 0.25  # share of the squared residuals that a second step leaves at most
 _LEAST_GAIN = 0.5  # of their mean [squared grey levels] by which it lowers them
@@ -23,42 +22,40 @@ _SHAPE = 0.012  # how well a step's shape is known, as a share of its height
 _LEAST_FIRST = 0.12  # of two steps: its share of their height
 _LEAST_AWAY = 1.5  # [px] from an edge to the next one that is nothing of its own
 
-Bools = NDArray[np.bool_]
-
 
 class Steps(NamedTuple):
     """The first step down in each of some profiles (k, 21)."""
 
-    at: Floats
+    at: FloatArray
     """(k,) in [px]."""
-    drop: Floats
+    drop: FloatArray
     """Height (k,) of each step in grey levels; 0 without a step."""
-    model: Floats
+    model: FloatArray
     """(k, 21) the profiles as fitted."""
 
 
 class _Models(NamedTuple):
     """n models a + b S(at) + c S(at + width), S a blurred step."""
 
-    at: Floats
-    width: Floats
-    basis: Floats
+    at: FloatArray
+    width: FloatArray
+    basis: FloatArray
     """(n, 3, 21)"""
-    solve: Floats
+    solve: FloatArray
     """(n, 3, 21): a, b, c are this times a profile."""
 
 
 class _Fit(NamedTuple):
-    at: Floats
-    width: Floats
-    weights: Floats
+    at: FloatArray
+    width: FloatArray
+    weights: FloatArray
     """(k, 3)"""
-    model: Floats
-    left: Floats
+    model: FloatArray
+    left: FloatArray
     """(k,) mean squared residual; infinite where no model has a step down."""
 
 
-def fit_steps(profiles: Floats, away: Bools, least: float) -> Steps:
+def fit_steps(profiles: FloatArray, away: BoolArray, least: float) -> Steps:
     """Fits a step down of at least `least` grey levels, or two steps where these explain a profile much
     better: the face under an edge is often seen as a strip of few pixels, of a third shade.
 
@@ -90,14 +87,14 @@ def fit_steps(profiles: Floats, away: Bools, least: float) -> Steps:
     return Steps(at, np.where(np.isfinite(left), drop, 0.0), model)
 
 
-def _blur(left: Floats) -> int:
+def _blur(left: FloatArray) -> int:
     """Return the index of the blur that fits edges of one step best, by the mean of all."""
     each = left.reshape(len(_BLURS), len(_AT), -1).min(axis=1)
     there = np.isfinite(each).all(axis=0)
     return round(float(each[:, there].argmin(axis=0).mean())) if there.any() else _USUAL
 
 
-def _residuals(models: _Models, centred: Floats, least: Floats) -> tuple[Floats, Floats]:
+def _residuals(models: _Models, centred: FloatArray, least: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean squared residuals (n, k) and weights (n, 3, k) of all models."""
     shape = (-1, 3, len(centred))
     onto, weights = (
@@ -108,7 +105,7 @@ def _residuals(models: _Models, centred: Floats, least: Floats) -> tuple[Floats,
     return left, weights
 
 
-def _best(models: _Models, left: Floats, weights: Floats) -> _Fit:
+def _best(models: _Models, left: FloatArray, weights: FloatArray) -> _Fit:
     best = left.argmin(axis=0)
     each = np.arange(left.shape[1])
     chosen = weights[best, :, each]
@@ -116,7 +113,7 @@ def _best(models: _Models, left: Floats, weights: Floats) -> _Fit:
     return _Fit(models.at[best] + _between(left, best), models.width[best], chosen, model, left[best, each])
 
 
-def _between(left: Floats, best: NDArray[np.intp]) -> Floats:
+def _between(left: FloatArray, best: IndexArray) -> FloatArray:
     """Return the offset from the best position to the minimum of a parabola through it and its neighbours, in
     [px].
     """
@@ -146,7 +143,7 @@ def _double(blur: int) -> _Models:
     return _models(at, width, float(_BLURS[blur]))
 
 
-def _models(at: Floats, width: Floats, blur: float) -> _Models:
+def _models(at: FloatArray, width: FloatArray, blur: float) -> _Models:
     first, second = (ndtr((SAMPLE_POSITIONS_PX - place[:, None]) / blur) for place in (at, at + width))
     basis = np.stack([np.ones_like(first), first, second], axis=1)
     return _Models(at, width, basis, np.linalg.pinv(basis, rcond=1e-5).swapaxes(1, 2))

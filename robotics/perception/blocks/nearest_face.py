@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.perception.cameras.camera_model import CameraModel, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, SingleArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 HALF_VIEW_M = 0.08  # from the expected place to the edges of the searched square
 M_PER_PX = 0.001
@@ -33,7 +33,7 @@ class Face(NamedTuple):
 
 
 def nearest_face(
-    image: GreyImage, camera: CameraModel, camera_T_plane: Transform, expected: Pose2
+    image: ByteArray, camera: CameraModel, camera_T_plane: Transform, expected: Pose2
 ) -> Face | None:
     """Return the bright face nearest to an expected pose in the plane z = 0.
 
@@ -66,7 +66,7 @@ def nearest_face(
     return min(large, key=lambda face: face.distance, default=None)
 
 
-def _contrast(flat: GreyImage, bright: GreyImage) -> float:
+def _contrast(flat: ByteArray, bright: ByteArray) -> float:
     """Return the difference of the mean grey levels of bright and dark pixels."""
     inside = bright > 0
     if inside.all() or not inside.any():
@@ -74,7 +74,7 @@ def _contrast(flat: GreyImage, bright: GreyImage) -> float:
     return float(flat[inside].mean() - flat[~inside].mean())
 
 
-def _face(outline: NDArray[np.float32], side: int) -> Face:
+def _face(outline: SingleArray, side: int) -> Face:
     (x, y), (width, height), turn = cv2.minAreaRect(outline)
     direction = math.radians(turn if width >= height else turn + 90.0)
     short, long = sorted(((width + 1.0) * M_PER_PX, (height + 1.0) * M_PER_PX))

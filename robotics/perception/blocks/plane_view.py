@@ -9,7 +9,8 @@ import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 
 class PlaneView(NamedTuple):
@@ -18,22 +19,22 @@ class PlaneView(NamedTuple):
     Points are given in the frame of a pose in that plane, in [m].
     """
 
-    image: GreyImage
+    image: ByteArray
     camera: CameraModel
     camera_T_plane: Transform
 
-    def eye(self, pose: Pose2) -> Floats:
+    def eye(self, pose: Pose2) -> FloatArray:
         """(3,) where the camera is, in the pose's frame: z above the plane."""
         camera_T_pose = self.camera_T_plane @ pose.lift()
         return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])
 
-    def pixels(self, pose: Pose2, points: Floats) -> Floats:
+    def pixels(self, pose: Pose2, points: FloatArray) -> FloatArray:
         """(..., 2) of points (..., 2)."""
         camera_T_pose = self.camera_T_plane @ pose.lift()
         space = points.reshape(-1, 2) @ camera_T_pose[:3, :2].T + camera_T_pose[:3, 3]
         return self.camera.project(space).reshape(points.shape)
 
-    def profiles(self, pose: Pose2, first: Floats, last: Floats, count: int) -> Floats | None:
+    def profiles(self, pose: Pose2, first: FloatArray, last: FloatArray, count: int) -> FloatArray | None:
         """Greys (..., count) along short lines from `first` (..., 2) to `last`; None if one leaves the image.
 
         Only the ends go through the lens: between them a line of a few millimetres is straight.
@@ -47,5 +48,5 @@ class PlaneView(NamedTuple):
         start, end = (each.reshape(-1, 1, 2).astype(np.float32) for each in ends)
         along = start + (end - start) * share
         greys = cv2.remap(self.image, along[..., 0], along[..., 1], cv2.INTER_LINEAR)
-        result: Floats = greys.astype(np.float64).reshape(*first.shape[:-1], count)
+        result: FloatArray = greys.astype(np.float64).reshape(*first.shape[:-1], count)
         return result

@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.perception.cameras.camera_model import Floats
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
-Bools = NDArray[np.bool_]
-
-OUTWARD_NORMALS: Floats = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+OUTWARD_NORMALS: FloatArray = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 """Out of the edges at +x, +y, -x, -y: the order of edges everywhere."""
-EDGE_DIRECTIONS: Floats = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
+EDGE_DIRECTIONS: FloatArray = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 AXIS, OTHER = np.array([0, 1, 0, 1]), np.array([1, 0, 1, 0])
 """Along which axis (0: x, 1: y) the edges stand apart, and run."""
 _ENDS = 0.08  # of an edge at each end is left out: the blurred corners
@@ -24,18 +21,20 @@ class Rectangle(NamedTuple):
     """A rectangle in a plane; its pose is that of its centre."""
 
     pose: Pose2
-    half: Floats
+    half: FloatArray
     """(2,) half of its length (along x) and width, in [m]."""
-    seen: Bools
+    seen: BoolArray
     """(4,) which of its edges were found."""
 
 
-def shares(count: int) -> Floats:
+def shares(count: int) -> FloatArray:
     """Places along an edge: 0 in its middle, 1 and -1 at its ends."""
     return np.linspace(-1.0, 1.0, count) * (1.0 - 2 * _ENDS)
 
 
-def across(half: Floats, share: Floats, inner: Floats, outer: Floats) -> tuple[Floats, Floats]:
+def across(
+    half: FloatArray, share: FloatArray, inner: FloatArray, outer: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """First and last points (4, n, 2) of lines across the edges, in the rectangle's frame.
 
     `share` (n,) along the edges, from `inner` to `outer` (4,) [m] out of them.

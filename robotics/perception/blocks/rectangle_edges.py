@@ -7,19 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 from handcart.robotics.perception.blocks.edge_step import SAMPLE_POSITIONS_PX, fit_steps
 from handcart.robotics.perception.blocks.plane_view import PlaneView
 from handcart.robotics.perception.blocks.rectangle import (
     AXIS,
     OTHER,
     OUTWARD_NORMALS,
-    Bools,
     Rectangle,
     across,
     shares,
 )
 from handcart.robotics.perception.blocks.rough_rectangle import rough_rectangle
-from handcart.robotics.perception.cameras.camera_model import Floats
 
 _ROWS, _SEGMENTS = 48, 8  # profiles across an edge; they are averaged in segments
 _LEAST_DROP = 6.0  # grey levels
@@ -39,15 +38,15 @@ _STRIPES = 0.012  # the same of what a side's face at its rim would change
 class _Edges(NamedTuple):
     """Points on the four edges, k segments of each."""
 
-    along: Floats
+    along: FloatArray
     """(4, k) from the edge's middle, in [m]."""
-    out: Floats
+    out: FloatArray
     """(4, k) out of where the edge was taken to be, in [m]."""
-    lit: Bools
+    lit: BoolArray
     """(4, k) whether the segment is to be seen, and like the edge's others."""
-    seen: Bools
+    seen: BoolArray
     """(4,)"""
-    sure: Bools
+    sure: BoolArray
     """(4,) where the top's edge isn't mixed up with its foot's."""
 
 
@@ -68,7 +67,7 @@ def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> P
     return fine.pose
 
 
-def _by_far_edges(view: PlaneView, wanted: Floats, rough: Rectangle) -> Rectangle:
+def _by_far_edges(view: PlaneView, wanted: FloatArray, rough: Rectangle) -> Rectangle:
     """Return the rectangle of the wanted size at its far edges.
 
     Below a near edge a side face is visible, whose foot may have been taken for the edge.
@@ -79,7 +78,7 @@ def _by_far_edges(view: PlaneView, wanted: Floats, rough: Rectangle) -> Rectangl
     return Rectangle(rough.pose.compose(Pose2(x, y, 0.0)), wanted, rough.seen)
 
 
-def _settled(view: PlaneView, wanted: Floats, last: Rectangle) -> Rectangle | None:
+def _settled(view: PlaneView, wanted: FloatArray, last: Rectangle) -> Rectangle | None:
     """Fitted again from where the last fit was, until little changes."""
     for _ in range(_ROUNDS):
         edges = _edges(view, last)
@@ -113,14 +112,14 @@ def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
     return _Edges(along, out, lit, seen, seen & ~(grazing & np.roll(seen, 2)))
 
 
-def _m_per_px(view: PlaneView, rectangle: Rectangle) -> Floats:
+def _m_per_px(view: PlaneView, rectangle: Rectangle) -> FloatArray:
     """(4,) across each edge, in its middle."""
     step = np.full(4, 0.0005)
     ends = view.pixels(rectangle.pose, np.stack(across(rectangle.half, np.zeros(1), -step, step)))
     return np.asarray(2 * step / np.linalg.norm(ends[1] - ends[0], axis=-1)[:, 0])
 
 
-def _lit(segments: Floats) -> Bools:
+def _lit(segments: FloatArray) -> BoolArray:
     """Return True for segments (4, k, m) that are darker further out: an edge may border partly on a bright
     thing.
     """
@@ -128,7 +127,7 @@ def _lit(segments: Floats) -> Bools:
     return np.asarray(smooth[..., :3].mean(axis=-1) - smooth.min(axis=-1) >= 3 * _LEAST_DROP)
 
 
-def _usual(segments: Floats, lit: Bools) -> Floats:
+def _usual(segments: FloatArray, lit: BoolArray) -> FloatArray:
     """Return the median (4, m) of each edge's lit segments, because the background may change along an
     edge.
     """
@@ -138,7 +137,7 @@ def _usual(segments: Floats, lit: Bools) -> Floats:
     return np.array([np.median(each, axis=0) for each in chosen])
 
 
-def _displaced(segments: Floats, model: Floats) -> Floats:
+def _displaced(segments: FloatArray, model: FloatArray) -> FloatArray:
     """Return how much further out than the model (4, m) each segment (4, k, m) is, in [px], to first
     order.
     """
@@ -148,7 +147,7 @@ def _displaced(segments: Floats, model: Floats) -> Floats:
     return np.asarray(-differs / np.maximum((slope**2).sum(axis=1), 1e-9)[:, None])
 
 
-def _enclosed(last: Rectangle, wanted: Floats, edges: _Edges) -> Rectangle | None:
+def _enclosed(last: Rectangle, wanted: FloatArray, edges: _Edges) -> Rectangle | None:
     """Fit centre, turn and both sizes by least squares.
 
     If only one of two opposite edges is sure, their distance is the wanted one, plus the excess of the

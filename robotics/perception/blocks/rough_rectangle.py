@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 from handcart.robotics.perception.blocks.plane_view import PlaneView
-from handcart.robotics.perception.blocks.rectangle import OTHER, Bools, Rectangle, across, shares
-from handcart.robotics.perception.cameras.camera_model import Floats
+from handcart.robotics.perception.blocks.rectangle import OTHER, Rectangle, across, shares
 
 _ROWS = 16  # profiles across an edge
 _REACH, _COUNT = 0.0036, 25  # on each side of an edge [m], and samples
 _SPACING = 2 * _REACH / (_COUNT - 1)
-_SLOPES: Floats = np.arange(-0.045, 0.0451, 0.01)
+_SLOPES: FloatArray = np.arange(-0.045, 0.0451, 0.01)
 
 
 def rough_rectangle(
@@ -34,13 +34,13 @@ def rough_rectangle(
     chosen = drops[:, int(sharp.argmax())]
     inner = chosen[:, 1:-1]
     peak = (inner >= least) & (inner >= chosen[:, :-2]) & (inner > chosen[:, 2:])
-    seen: Bools = np.asarray(peak.any(axis=1))
+    seen: BoolArray = np.asarray(peak.any(axis=1))
     # Counted from the middle of the profile.
     out = (peak.argmax(axis=1) + 1 - (chosen.shape[1] - 1) / 2) * _SPACING
     return _moved(guess, half, seen, out, _top(sharp), within)
 
 
-def _sheared(greys: Floats, share: Floats, half: Floats) -> Floats:
+def _sheared(greys: FloatArray, share: FloatArray, half: FloatArray) -> FloatArray:
     """Mean profiles (4, slopes, m) along lines of all slopes."""
     shift = -half[OTHER, None, None] * share * _SLOPES[:, None] / _SPACING  # (4, slopes, rows)
     place = np.clip(np.arange(_COUNT) + shift[..., None], 0.0, _COUNT - 1.001)
@@ -51,13 +51,13 @@ def _sheared(greys: Floats, share: Floats, half: Floats) -> Floats:
     return np.asarray((before + (after - before) * part).mean(axis=2))
 
 
-def _drops(profiles: Floats) -> Floats:
+def _drops(profiles: FloatArray) -> FloatArray:
     """Return how much brighter two samples are than two others three further out, (..., m - 4)."""
     pairs = profiles[..., :-1] + profiles[..., 1:]
     return np.asarray(pairs[..., :-3] - pairs[..., 3:]) / 2
 
 
-def _top(sharp: Floats) -> float:
+def _top(sharp: FloatArray) -> float:
     """The slope of the sharpest edges, by a parabola."""
     best = min(max(int(sharp.argmax()), 1), len(sharp) - 2)
     before, top, after = sharp[best - 1 : best + 2].tolist()
@@ -66,7 +66,7 @@ def _top(sharp: Floats) -> float:
 
 
 def _moved(
-    guess: Pose2, half: Floats, seen: Bools, out: Floats, turn: float, within: float
+    guess: Pose2, half: FloatArray, seen: BoolArray, out: FloatArray, turn: float, within: float
 ) -> Rectangle | None:
     """The rectangle at a guess, turned, with its edges `out` (4,) [m] further out."""
     if seen.sum() < 3:

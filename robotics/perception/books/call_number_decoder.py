@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray, SingleArray
 
 CALL_NUMBER_SYMBOLS = "0123456789.ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 # What a recogniser trained on all scripts may call our symbols. Digits and letters share their look-alikes:
@@ -59,7 +60,7 @@ class CallNumberDecoder:
         self._blank = [0] + [columns[c] for c in (" ", "\u3000") if c in columns]
         self._letters, self._max_decimals = letters, max_decimals
 
-    def decode(self, probabilities: NDArray[np.float32]) -> Decoded | None:
+    def decode(self, probabilities: SingleArray) -> Decoded | None:
         """The call number in `probabilities` (time, characters), or None where they hold none."""
         symbols = np.column_stack([probabilities[:, group].sum(axis=1) for group in self._groups])
         blanks = probabilities[:, self._blank].sum(axis=1)
@@ -77,7 +78,7 @@ class CallNumberDecoder:
         return Decoded(f"{text[: -self._letters]} {text[-self._letters :]}", float(confidence))
 
     def _step(
-        self, beams: dict[tuple[int, ...], tuple[float, float]], row: NDArray[np.float64], blank: float
+        self, beams: dict[tuple[int, ...], tuple[float, float]], row: FloatArray, blank: float
     ) -> dict[tuple[int, ...], tuple[float, float]]:
         grown: dict[tuple[int, ...], tuple[float, float]] = {}
         likely = [(int(i), float(row[i])) for i in np.flatnonzero(row > _UNLIKELY)]

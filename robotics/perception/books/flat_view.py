@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, picture_of_plane
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel, picture_of_plane
 
 _M_PER_PX = 0.0005
 _WIDEST_VIEW = 1.5  # [m]
@@ -19,18 +19,18 @@ class FlatView(NamedTuple):
     Column c, row r show y = left - c * m_per_px, z = top - r * m_per_px.
     """
 
-    picture: GreyImage
-    seen: NDArray[np.bool_]
+    picture: ByteArray
+    seen: BoolArray
     left: float
     top: float
     m_per_px: float
 
 
 def flat_view(
-    image: GreyImage,
+    image: ByteArray,
     camera: CameraModel,
-    camera_T_shelf: Floats,
-    mask: NDArray[np.bool_] | None,
+    camera_T_shelf: FloatArray,
+    mask: BoolArray | None,
     m_per_px: float = _M_PER_PX,
     heights: tuple[float, float] | None = None,
 ) -> FlatView:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.robotics.perception.cameras.camera_model import Floats
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 class LabelBox(NamedTuple):
@@ -30,9 +30,11 @@ class LabelBox(NamedTuple):
         return math.atan2(-self.along[0], -self.along[1])
 
     @property
-    def corners(self) -> Floats:
+    def corners(self) -> FloatArray:
         """(4, 2) of y, z in [m]: upper left, upper right, lower right, lower left, seen from the front."""
         down = np.array(self.along) * self.length / 2
         right = np.array([self.along[1], -self.along[0]]) * self.width / 2
-        corners: Floats = np.stack([-down - right, right - down, down + right, down - right]) + self.centre
+        corners: FloatArray = (
+            np.stack([-down - right, right - down, down + right, down - right]) + self.centre
+        )
         return corners

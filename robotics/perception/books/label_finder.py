@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.books.flat_view import FlatView, flat_view
 from handcart.robotics.perception.books.label_box import LabelBox
 from handcart.robotics.perception.books.print_finder import find_prints
 from handcart.robotics.perception.cameras.bright_patches import BrightPatches
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 _WIDTHS, _LENGTHS = (0.0052, 0.0265), (0.015, 0.090)  # across and along the spine, [m]
 _LEVELS = range(70, 236, 15)
@@ -20,7 +20,7 @@ _SQUARE = 8  # the weight of being square against that of being large
 
 
 def find_labels(
-    image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, mask: NDArray[np.bool_] | None = None
+    image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, mask: BoolArray | None = None
 ) -> list[LabelBox]:
     """The labels wholly in view, from left to right. Arguments as for flat_view; `camera_T_shelf` may be a
     few millimetres and degrees off. On a cover as bright as paper no label shows: any print there counts.
@@ -42,7 +42,7 @@ def find_labels(
     return sorted(boxes, key=lambda box: -box.centre[0])
 
 
-def _papers(view: FlatView) -> list[GreyImage]:
+def _papers(view: FlatView) -> list[ByteArray]:
     """The view with print painted over, which leaves paper as one bright patch: print is thinner than 3 mm.
 
     So are the seams beside a label as broad as its spine: the second closes nothing across spines.
@@ -68,7 +68,7 @@ def _same_place(key: tuple[int, int], box: LabelBox) -> bool:
     return abs(key[0] - box.centre[0] * 1000) < 6 and abs(key[1] - box.centre[1] * 1000) < 30
 
 
-def _patches(paper: GreyImage, level: int, view: FlatView) -> list[tuple[float, LabelBox]]:
+def _patches(paper: ByteArray, level: int, view: FlatView) -> list[tuple[float, LabelBox]]:
     """Bright patches of a label's size and shape, with how much of their rectangle they fill."""
     patches, found = BrightPatches(paper, level), []
     for number, (x, y, width, height, area) in enumerate(patches.boxes.tolist()):
@@ -94,7 +94,7 @@ def _label_sized(width: float, length: float, slack: float = 1.0) -> bool:
     )
 
 
-def _box(corners: NDArray[np.float32], view: FlatView) -> LabelBox:
+def _box(corners: SingleArray, view: FlatView) -> LabelBox:
     """The rectangle of four picture corners (any order, pixel centres of the rim) as a box in the shelf
     frame.
     """

@@ -8,13 +8,13 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray
 from handcart.robotics.perception.books.call_number import CallNumber, parse, snap
 from handcart.robotics.perception.books.label_box import LabelBox
 from handcart.robotics.perception.books.label_finder import find_labels
 from handcart.robotics.perception.books.text_lines import text_lines
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
+from handcart.robotics.perception.cameras.camera_model import CameraModel, plane_to_rays
 
 _CAP_HEIGHT_M = 0.005  # of capitals, where a crop shows `crop_height_m`
 _SAME_PLACE, _SURE = 0.0025, 0.95  # [m] between views' places of one label; confidence
@@ -33,7 +33,7 @@ class Label(NamedTuple):
     text: str
     call_number: CallNumber | None
     confidence: float
-    corners: Floats
+    corners: FloatArray
     lateral: float
     height: float
     width: float = 0.010
@@ -63,15 +63,15 @@ class LabelReader(ABC):
         self._catalogue = catalogue
 
     @abstractmethod
-    def read_crops(self, crops: Sequence[GreyImage]) -> list[LabelReading]:
+    def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
         """One reading for each upright crop (crop_height_px, w): text running left to right."""
 
     def read(
         self,
-        image: GreyImage,
+        image: ByteArray,
         camera: CameraModel,
-        camera_T_shelf: Floats,
-        mask: NDArray[np.bool_] | None = None,
+        camera_T_shelf: FloatArray,
+        mask: BoolArray | None = None,
         known: Sequence[Label] = (),
     ) -> list[Label]:
         """Return the labels completely visible in `image`, from left to right.
@@ -96,8 +96,8 @@ class LabelReader(ABC):
         return [label for box, label in found if box.paper or label.call_number is not None]
 
     def _crop(
-        self, image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, box: LabelBox
-    ) -> GreyImage:
+        self, image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, box: LabelBox
+    ) -> ByteArray:
         """The label turned so that its text runs left to right, line after line, cut to print."""
         flat = partial(_flat_label, image, camera, camera_T_shelf, box)
         lines = text_lines(
@@ -111,7 +111,7 @@ class LabelReader(ABC):
         return np.hstack([cut_to_print(part) for part in parts])
 
     def _label(
-        self, box: LabelBox, reading: LabelReading, camera: CameraModel, camera_T_shelf: Floats
+        self, box: LabelBox, reading: LabelReading, camera: CameraModel, camera_T_shelf: FloatArray
     ) -> Label:
         number = parse(reading.text) if reading.confidence >= self.least_confidence else None
         if self._catalogue is not None and reading.text:
@@ -137,14 +137,14 @@ def _read_before(box: LabelBox, known: Sequence[Label]) -> LabelReading | None:
 
 
 def _flat_label(
-    image: GreyImage,
+    image: ByteArray,
     camera: CameraModel,
-    camera_T_shelf: Floats,
+    camera_T_shelf: FloatArray,
     box: LabelBox,
     below: float,
     height: float,
     rows: int,
-) -> GreyImage:
+) -> ByteArray:
     """A strip along a label as its reader sees it: `height` [m] as so many `rows`, `below` [m] the middle."""
     m_per_px = height / rows
     width = round(box.length / m_per_px)
@@ -158,7 +158,7 @@ def _flat_label(
     return camera.rectify(image, plane_to_rays(camera_T_shelf) @ to_plane, (width, rows))
 
 
-def cut_to_print(crop: GreyImage) -> GreyImage:
+def cut_to_print(crop: ByteArray) -> ByteArray:
     """Without the empty paper before and after the text, but for a margin of a fifth of the height."""
     height, width = crop.shape
     inner = crop[height // 6 : -height // 6]

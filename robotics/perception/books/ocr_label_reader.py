@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import ByteArray, SingleArray
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.call_number_decoder import CallNumberDecoder
 from handcart.robotics.perception.books.label_reader import LabelReader, LabelReading
-from handcart.robotics.perception.cameras.camera_model import GreyImage
 
 if TYPE_CHECKING:
     import onnxruntime
@@ -38,12 +37,12 @@ class OcrLabelReader(LabelReader):
         super().__init__(catalogue)
         self._threads = threads
 
-    def read_crops(self, crops: Sequence[GreyImage]) -> list[LabelReading]:
+    def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
         """See `LabelReader`; one after the other: in a batch all would be as wide as the widest."""
         name = self._session.get_inputs()[0].name
         return [self._reading(self._session.run(None, {name: _input(crop)})[0][0]) for crop in crops]
 
-    def _reading(self, probabilities: NDArray[np.float32]) -> LabelReading:
+    def _reading(self, probabilities: SingleArray) -> LabelReading:
         decoded = self._decoder.decode(probabilities)
         return LabelReading("", 0.0) if decoded is None else LabelReading(*decoded)
 
@@ -80,7 +79,7 @@ def _model_file() -> Path:
     return models[-1]
 
 
-def _input(crop: GreyImage) -> NDArray[np.float32]:
+def _input(crop: ByteArray) -> SingleArray:
     """A crop (48, w) as the recogniser wants it: (1, 3, 48, w), -1..1, padded with 0."""
     height, width = crop.shape
     result = np.zeros((1, 3, height, -(-width // _STEP_PX) * _STEP_PX), dtype=np.float32)

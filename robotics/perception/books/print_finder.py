@@ -5,9 +5,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.books.flat_view import FlatView
 from handcart.robotics.perception.books.label_box import LabelBox
-from handcart.robotics.perception.cameras.camera_model import GreyImage
 
 _STROKE = 0.0035  # [m]: print is thinner
 _GROUND, _INK = 170, 50  # of bright ground at least, and by how much print is darker, in grey levels
@@ -35,7 +35,7 @@ def find_prints(view: FlatView) -> list[LabelBox]:
 
 
 def _blocks(
-    lines: list[tuple[int, int, int, int]], picture: GreyImage
+    lines: list[tuple[int, int, int, int]], picture: ByteArray
 ) -> list[tuple[int, int, int, int, int]]:
     """Return left, top, right, bottom of neighbouring lines, and the height of capitals, in [px]."""
     blocks: list[tuple[int, int, int, int, int]] = []
@@ -52,7 +52,7 @@ def _blocks(
     return blocks
 
 
-def _seam(between: GreyImage) -> bool:
+def _seam(between: ByteArray) -> bool:
     """Return True if a dark line, the sides of two books, runs up the view."""
     columns = np.median(between, axis=0)
     return bool(len(columns) and columns.min() < _SEAM * columns.max())

@@ -7,8 +7,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.slots import MIN_SLOT_M, Gap
@@ -101,7 +101,7 @@ def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
     return (best, share) if share > 0.5 else (None, 0.0)
 
 
-def _offsets(views: Sequence[SpineView]) -> NDArray[np.float64]:
+def _offsets(views: Sequence[SpineView]) -> FloatArray:
     """Least squares over the pairs of views that share books; a weak pull to zero fixes what is left free."""
     rows, values = [1e-3 * np.eye(len(views))], [np.zeros(len(views))]
     for i, first in enumerate(views):
@@ -137,7 +137,7 @@ def _number(spine: Spine) -> CallNumber | None:
     return spine.label.call_number if spine.label is not None else None
 
 
-def _sightings(views: Sequence[SpineView], offsets: NDArray[np.float64]) -> list[_Sighting]:
+def _sightings(views: Sequence[SpineView], offsets: FloatArray) -> list[_Sighting]:
     return [
         _Sighting(i, spine.left + offset, spine.right + offset, view.eye + offset, spine.label)
         for i, (view, offset) in enumerate(zip(views, offsets.tolist(), strict=True))

@@ -7,11 +7,9 @@ from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.books.spines import SpineView
-
-Floats = NDArray[np.float64]
 
 MIN_SLOT_M = 0.005  # [m]
 _LEAST_BASE, _MOST_BASE = 0.045, 0.16  # [m] between two cameras: nearer, what is deep hardly shifts
@@ -101,7 +99,7 @@ class OffsetView(NamedTuple):
         """y of the camera, in [m]."""
         return self.view.eye + self.offset
 
-    def at(self, y: Floats) -> Floats:
+    def at(self, y: FloatArray) -> FloatArray:
         """Grey (n, m) of the view's strips at each of `y` (m,) in [m]."""
         return self.view.strips.at(y - self.offset)
 
@@ -162,11 +160,13 @@ def compare(
     return Alike(min(apart), shows)
 
 
-def _columns(left: float, right: float) -> Floats:
+def _columns(left: float, right: float) -> FloatArray:
     return np.arange(left, right, -_STEP)
 
 
-def _brightness(a: OffsetView, b: OffsetView, y: Floats, solid: Sequence[tuple[float, float]]) -> Floats:
+def _brightness(
+    a: OffsetView, b: OffsetView, y: FloatArray, solid: Sequence[tuple[float, float]]
+) -> FloatArray:
     """Return the brightness of `a` relative to `b` at each of `y` (m,): a line through their common
     spines.
     """

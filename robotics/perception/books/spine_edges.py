@@ -6,12 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 from handcart.robotics.perception.books.flat_view import FlatView
-
-Floats = NDArray[np.float64]
 
 _STRIP_ROWS = 10
 _STEEPEST, _TILTS = 0.05, 41  # tangents of tilt that are tried
@@ -33,8 +31,8 @@ class Strips(NamedTuple):
     height z[i], all in [m].
     """
 
-    grey: Floats
-    z: Floats
+    grey: FloatArray
+    z: FloatArray
     left: float
     m_per_px: float
     sign: int
@@ -52,7 +50,7 @@ class Strips(NamedTuple):
         """Those above a height in [m]."""
         return self._replace(grey=self.grey[self.z > height], z=self.z[self.z > height])
 
-    def at(self, y: Floats) -> Floats:
+    def at(self, y: FloatArray) -> FloatArray:
         """Grey (n, m) of each strip at each of `y` (m,) in [m]; NaN where not seen."""
         columns = (y - self.left) * self.sign / self.m_per_px
         inside = (columns >= 0.0) & (columns < self.grey.shape[1] - 1)
@@ -75,7 +73,7 @@ class Strips(NamedTuple):
         part = self._part(left, right)[self.z < highest]
         return float(np.mean(~np.isnan(part))) if part.size else 0.0
 
-    def _part(self, left: float, right: float) -> Floats:
+    def _part(self, left: float, right: float) -> FloatArray:
         ends = sorted(round((y - self.left) * self.sign / self.m_per_px) for y in (left, right))
         return self.grey[:, max(0, ends[0]) : max(0, ends[1] + 1)]
 
@@ -115,12 +113,12 @@ def upright(strips: Strips) -> Strips:
     return strips._replace(grey=_sheared(strips.grey, strips, float(tilts[int(np.argmax(scores))])))
 
 
-def _sheared(rows: Floats, strips: Strips, tilt: float) -> Floats:
+def _sheared(rows: FloatArray, strips: Strips, tilt: float) -> FloatArray:
     return _shifted(np.ascontiguousarray(rows), tilt * (strips.z - strips.z.mean()) / strips.m_per_px)
 
 
 @compiled
-def _shifted(rows: Floats, shifts: Floats) -> Floats:
+def _shifted(rows: FloatArray, shifts: FloatArray) -> FloatArray:
     """Each row (w,) read so many columns further on, between them on a line; 0 outside. As `np.interp`."""
     count, width = rows.shape
     out = np.zeros((count, width))
@@ -161,7 +159,7 @@ def falling_edges(strips: Strips) -> list[SpineEdge]:
     return edges
 
 
-def _to_seam(grey: Floats, column: float) -> float:
+def _to_seam(grey: FloatArray, column: float) -> float:
     """Columns from the steepest fall to the darkest line behind it, where it brightens again behind that: a
     spine ends where it is darkest.
     """
@@ -177,7 +175,7 @@ def _to_seam(grey: Floats, column: float) -> float:
     return float(darkest + 0.5 * (a - c) / max(a - 2 * b + c, 1e-9) - column % 1.0)
 
 
-def _medians(values: Floats) -> Floats:
+def _medians(values: FloatArray) -> FloatArray:
     """Median (n,) of each column (m, n) without its NaN; numpy's `nanmedian` takes ten times as long."""
     ordered = np.sort(values, axis=0)  # NaN last
     counts, columns = np.count_nonzero(~np.isnan(values), axis=0), np.arange(values.shape[1])
@@ -198,7 +196,7 @@ def all_sides(strips: Strips) -> list[float]:
     return [*sides, *rises]
 
 
-def _peaks(strength: Floats, coverage: Floats) -> list[int]:
+def _peaks(strength: FloatArray, coverage: FloatArray) -> list[int]:
     """Columns of local maxima, at least _APART from a stronger one."""
     chosen: list[int] = []
     candidates = np.flatnonzero(coverage >= _COVERAGE)
@@ -224,7 +222,7 @@ def _fit(strips: Strips, column: int) -> float | None:
     return _robust_line(strips.z[rows] - strips.z.mean(), low + steepest + np.clip(offset, -0.5, 0.5))
 
 
-def _robust_line(z: Floats, columns: Floats) -> float:
+def _robust_line(z: FloatArray, columns: FloatArray) -> float:
     """Value at z = 0 of a line fitted with Tukey's weights: title and bands pull single strips astray."""
     weights = np.ones(len(z))
     level, slope = float(np.median(columns)), 0.0

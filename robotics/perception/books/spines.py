@@ -8,15 +8,13 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.flat_view import flat_view
 from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.spine_edges import Strips, all_sides, strips_of, upright
-from handcart.robotics.perception.cameras.camera_model import CameraModel, GreyImage
-
-Floats = NDArray[np.float64]
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 _M_PER_PX = 0.0003
 _HEIGHTS = (0.003, 0.150)  # of the shelf's front that is looked at, [m]: every book is taller
@@ -60,11 +58,11 @@ class SpineView(NamedTuple):
 
 
 def find_spines(
-    image: GreyImage,
+    image: ByteArray,
     camera: CameraModel,
-    camera_T_shelf: Floats,
+    camera_T_shelf: FloatArray,
     labels: Sequence[Label] = (),
-    mask: NDArray[np.bool_] | None = None,
+    mask: BoolArray | None = None,
     thicknesses: Mapping[CallNumber, float] = MappingProxyType({}),
 ) -> SpineView:
     """Return the labelled spines in `image`, both sides of which are in view.

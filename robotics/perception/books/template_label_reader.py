@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.label_reader import LabelReader, LabelReading, cut_to_print
-from handcart.robotics.perception.cameras.camera_model import GreyImage
 
 _HEIGHT, _WIDTH = 20, 112  # templates are compared in this size, [px]
 _SHIFTS = (-1, 0, 1)
@@ -25,7 +24,7 @@ class TemplateLabelReader(LabelReader):
     It reads nothing that isn't among its templates: it needs a picture of every label on the shelf.
     """
 
-    def __init__(self, templates: Mapping[CallNumber, GreyImage], px_per_m: float) -> None:
+    def __init__(self, templates: Mapping[CallNumber, ByteArray], px_per_m: float) -> None:
         """`templates`: each label upright, text running left to right, at `px_per_m` pixels a metre."""
         super().__init__()
         self._numbers = list(templates)
@@ -35,16 +34,16 @@ class TemplateLabelReader(LabelReader):
         self._rows = np.stack([_normalised(cut) for cut in cuts]) if cuts else np.empty((0, _HEIGHT * _WIDTH))
 
     @override
-    def read_crops(self, crops: Sequence[GreyImage]) -> list[LabelReading]:
+    def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
         return [self._match(crop) for crop in crops]
 
-    def _cut(self, template: GreyImage, scale: float) -> GreyImage:
+    def _cut(self, template: ByteArray, scale: float) -> ByteArray:
         """A template as the camera's crops are: of the same scale and height, cut to its print."""
         resized = cv2.resize(template, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         surplus = max(0, resized.shape[0] - self.crop_height_px) // 2
         return cut_to_print(resized[surplus : surplus + self.crop_height_px].astype(np.uint8))
 
-    def _match(self, crop: GreyImage) -> LabelReading:
+    def _match(self, crop: ByteArray) -> LabelReading:
         likely = np.flatnonzero(np.abs(self._widths / crop.shape[1] - 1.0) < _WIDTH_SLACK)
         if len(likely) == 0:
             return LabelReading("", 0.0)
@@ -57,9 +56,9 @@ class TemplateLabelReader(LabelReader):
         return LabelReading(str(self._numbers[int(likely[order[0]])]), max(0.0, best))
 
 
-def _normalised(crop: GreyImage) -> NDArray[np.float64]:
+def _normalised(crop: ByteArray) -> FloatArray:
     """A crop in the size of comparison, as a vector of mean 0 and length 1."""
     small = cv2.resize(crop, (_WIDTH, _HEIGHT), interpolation=cv2.INTER_AREA).astype(np.float64).ravel()
     small -= small.mean()
-    unit: NDArray[np.float64] = small / max(float(np.linalg.norm(small)), 1e-9)
+    unit: FloatArray = small / max(float(np.linalg.norm(small)), 1e-9)
     return unit

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.robotics.perception.cameras.camera_model import GreyImage
+from handcart.robotics.numerics.arrays import ByteArray
 
 _INKED = 0.12  # of the row with the most ink: less is no line of print
 _LEAST_CAP = 0.15  # of a label's width: what is lower is no line of print
@@ -19,7 +19,7 @@ class TextLine(NamedTuple):
     cap: float
 
 
-def text_lines(page: GreyImage) -> list[TextLine]:
+def text_lines(page: ByteArray) -> list[TextLine]:
     """Return the lines on a label, from top to bottom; half of its height if no line is found.
 
     `page` (h, w): the label without its border, text running left to right.

@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, apply
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.calibration_board import BoardView
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 _LEAST_NOISE = 0.02  # [px]: no corner is believed to be better
 
@@ -18,7 +19,7 @@ class PosedBoard(NamedTuple):
     """Pose of a board estimated from one view."""
 
     camera_T_board: Transform
-    covariance: Floats
+    covariance: FloatArray
     """(6, 6) of its shift in [m] and its turn in [rad], in camera axes, about the board's middle."""
     rms: float
     """Root mean square error of the corners, in [px]."""
@@ -44,7 +45,7 @@ def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
     return PosedBoard(pose, _covariance(pose, view.points, noise), rms)
 
 
-def _covariance(pose: Transform, points: Floats, noise: float) -> Floats:
+def _covariance(pose: Transform, points: FloatArray, noise: float) -> FloatArray:
     """(6, 6) for rays with that standard deviation."""
     seen = apply(pose, points)
     arms = seen - pose[:3, 3]

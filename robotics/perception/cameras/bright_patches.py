@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import ByteArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
-
-Numbers = NDArray[np.int64]
 
 
 class BrightPatches:
@@ -17,20 +15,20 @@ class BrightPatches:
     and Pfaltz, 1966), and no picture of numbers is made.
     """
 
-    def __init__(self, picture: NDArray[np.uint8], level: int) -> None:
+    def __init__(self, picture: ByteArray, level: int) -> None:
         """Find those of a picture (h, w): pixels of at least `level`."""
         self._runs = _runs(np.ascontiguousarray(picture), level)
-        self.boxes: Numbers = _boxes(self._runs)
+        self.boxes: IntArray = _boxes(self._runs)
         """(n, 5): column and row where each begins, width, height, and number of pixels."""
 
-    def mask(self, number: int) -> NDArray[np.uint8]:
+    def mask(self, number: int) -> ByteArray:
         """(height, width) of a patch: 1 where it is."""
         x, y, width, height, _ = self.boxes[number].tolist()
         return _mask(self._runs, number, x, y, width, height)
 
 
 @compiled
-def _runs(picture: NDArray[np.uint8], level: int) -> Numbers:
+def _runs(picture: ByteArray, level: int) -> IntArray:
     """(r, 4): row, first column, column after the last, number of the patch."""
     height, width = picture.shape
     runs = np.empty((height * ((width + 1) // 2), 4), dtype=np.int64)
@@ -69,7 +67,7 @@ def _runs(picture: NDArray[np.uint8], level: int) -> Numbers:
 
 
 @compiled
-def _boxes(runs: Numbers) -> Numbers:
+def _boxes(runs: IntArray) -> IntArray:
     patches = 0
     for i in range(len(runs)):
         patches = max(patches, runs[i, 3] + 1)
@@ -89,7 +87,7 @@ def _boxes(runs: Numbers) -> Numbers:
 
 
 @compiled
-def _mask(runs: Numbers, number: int, x: int, y: int, width: int, height: int) -> NDArray[np.uint8]:
+def _mask(runs: IntArray, number: int, x: int, y: int, width: int, height: int) -> ByteArray:
     mask = np.zeros((height, width), dtype=np.uint8)
     for i in range(len(runs)):
         if runs[i, 3] == number:

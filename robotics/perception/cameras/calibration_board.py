@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.perception.cameras.camera_model import Floats, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 
 class BoardView(NamedTuple):
     """Corners of the board in one image."""
 
-    points: Floats
+    points: FloatArray
     """(n, 3) in [m] of the board's frame: origin in the middle, x to the right, y up, z out of it."""
-    pixels: Floats
+    pixels: FloatArray
     """(n, 2) where they are seen, in [px]."""
 
 
@@ -35,20 +35,20 @@ class CalibrationBoard(ABC):
         """Width and height in [m]."""
         return float(self._size[0]), float(self._size[1])
 
-    def draw(self, m_per_px: float = 1.25e-4) -> GreyImage:
+    def draw(self, m_per_px: float = 1.25e-4) -> ByteArray:
         """Grey image (h, w) to print with `m_per_px` [m] a pixel, without a margin."""
         width, height = np.rint(self._size / m_per_px).astype(int).tolist()
         return self._drawn(width, height)
 
     @abstractmethod
-    def find(self, image: GreyImage) -> BoardView | None:
+    def find(self, image: ByteArray) -> BoardView | None:
         """Return the corners in an image (h, w), or None if there are too few to identify the board."""
 
     @abstractmethod
-    def _drawn(self, width: int, height: int) -> GreyImage:
+    def _drawn(self, width: int, height: int) -> ByteArray:
         """The pattern in so many pixels."""
 
-    def _places(self, numbers: NDArray[np.integer]) -> Floats:
+    def _places(self, numbers: NDArray[np.integer]) -> FloatArray:
         """(n, 3) of corners by their number, counted row by row from the upper left."""
         row, column = np.divmod(numbers, self._columns - 1)
         x = (column + 1) * self._square - self._size[0] / 2

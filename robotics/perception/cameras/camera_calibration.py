@@ -10,8 +10,9 @@ import cv2
 import numpy as np
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.calibration_board import BoardView
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 FEWEST_VIEWS = 8
 LEAST_TILT = 0.25
@@ -30,11 +31,11 @@ class CameraCalibration(NamedTuple):
     """A calibrated camera."""
 
     camera: CameraModel
-    sigmas: Floats
+    sigmas: FloatArray
     """(9,) standard deviations of fx, fy, cx, cy in [px], k1, k2, p1, p2, k3."""
     rms: float
     """Root mean square error of all corners, in [px]."""
-    rms_of_views: Floats
+    rms_of_views: FloatArray
     """(n,) in [px]."""
     camera_T_board: list[Transform]
     """Pose of the board in each view."""
@@ -109,7 +110,7 @@ def _fit(views: Sequence[BoardView], width: int, height: int, flags: int) -> Cam
     return CameraCalibration(camera, first, float(rms), of_views.ravel().astype(np.float64), poses)
 
 
-def _pose(turn: Floats, origin: Floats) -> Transform:
+def _pose(turn: FloatArray, origin: FloatArray) -> Transform:
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
     return pose

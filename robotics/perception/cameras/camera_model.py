@@ -6,12 +6,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.lens_fold import LensKind, fold_radius
 
-Floats = NDArray[np.float64]
-GreyImage = NDArray[np.uint8]
 FISHEYE_FAILED = 1e5  # of a ray from OpenCV that its fisheye model has not found
 
 
@@ -21,9 +19,9 @@ class CameraModel(NamedTuple):
     Camera frame: z forward, x right, y down.
     """
 
-    K: Floats
+    K: FloatArray
     """(3, 3) in [px]."""
-    distortion: Floats
+    distortion: FloatArray
     """OpenCV's coefficients: (4,), (5,) or (8,) k1, k2, p1, p2, k3, k4, k5, k6 of `brown`, (4,) of
     `fisheye`.
     """
@@ -33,7 +31,7 @@ class CameraModel(NamedTuple):
     """Height of the picture, in [px]."""
     lens: LensKind = "brown"
 
-    def project(self, points: Floats) -> Floats:
+    def project(self, points: FloatArray) -> FloatArray:
         """Return the pixels (n, 2) of points (n, 3) of the camera frame in [m].
 
         Points behind the camera give NaN, and so do points farther off the axis than the lens model holds
@@ -46,13 +44,13 @@ class CameraModel(NamedTuple):
             pixels, _ = cv2.fisheye.projectPoints(source, zero, zero, self.K, self.distortion)
         else:
             pixels, _ = cv2.projectPoints(source, zero, zero, self.K, self.distortion)
-        result: Floats = pixels.reshape(-1, 2).astype(np.float64)
+        result: FloatArray = pixels.reshape(-1, 2).astype(np.float64)
         fold = fold_radius(self.distortion, self.lens)
         far = np.hypot(points[:, 0], points[:, 1]) >= fold * points[:, 2] if fold < np.inf else False
         result[(points[:, 2] <= 0.0) | far] = np.nan
         return result
 
-    def undistort(self, pixels: Floats) -> Floats:
+    def undistort(self, pixels: FloatArray) -> FloatArray:
         """Return the rays (n, 2) through pixels (n, 2): x/z and y/z in the camera frame; NaN if not found."""
         if len(pixels) == 0:
             return np.empty((0, 2))
@@ -62,10 +60,10 @@ class CameraModel(NamedTuple):
             seen = cv2.fisheye.undistortPoints(source, self.K, self.distortion).reshape(-1, 2)
             return np.where(np.abs(seen) < FISHEYE_FAILED, seen, np.nan).astype(np.float64)
         rays = cv2.undistortPointsIter(source, self.K, self.distortion, np.eye(3), np.eye(3), criteria)
-        result: Floats = rays.reshape(-1, 2).astype(np.float64)
+        result: FloatArray = rays.reshape(-1, 2).astype(np.float64)
         return result
 
-    def pixel_on_plane(self, pixels: Floats, camera_T_plane: Floats, x: float = 0.0) -> Floats:
+    def pixel_on_plane(self, pixels: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
         """Intersect the rays through pixels (n, 2) with the plane at `x` [m] of a frame: return its y, z (n,
         2) in [m].
 
@@ -76,16 +74,16 @@ class CameraModel(NamedTuple):
         to_plane = np.linalg.inv(plane_to_rays(camera_T_plane, x))
         meets = rays @ to_plane.T
         with np.errstate(divide="ignore", invalid="ignore"):
-            points: Floats = meets[:, :2] / meets[:, 2:]
+            points: FloatArray = meets[:, :2] / meets[:, 2:]
         points[~(meets[:, 2] > 1e-12)] = np.nan
         return points
 
-    def plane_in_image(self, points: Floats, camera_T_plane: Floats, x: float = 0.0) -> Floats:
+    def plane_in_image(self, points: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
         """Pixels (n, 2) of points (n, 2) (y, z in [m]) on the plane at `x`: inverse of pixel_on_plane."""
         space = np.column_stack([np.full(len(points), x), points])
         return self.project(space @ camera_T_plane[:3, :3].T + camera_T_plane[:3, 3])
 
-    def rectify(self, image: GreyImage, picture_to_rays: Floats, size: tuple[int, int]) -> GreyImage:
+    def rectify(self, image: ByteArray, picture_to_rays: FloatArray, size: tuple[int, int]) -> ByteArray:
         """Return the picture (h, w) of a flat sheet, without lens distortion.
 
         `picture_to_rays` (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame; `size`
@@ -98,19 +96,19 @@ class CameraModel(NamedTuple):
         return cv2.remap(image, columns, rows, cv2.INTER_CUBIC).astype(np.uint8, copy=False)
 
 
-def plane_to_rays(camera_T_plane: Floats, x: float = 0.0) -> Floats:
+def plane_to_rays(camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
     """The homography (3, 3) from (y, z, 1) on the plane at `x` [m] of a frame to rays of the camera frame."""
     rotation, origin = camera_T_plane[:3, :3], camera_T_plane[:3, 3]
     return np.column_stack([rotation[:, 1], rotation[:, 2], origin + rotation[:, 0] * x])
 
 
 def picture_of_plane(
-    camera_T_plane: Floats, upper_left: tuple[float, float], m_per_px: float, x: float = 0.0
-) -> Floats:
+    camera_T_plane: FloatArray, upper_left: tuple[float, float], m_per_px: float, x: float = 0.0
+) -> FloatArray:
     """`picture_to_rays` for a picture of the plane at `x`, seen from -x: y runs to the left, z up.
 
     `upper_left` is (y, z) in [m] of the picture's first pixel.
     """
     to_plane = np.array([[-m_per_px, 0.0, upper_left[0]], [0.0, -m_per_px, upper_left[1]], [0.0, 0.0, 1.0]])
-    picture_to_rays: Floats = plane_to_rays(camera_T_plane, x) @ to_plane
+    picture_to_rays: FloatArray = plane_to_rays(camera_T_plane, x) @ to_plane
     return picture_to_rays

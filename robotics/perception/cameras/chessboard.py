@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.cameras.calibration_board import BoardView, CalibrationBoard
-from handcart.robotics.perception.cameras.camera_model import Floats, GreyImage
 
 _FLAGS = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ADAPTIVE_THRESH
 _SHARE = 0.25  # of the distance between two corners that is looked at about each: more, and others disturb
@@ -28,7 +27,7 @@ class Chessboard(CalibrationBoard):
         super().__init__(columns, rows, square)
         self._inner = (columns - 1, rows - 1)
 
-    def find(self, image: GreyImage) -> BoardView | None:
+    def find(self, image: ByteArray) -> BoardView | None:
         """See `CalibrationBoard`; all corners have to be seen."""
         found, rough = cv2.findChessboardCorners(image, self._inner, flags=_FLAGS)
         if not found:
@@ -39,14 +38,14 @@ class Chessboard(CalibrationBoard):
         sound = _sound(corners).ravel()
         return BoardView(self._places(np.flatnonzero(sound)), corners.reshape(-1, 2)[sound])
 
-    def _drawn(self, width: int, height: int) -> GreyImage:
+    def _drawn(self, width: int, height: int) -> ByteArray:
         columns, rows = self._inner[0] + 1, self._inner[1] + 1
         column = np.arange(width) * columns // width
         row = np.arange(height) * rows // height
         return np.where((row[:, None] + column) % 2, np.uint8(255), np.uint8(0))
 
 
-def _refined(image: GreyImage, rough: NDArray[np.float32]) -> Floats:
+def _refined(image: ByteArray, rough: SingleArray) -> FloatArray:
     """Corners (rows, columns, 2) to a fraction of a pixel."""
     steps = [np.linalg.norm(np.diff(rough, axis=axis), axis=2).min() for axis in (0, 1)]
     window = int(np.clip(_SHARE * min(steps), *_WINDOW))
@@ -55,7 +54,7 @@ def _refined(image: GreyImage, rough: NDArray[np.float32]) -> Floats:
     return fine.reshape(rough.shape).astype(np.float64)
 
 
-def _sound(corners: Floats) -> NDArray[np.bool_]:
+def _sound(corners: FloatArray) -> BoolArray:
     """Return True for corners (rows, columns, 2) that agree with the others, undisturbed by their
     surroundings.
 
@@ -70,7 +69,7 @@ def _sound(corners: Floats) -> NDArray[np.bool_]:
     return np.asarray(off < max(_OFF_PX, _OFF * float(np.median(off))))
 
 
-def _upper_left_is_white(image: GreyImage, corners: Floats) -> bool:
+def _upper_left_is_white(image: ByteArray, corners: FloatArray) -> bool:
     """Return True if the square before the first corner (rows, columns, 2) is brighter than its neighbour."""
     first, right, down = corners[0, 0], corners[0, 1] - corners[0, 0], corners[1, 0] - corners[0, 0]
     outer, beside = first - 0.5 * right - 0.5 * down, first + 0.5 * right - 0.5 * down

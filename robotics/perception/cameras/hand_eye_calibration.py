@@ -10,9 +10,10 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.board_pose import PosedBoard, pose_board
 from handcart.robotics.perception.cameras.calibration_board import BoardView
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.hand_eye_closed_form import HAND_EYE_METHODS, closed_form
 
 FEWEST_VIEWS = 8
@@ -36,11 +37,11 @@ class HandEyeCalibration(NamedTuple):
 
     hand_T_camera: Transform
     base_T_board: Transform
-    sigmas: Floats
+    sigmas: FloatArray
     """(6,) standard deviations of hand_T_camera: position in [m], turn in [rad], in the camera frame."""
     rms: float
     """Root mean square distance of all corners from their predicted positions, in [px]."""
-    offsets: Floats
+    offsets: FloatArray
     """(n,) how far from `base_T_board` each view alone puts the board's middle, in [m]."""
     arm_error: float
     """Error of the hand's position estimated from the views, rms of each axis, in [m]."""
@@ -131,7 +132,7 @@ def _best_start(
 
 def _off(
     views: Sequence[HandEyeView], boards: Sequence[PosedBoard], poses: tuple[Transform, Transform]
-) -> Floats:
+) -> FloatArray:
     """(n, 6) expected camera_T_board less the seen one: shift in [m] and turn in [rad], in camera axes."""
     hand_T_camera, base_T_board = poses
     expected = np.array([inverse(view.base_T_hand @ hand_T_camera) @ base_T_board for view in views])
@@ -147,7 +148,7 @@ def _arm_error(
     return max(_LEAST_ARM_ERROR, float(np.sqrt(np.mean(_off(views, boards, poses)[:, :3] ** 2))))
 
 
-def _weight(view: HandEyeView, board: PosedBoard, hand_T_camera: Transform, arm_error: float) -> Floats:
+def _weight(view: HandEyeView, board: PosedBoard, hand_T_camera: Transform, arm_error: float) -> FloatArray:
     """(6, 6) that makes what a view is off by uncorrelated and of unit variance."""
     camera_T_hand = inverse(hand_T_camera)
     lever = board.camera_T_board[:3, 3] - camera_T_hand[:3, 3]
@@ -163,13 +164,13 @@ def _weight(view: HandEyeView, board: PosedBoard, hand_T_camera: Transform, arm_
 def _fit(
     views: Sequence[HandEyeView],
     boards: Sequence[PosedBoard],
-    weights: Sequence[Floats],
+    weights: Sequence[FloatArray],
     start: tuple[Transform, Transform],
-) -> tuple[tuple[Transform, Transform], Floats, float]:
+) -> tuple[tuple[Transform, Transform], FloatArray, float]:
     """Both poses, the jacobian (6 n, 12), and the variance that is left, 1 if the weights are right."""
     weight = np.array(weights)
 
-    def residuals(step: Floats) -> Floats:
+    def residuals(step: FloatArray) -> FloatArray:
         off = _off(views, boards, _moved(start, step))
         return np.ravel(weight @ off[..., None])
 
@@ -178,7 +179,7 @@ def _fit(
     return _moved(start, found.x), found.jac, unexplained
 
 
-def _moved(poses: tuple[Transform, Transform], step: Floats) -> tuple[Transform, Transform]:
+def _moved(poses: tuple[Transform, Transform], step: FloatArray) -> tuple[Transform, Transform]:
     """Both poses moved, in their own frames, by a shift in [m] and a turn in [rad] each (12,)."""
     moved = []
     for pose, part in zip(poses, (step[:6], step[6:]), strict=True):

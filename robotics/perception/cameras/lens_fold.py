@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
+
+from handcart.robotics.numerics.arrays import FloatArray
 
 LensKind = Literal["brown", "fisheye"]
 """`brown`: Brown's polynomial or the rational one (ROS `plumb_bob`, `rational_polynomial`).
@@ -17,7 +18,7 @@ LensKind = Literal["brown", "fisheye"]
 """
 
 
-def fold_radius(distortion: NDArray[np.float64], lens: LensKind) -> float:
+def fold_radius(distortion: FloatArray, lens: LensKind) -> float:
     """Return the largest distance from the axis of a ray (x/z, y/z) that the model maps to one pixel alone.
 
     Up to there the distance in the picture grows with that of the ray; infinite where it always does. Only

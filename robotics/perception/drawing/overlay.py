@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.slots import Gap
 from handcart.robotics.perception.books.spines import Spine
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.landmark import Landmark
 from handcart.robotics.perception.landmarks.tag_reader import Tag
 
@@ -38,17 +38,17 @@ class _Box(NamedTuple):
 
 
 def draw_overlay(
-    image: GreyImage,
+    image: ByteArray,
     tags: Sequence[Tag] = (),
     labels: Sequence[Label] = (),
     spines: Sequence[Spine] = (),
     gaps: Sequence[Gap] = (),
     camera: CameraModel | None = None,
-    camera_T_shelf: Floats | None = None,
+    camera_T_shelf: FloatArray | None = None,
     landmarks: Sequence[Landmark] = (),
-    outlines: Sequence[Floats] = (),
-    points: Floats | None = None,
-) -> NDArray[np.uint8]:
+    outlines: Sequence[FloatArray] = (),
+    points: FloatArray | None = None,
+) -> ByteArray:
     """A BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and gaps.
 
     `outlines` (n, 2) in [px] are drawn closed, `points` (n, 2) as small circles. Spines and gaps are in the
@@ -80,7 +80,7 @@ def draw_overlay(
 
 
 def _outline(
-    picture: NDArray[np.uint8], points: Floats, colour: tuple[int, int, int], closed: bool = True
+    picture: ByteArray, points: FloatArray, colour: tuple[int, int, int], closed: bool = True
 ) -> None:
     # Four fractional bits: lines fall between pixels as the corners do.
     fixed = np.rint(points * 16).astype(np.int32).reshape(-1, 1, 2)
@@ -88,9 +88,9 @@ def _outline(
 
 
 def _upright(
-    picture: NDArray[np.uint8],
+    picture: ByteArray,
     camera: CameraModel,
-    camera_T_shelf: Floats,
+    camera_T_shelf: FloatArray,
     y: float,
     colour: tuple[int, int, int],
 ) -> None:
@@ -100,7 +100,7 @@ def _upright(
 
 
 def _write(
-    picture: NDArray[np.uint8], text: str, at: Floats, colour: tuple[int, int, int], words: list[_Box]
+    picture: ByteArray, text: str, at: FloatArray, colour: tuple[int, int, int], words: list[_Box]
 ) -> None:
     """Write it there, or above what was written there before; adds where it is to `words`."""
     (width, height), below = cv2.getTextSize(text, _FONT, _LETTERS, 3)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.calibration_board import BoardView, CalibrationBoard
-from handcart.robotics.perception.cameras.camera_model import GreyImage
 from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily, dictionary, tags_of
 
 TAG_SHARE = 0.75  # of a square's side, where nobody says otherwise
@@ -43,12 +43,12 @@ class CharucoBoard(CalibrationBoard):
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         self._detector = cv2.aruco.CharucoDetector(self._board, detectorParams=parameters)
 
-    def find(self, image: GreyImage) -> BoardView | None:
+    def find(self, image: ByteArray) -> BoardView | None:
         """Return the corners in an image (h, w), or None if there are fewer than six."""
         pixels, ids, _, _ = self._detector.detectBoard(image)
         if ids is None or len(ids) < _FEWEST_CORNERS:
             return None
         return BoardView(self._places(np.ravel(ids)), np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
 
-    def _drawn(self, width: int, height: int) -> GreyImage:
+    def _drawn(self, width: int, height: int) -> ByteArray:
         return np.asarray(self._board.generateImage((width, height)), dtype=np.uint8)

@@ -7,11 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 NEAR, NEAR_TURN = 0.010, 0.05  # [m], [rad] within which what is seen may be what is planned there
 SIGMA, TURN_SIGMA = 0.002, 0.005  # [m], [rad] of a landmark against the others: glued on, and seen
@@ -43,7 +41,7 @@ class PlannedMark(NamedTuple):
 
 Sighting = Mapping[Kind, Pose2]
 """base_T_mark of a mark that was seen, by the kinds that it may be of: its height decides where it is."""
-Shown = Callable[[Kind, Sequence[Pose2]], NDArray[np.bool_]]
+Shown = Callable[[Kind, Sequence[Pose2]], BoolArray]
 """Check that marks of a kind at base_T_mark would have been completely in one of the pictures."""
 
 
@@ -51,7 +49,7 @@ class BasePrior(NamedTuple):
     """Expected pose of the base before it looks."""
 
     planned_T_base: Pose2
-    covariance: Floats
+    covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad]."""
 
     def log_density(self, planned_T_base: Pose2) -> float:
@@ -159,6 +157,6 @@ def _fit(pairs: Sequence[tuple[PlannedMark, Pose2]]) -> Pose2:
     return turn._replace(x=x, y=y)
 
 
-def _log_normal(off: Floats, covariance: Floats) -> float:
+def _log_normal(off: FloatArray, covariance: FloatArray) -> float:
     size = float(off @ np.linalg.solve(covariance, off))
     return -0.5 * (size + float(np.linalg.slogdet(covariance)[1]))

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 CELLS_ACROSS = 8  # fields across the square
 WHITE_FIELD = slice(1, 3)  # rows and columns of the white fields, from the upper left
@@ -18,11 +19,11 @@ class Landmark(NamedTuple):
     the white field is at the upper left.
     """
 
-    corners: Floats
+    corners: FloatArray
     """(4, 2) in [px] of the image as taken: upper left, upper right, lower right, lower left."""
-    centre: Floats
+    centre: FloatArray
     """(2,) in [px] of the image as taken: where the diagonals meet."""
-    rays: Floats
+    rays: FloatArray
     """(4, 2) x/z and y/z of the corners in the camera frame: the lens is undone."""
     angle: float
     """Angle from the camera's x to the landmark's, around the camera's z, in [rad], -pi to pi."""
@@ -30,7 +31,7 @@ class Landmark(NamedTuple):
     """Correlation of what is inside with what should be, 0 to 1."""
 
 
-def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> GreyImage:
+def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> ByteArray:
     """Draw the sheet, `side` + 2 `margin` in [m] across: grey (n, n) image with `m_per_px` [m] a pixel, y up.
 
     Raises:
@@ -47,20 +48,20 @@ def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.
     return np.pad(square, round(border), constant_values=PAPER)
 
 
-def pattern() -> Floats:
+def pattern() -> FloatArray:
     """The fields (8, 8) from the upper left: 1 white, 0 black."""
     fields = np.zeros((CELLS_ACROSS, CELLS_ACROSS))
     fields[WHITE_FIELD, WHITE_FIELD] = 1.0
     return fields
 
 
-def square_corners(side: float) -> Floats:
+def square_corners(side: float) -> FloatArray:
     """(4, 3) in [m] of the landmark's frame, in the order of `Landmark.corners`."""
     half = side / 2
     return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
 
 
-def diagonals_meet(corners: Floats) -> Floats:
+def diagonals_meet(corners: FloatArray) -> FloatArray:
     """(2,) where the diagonals of a quadrangle (4, 2) meet."""
     a, b, c, d = corners
     along, across, start = c - a, d - b, b - a
@@ -68,7 +69,7 @@ def diagonals_meet(corners: Floats) -> Floats:
     return np.asarray(a + share * along)
 
 
-def seen_landmark(rays: Floats, camera: CameraModel, score: float) -> Landmark:
+def seen_landmark(rays: FloatArray, camera: CameraModel, score: float) -> Landmark:
     """The landmark with corners at `rays` (4, 2)."""
     both = np.vstack([rays, diagonals_meet(rays)])
     pixels = camera.project(np.column_stack([both, np.ones(5)]))

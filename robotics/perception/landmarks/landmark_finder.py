@@ -7,7 +7,8 @@ from functools import cache
 import cv2
 import numpy as np
 
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.landmark import CELLS_ACROSS, Landmark, pattern, seen_landmark
 from handcart.robotics.perception.landmarks.square_edges import fit_square
 
@@ -21,7 +22,7 @@ _SQUARE = 0.04  # largest relative difference of the sides, and largest cosine b
 
 
 def find_landmarks(
-    image: GreyImage,
+    image: ByteArray,
     camera: CameraModel,
     side: float = 0.06,
     distances: tuple[float, float] = (0.0, np.inf),
@@ -49,7 +50,7 @@ def find_landmarks(
     return sorted(found, key=lambda seen: float(np.hypot(*seen.rays.mean(axis=0))))
 
 
-def _candidates(image: GreyImage) -> list[Floats]:
+def _candidates(image: ByteArray) -> list[FloatArray]:
     """Corners (4, 2) in [px] of what may be dark squares, clockwise as seen, good to some pixels."""
     size = image.shape[1] // _SHRINK, image.shape[0] // _SHRINK
     if min(size) < _LEAST_SIDE:
@@ -60,7 +61,7 @@ def _candidates(image: GreyImage) -> list[Floats]:
     return [(guess + 0.5) * scale - 0.5 for window in _WINDOWS for guess in _quadrangles(small, window)]
 
 
-def _quadrangles(small: GreyImage, window: int) -> list[Floats]:
+def _quadrangles(small: ByteArray, window: int) -> list[FloatArray]:
     """Corners (4, 2), in [px] of the small image, of what is darker than the mean of a window around it."""
     dark = cv2.adaptiveThreshold(
         small, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, _DARKER
@@ -78,17 +79,17 @@ def _quadrangles(small: GreyImage, window: int) -> list[Floats]:
     return guesses
 
 
-def _same(seen: Landmark, guess: Floats) -> bool:
+def _same(seen: Landmark, guess: FloatArray) -> bool:
     return bool(np.abs(guess.mean(axis=0) - seen.centre).max() < _SHRINK * _LEAST_SIDE / 2)
 
 
-def _turn(image: GreyImage, corners: Floats) -> tuple[Floats, float]:
+def _turn(image: ByteArray, corners: FloatArray) -> tuple[FloatArray, float]:
     """The corners from the upper left one on, and the correlation."""
     turns, score = _correlate(image, corners)
     return np.roll(corners, -turns, axis=0), score
 
 
-def _correlate(image: GreyImage, corners: Floats) -> tuple[int, float]:
+def _correlate(image: ByteArray, corners: FloatArray) -> tuple[int, float]:
     """Return the index of the upper left corner, and the correlation of the inside with the pattern."""
     rim = np.array([[0, 0], [_SAMPLES, 0], [_SAMPLES, _SAMPLES], [0, _SAMPLES]]) - 0.5
     to_image = cv2.getPerspectiveTransform(rim.astype(np.float32), corners.astype(np.float32))
@@ -104,14 +105,14 @@ def _correlate(image: GreyImage, corners: Floats) -> tuple[int, float]:
 
 
 @cache
-def _templates() -> Floats:
+def _templates() -> FloatArray:
     """The pattern, unit length (4, n), with its upper left corner at corner 0, 1, 2, 3."""
     fields = np.kron(pattern() - pattern().mean(), np.ones((2, 2)))
     fields /= np.linalg.norm(fields)
     return np.array([np.rot90(fields, -turns).ravel() for turns in range(4)])
 
 
-def _is_square(rays: Floats, side: float, distances: tuple[float, float]) -> bool:
+def _is_square(rays: FloatArray, side: float, distances: tuple[float, float]) -> bool:
     """Return True if a square in space can look like that, at an accepted distance.
 
     The columns of the homography from the square to rays are two directions of space, of the same length

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.numerics.arrays import BoolArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.constellation import Kind
 from handcart.robotics.perception.landmarks.landmark import square_corners
@@ -18,7 +18,7 @@ RIM_PX = 16.0  # [px] of the picture in which a landmark may be, or not
 
 def wholly_in_view(
     camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Return (n,) True for landmarks of a kind at `places`, base_T_mark, that are well within the picture.
 
     Occlusion is ignored.

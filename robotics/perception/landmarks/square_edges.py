@@ -7,7 +7,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 _POINTS = 40  # on each edge
 _ENDS = 0.08  # of an edge at each end is left out: the blurred corners
@@ -22,11 +23,11 @@ _HUBER = 0.15  # [px]
 class SquareEdges(NamedTuple):
     """Corners (4, 2) as rays (x/z, y/z), in the order of the guess; `rms` in [px] of the line fits."""
 
-    rays: Floats
+    rays: FloatArray
     rms: float
 
 
-def fit_square(image: GreyImage, camera: CameraModel, guess: Floats) -> SquareEdges | None:
+def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> SquareEdges | None:
     """The dark square with corners near `guess` (4, 2) in [px], clockwise as seen, at most 8 px off.
 
     None if an edge is not there, not straight (the lens undone), not dark inside, or leaves the image. Edge
@@ -36,7 +37,7 @@ def fit_square(image: GreyImage, camera: CameraModel, guess: Floats) -> SquareEd
     return None if ends is None else _fine(image, camera, ends)
 
 
-def _coarse_corners(image: GreyImage, camera: CameraModel, guess: Floats) -> Floats | None:
+def _coarse_corners(image: ByteArray, camera: CameraModel, guess: FloatArray) -> FloatArray | None:
     """Corners (4, 2) as rays, good to a pixel: lines through the steepest rise of each profile."""
     points, outward = _along_edges(guess)
     offsets = np.arange(-_COARSE_REACH, _COARSE_REACH + 1.0)
@@ -51,7 +52,7 @@ def _coarse_corners(image: GreyImage, camera: CameraModel, guess: Floats) -> Flo
     return None if fitted is None else _corners(fitted[0])
 
 
-def _fine(image: GreyImage, camera: CameraModel, corners: Floats) -> SquareEdges | None:
+def _fine(image: ByteArray, camera: CameraModel, corners: FloatArray) -> SquareEdges | None:
     ideal, _ = _along_edges(corners)
     rays = ideal.reshape(-1, 2)
     points = camera.project(np.column_stack([rays, np.ones(len(rays))])).reshape(4, -1, 2)
@@ -78,7 +79,7 @@ def _fine(image: GreyImage, camera: CameraModel, corners: Floats) -> SquareEdges
     return SquareEdges(_corners(fitted[0]), fitted[1])
 
 
-def _along_edges(corners: Floats) -> tuple[Floats, Floats]:
+def _along_edges(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Points (4, n, 2) along the edges, and the directions (4, 1, 2) out of the quadrangle."""
     share = np.linspace(_ENDS, 1.0 - _ENDS, _POINTS)[:, None]
     edges = np.roll(corners, -1, axis=0) - corners
@@ -87,7 +88,7 @@ def _along_edges(corners: Floats) -> tuple[Floats, Floats]:
     return corners[:, None] + share * edges[:, None], outward[:, None]
 
 
-def _profiles(image: GreyImage, points: Floats, outward: Floats, offsets: Floats) -> Floats:
+def _profiles(image: ByteArray, points: FloatArray, outward: FloatArray, offsets: FloatArray) -> FloatArray:
     """Greys (4, n, m) across each edge, from inside to outside."""
     at = points[..., None, :] + outward[..., None, :] * offsets[:, None]
     x, y = (at[..., i].reshape(-1, len(offsets)).astype(np.float32) for i in (0, 1))
@@ -96,8 +97,11 @@ def _profiles(image: GreyImage, points: Floats, outward: Floats, offsets: Floats
 
 
 def _lines(
-    camera: CameraModel, points: Floats, found: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], huber: float
-) -> tuple[Floats, float] | None:
+    camera: CameraModel,
+    points: FloatArray,
+    found: np.ndarray[tuple[int, ...], np.dtype[np.bool_]],
+    huber: float,
+) -> tuple[FloatArray, float] | None:
     """Lines (4, 3), a x + b y + c = 0 of rays, through pixels (4, n, 2), and the largest rms in [px]."""
     rays = camera.undistort(points.reshape(-1, 2)).reshape(points.shape)
     focal = float(camera.K[0, 0])
@@ -112,7 +116,7 @@ def _lines(
     return (lines, rms) if np.isfinite(lines).all() else None
 
 
-def _corners(lines: Floats) -> Floats:
+def _corners(lines: FloatArray) -> FloatArray:
     """Corners (4, 2): each the meeting of an edge with the one before it."""
     meet = np.cross(np.roll(lines, 1, axis=0), lines)
     return np.asarray(meet[:, :2] / meet[:, 2:])

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.tag_family import (
     DEFAULT_FAMILY,
     TagFamily,
@@ -33,11 +34,11 @@ class Tag(NamedTuple):
     """A tag that was read: `id`, and `corners` (4, 2) in [px], clockwise from the tag's own upper left."""
 
     id: int
-    corners: Floats
+    corners: FloatArray
 
 
 def read_tags(
-    image: GreyImage, region: Region | None = None, family: TagFamily = DEFAULT_FAMILY
+    image: ByteArray, region: Region | None = None, family: TagFamily = DEFAULT_FAMILY
 ) -> list[Tag]:
     """Return the family's tags in the image, or in one region of it, ordered by id.
 
@@ -64,7 +65,7 @@ def read_tags(
     return sorted(tags, key=lambda tag: (tag.id, *tag.corners[0]))
 
 
-def tag_pose(tag: Tag, camera: CameraModel, side: float) -> Floats:
+def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
     """Return camera_T_tag (4, 4) of a tag whose black square has sides of `side` [m]: x right, y up, z out of
     it.
 

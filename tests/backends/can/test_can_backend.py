@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.backend import CommandError
 from handcart.backends.can.bus.errors import NoDrives, TooManyCounts
@@ -16,6 +15,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.saved_state import pack, unpack
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .conftest import COUNTS_PER_M, LEFT, RIGHT, Make
 
@@ -127,7 +127,7 @@ def test_after_stop_nothing_is_queued(make: Make) -> None:
 
 
 def test_the_same_seed_gives_the_same_readings(make: Make) -> None:
-    def readings(seed: int) -> tuple[tuple[float, ...], NDArray[np.float64]]:
+    def readings(seed: int) -> tuple[tuple[float, ...], FloatArray]:
         backend = make(seed)
         run(backend, 15, 0.2, 0.4)
         rolled = (*backend.get(Base).wheel_travel(), *backend.ground_truth().base)
@@ -178,7 +178,7 @@ def test_counts_that_do_not_fit_are_told(make: Make, cart: RobotFile) -> None:
 def test_a_world_that_is_put_back_goes_on_as_it_would_have(make: Make) -> None:
     robot = load_robot("librarian")
 
-    def on(backend: Any, periods: int) -> tuple[tuple[float, ...], NDArray[np.float64], NDArray[np.float64]]:
+    def on(backend: Any, periods: int) -> tuple[tuple[float, ...], FloatArray, FloatArray]:
         arm = backend.get(Arm)
         for _ in range(periods):
             backend.get(Base).drive(0.2, 0.1)

@@ -6,7 +6,6 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.arm import Arm
@@ -21,6 +20,7 @@ from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse, transform
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 from .conftest import Make
@@ -205,7 +205,7 @@ def test_joints_repeat_within_what_the_file_states(make: Make) -> None:
     assert np.std(rests) == pytest.approx(1.5e-4, rel=0.2)
 
 
-def tag_corners(scene: Scene, accession: int) -> NDArray[np.float64]:
+def tag_corners(scene: Scene, accession: int) -> FloatArray:
     book = scene.of(BookProps).books[accession]
     middle, half = book.height - 0.014, 0.005
     corners = [

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.body.sliding import HAND_FRICTION
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 from tests.backends.kinematic.conftest import Puppet
 
 DESK_M = 0.75
@@ -25,7 +25,7 @@ def at_desk(puppet: Puppet) -> Puppet:
     return puppet
 
 
-def hand(puppet: Puppet) -> NDArray[np.float64]:
+def hand(puppet: Puppet) -> FloatArray:
     """Where the hand truly is, in the base frame."""
     return np.asarray(puppet.scene.arm.forward(puppet.scene.joints)[:3, 3])
 

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .conftest import Make, Puppet
 
 
-def readings(puppet: Puppet) -> NDArray[np.float64]:
+def readings(puppet: Puppet) -> FloatArray:
     backend = puppet.backend
     capabilities: Any = backend.capabilities()
     base, arm, gripper, camera, ranges = capabilities
@@ -59,7 +59,7 @@ def test_a_world_that_went_on_is_put_back_too(puppet: Puppet) -> None:
     backend, kept = puppet.backend, pack(puppet.backend.state())
     here = puppet.scene.arm.forward(puppet.arm.command())[:3, 3]
 
-    def on() -> NDArray[np.float64]:
+    def on() -> FloatArray:
         puppet.to(here[0], here[1], here[2] + 0.05)
         puppet.to(here[0], here[1], here[2] - 0.03)
         return readings(puppet)

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.loading.robot_loading import load_robot
@@ -27,6 +26,7 @@ from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.field.deploy import Deploy
 from handcart.primitives.outcomes.outcome import Fail, Success
+from handcart.robotics.numerics.arrays import FloatArray
 
 from ...conftest import Copier
 
@@ -110,7 +110,7 @@ def test_a_car_on_rockers_takes_half_of_what_one_wheel_stands_on(
 ) -> None:
     """Paper 001, section III: a hump of 0.1 m under the left front wheel; all wheels stay on the ground."""
 
-    def hump(_: Terrain, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def hump(_: Terrain, x: FloatArray, y: FloatArray) -> FloatArray:
         return np.asarray(0.1 * np.exp(-((x - 0.6) ** 2 + (y - 0.3) ** 2) / 0.08))
 
     monkeypatch.setattr(Terrain, "height", hump)

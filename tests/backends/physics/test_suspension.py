@@ -8,13 +8,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.urdf.sprung import CHASSIS_LINK, sprung
 from handcart.backends.simulation.world_files.world_model import world_model
+from handcart.robotics.numerics.arrays import FloatArray
 
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 
@@ -44,7 +44,7 @@ def part(backend: PhysicsBackend, name: str) -> Any:
     return next(each for each in backend.capabilities() if type(each).__name__.endswith(name))
 
 
-def go(backend: PhysicsBackend, joints: NDArray[np.float64], seconds: float = 2.0) -> None:
+def go(backend: PhysicsBackend, joints: FloatArray, seconds: float = 2.0) -> None:
     """Move the joints and wait until all is at rest."""
     arm = part(backend, "Arm")
     start = arm.command()

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
@@ -17,6 +16,7 @@ from handcart.backends.robot.guarded_base import SIDE_MARGIN_M, GuardedBase, ste
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.bump_area import bump_fronts
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
 
 NOTHING = np.empty((0, 2))
 WALL_AT = 5.0
@@ -38,7 +38,7 @@ class Wheels(Base):
 class Rolling:
     """A robot that stands where its wheels were told to, on a map with a wall from x = 5 m on."""
 
-    def __init__(self, spec: RobotFile, x: float, scan: Callable[[Pose2], NDArray[np.float64]]) -> None:
+    def __init__(self, spec: RobotFile, x: float, scan: Callable[[Pose2], FloatArray]) -> None:
         solid = np.zeros((100, 60), dtype=np.bool_)
         solid[:, 50:] = True
         self.pose, self.wheels, self.period = Pose2(x, 5.0, 0.0), Wheels(), spec.period_s
@@ -203,10 +203,10 @@ def test_what_is_no_way_is_passed_on_as_it_is(spec: RobotFile, speed: float, tur
 class SeenBy:
     """A scan that changes."""
 
-    def __init__(self, seen: list[NDArray[np.float64]]) -> None:
+    def __init__(self, seen: list[FloatArray]) -> None:
         self._seen = seen
 
-    def __call__(self, pose: Pose2) -> NDArray[np.float64]:
+    def __call__(self, pose: Pose2) -> FloatArray:
         return self._seen[0]
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.description.range_spec import RangeSpec
@@ -18,6 +17,7 @@ from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
+from handcart.robotics.numerics.arrays import ByteArray
 
 SEAM = Path(__file__).parents[3] / "tasks" / "track_seam"
 HALL = RigFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", {})
@@ -229,7 +229,7 @@ def test_a_picture_that_stays_the_same_as_it_moves_is_stale(
 ) -> None:
     errors = robot.spec.errors.model_copy(update={"image_noise_grey": noise})
     robot.spec = robot.spec.model_copy(update={"errors": errors})
-    grey: NDArray[np.uint8] = np.full((4, 4), 7, np.uint8)
+    grey: ByteArray = np.full((4, 4), 7, np.uint8)
     travel = robot.base.wheel_travel()
     wheels = robot.backend.get(Base)  # type: ignore[type-abstract]
     monkeypatch.setattr(robot.camera, "image", lambda: grey)

@@ -6,14 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.logs.places import checked_places
+from handcart.robotics.numerics.arrays import FloatArray
 
-Array = NDArray[np.float64]
 
-
-def drive(latitude: float = 48.0, longitude: float = 9.0) -> tuple[Array, Array, Array]:
+def drive(latitude: float = 48.0, longitude: float = 9.0) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Latitudes, longitudes and times of a minute's drive."""
     steps = np.random.default_rng(1).uniform(0.5e-5, 1.5e-5, (60, 2)).cumsum(axis=0)
     lons = (longitude + steps[:, 1] + 180.0) % 360.0 - 180.0

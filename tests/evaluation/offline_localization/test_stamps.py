@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.evaluation.offline_localization.checks.stamps import check_offsets, check_stamps
+from handcart.robotics.numerics.arrays import FloatArray
 
-RECEIVED: NDArray[np.float64] = np.asarray(1_700_000_000.0 + 0.05 * np.arange(400), dtype=np.float64)
+RECEIVED: FloatArray = np.asarray(1_700_000_000.0 + 0.05 * np.arange(400), dtype=np.float64)
 LATE = 0.01
 
 

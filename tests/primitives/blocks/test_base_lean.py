@@ -7,17 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.base_lean import felt_beside, unmodelled_leans
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .stacking import at_the_wall
 
 SIGMA = 0.005 / 9.81 / math.sqrt(20)  # of a tilt, by the robot's file, over a second
 
 
-def leans(pose: NDArray[np.float64]) -> tuple[float, float]:
+def leans(pose: FloatArray) -> tuple[float, float]:
     return math.atan2(pose[2, 1], pose[2, 2]), -math.asin(pose[2, 0])
 
 

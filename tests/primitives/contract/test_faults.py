@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
@@ -29,11 +28,11 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes.outcome import GiveUp
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 BENCH = KitBench("kinematic")
 WORLD = SHIPPED_FOLDER.parents[1] / "tasks" / "return_book" / "world.yaml"
 FIELD = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
-Vector = NDArray[np.float64]
 
 
 class Stand(ActionPrimitive):
@@ -95,9 +94,9 @@ def test_gyros_that_tell_nothing_new_are_not_believed(read: str, monkeypatch: py
         rig = Rig(prepared.robot, prepared.model, prepared.backend)
         imu: Imu | None = rig.backend.get(Imu)  # type: ignore[type-abstract]
         rates, accelerations = rig.robot.get(Imu).rates, rig.robot.get(Imu).accelerations  # type: ignore[type-abstract]
-        wrong: tuple[Vector, Vector] | None = None
+        wrong: tuple[FloatArray, FloatArray] | None = None
 
-        def read_now() -> tuple[Vector, Vector]:
+        def read_now() -> tuple[FloatArray, FloatArray]:
             nonlocal wrong
             rolled = rig.robot.localization.travel.left
             if rolled < 1.0 or (read.endswith("while") and rolled > 1.1):

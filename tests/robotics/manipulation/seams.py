@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
-
-Floats = NDArray[np.float64]
+from handcart.robotics.numerics.arrays import FloatArray
 
 
 def straight(length: float = 4.4, points: int = 201) -> ToolPath:
@@ -20,7 +18,7 @@ def straight(length: float = 4.4, points: int = 201) -> ToolPath:
 
 def arched_poses(
     points: int = 200, span: float = 4.6, low: float = 0.7, rise: float = 0.5, pitch_deg: float = -35.0
-) -> Floats:
+) -> FloatArray:
     """An arch over y = 0, seen from negative y; the tool points along y and down."""
     t = np.linspace(-0.5, 0.5, points)
     poses = np.tile(np.eye(4), (points, 1, 1))
@@ -37,7 +35,7 @@ def arched(points: int = 200, **shape: float) -> ToolPath:
     return tool_path(arched_poses(points, **shape), longest_step=0.2)
 
 
-def stands(x: tuple[float, float, int], y: tuple[float, float, int], headings: int = 1) -> Floats:
+def stands(x: tuple[float, float, int], y: tuple[float, float, int], headings: int = 1) -> FloatArray:
     """A grid of base poses (b, 3)."""
     turns = np.linspace(-np.pi, np.pi, headings, endpoint=False) if headings > 1 else np.zeros(1)
     grid = np.meshgrid(np.linspace(*x), np.linspace(*y), turns, indexing="ij")

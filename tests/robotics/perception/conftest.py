@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.books.textures import draw_spine
 from handcart.robotics.geometry.transform import transform
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel, plane_to_rays
 
 CAMERA = CameraModel(
@@ -69,7 +69,7 @@ def render(books: list[Book], camera_T_shelf: Any, seed: int, noise: float = 3.0
     return _photograph(canvas, ideal_K, rng, noise, blur)
 
 
-def _photograph(canvas: Any, ideal_K: Any, rng: Any, noise: float, blur: float) -> NDArray[np.uint8]:
+def _photograph(canvas: Any, ideal_K: Any, rng: Any, noise: float, blur: float) -> ByteArray:
     small = cv2.resize(canvas, (840, 640), interpolation=cv2.INTER_AREA)
     pixels = np.stack(np.meshgrid(np.arange(640.0), np.arange(480.0)), axis=-1).reshape(-1, 2)
     rays = CAMERA.undistort(pixels)
@@ -80,7 +80,7 @@ def _photograph(canvas: Any, ideal_K: Any, rng: Any, noise: float, blur: float) 
     v, u = np.mgrid[-1:1:480j, -1:1:640j]
     image *= (0.92 + depth * (np.cos(angle) * u + np.sin(angle) * v)).astype(np.float32)
     image += rng.normal(0.0, noise, image.shape).astype(np.float32)
-    taken: NDArray[np.uint8] = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    taken: ByteArray = np.clip(np.rint(image), 0, 255).astype(np.uint8)
     return taken
 
 
@@ -204,7 +204,7 @@ class Tabletop:
 
     def photograph(
         self, table: Any, camera_T_table: Any, seed: int, noise: float = 3.0, blur: float = 0.7
-    ) -> NDArray[np.uint8]:
+    ) -> ByteArray:
         """The image (480, 640) through the lens: blur in [px], noise in grey levels, uneven light."""
         to_rays = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
         m = self.m_per_px
@@ -221,7 +221,7 @@ class Tabletop:
         down = np.linspace(-1.0, 1.0, 480, dtype=np.float32)[:, None] * np.float32(depth * np.sin(angle))
         image = image * (np.float32(0.92) + across + down)
         image = image + rng.standard_normal(image.shape, dtype=np.float32) * np.float32(noise)
-        taken: NDArray[np.uint8] = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+        taken: ByteArray = np.clip(np.rint(image), 0, 255).astype(np.uint8)
         return taken
 
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.mujoco.mujoco_backend import VIEW_SIZE
 from handcart.backends.mujoco.rendering import gl_context
@@ -16,6 +15,7 @@ from handcart.backends.physics.onlooker import looking
 from handcart.backends.saved_state import pack
 from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.numerics.arrays import BoolArray, ByteArray, FloatArray
 
 from .conftest import Make
 
@@ -30,7 +30,7 @@ def engine_camera(backend: Any) -> MujocoCamera:
     return MujocoCamera(robot, robot.camera, backend.scene.arm, *parts)
 
 
-def drawn_twice(backend: Any, pose: Transform) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+def drawn_twice(backend: Any, pose: Transform) -> tuple[ByteArray, ByteArray]:
     """By the scene's painter, and by MuJoCo; both ideal pictures, grey."""
     camera = engine_camera(backend)
     try:
@@ -40,7 +40,7 @@ def drawn_twice(backend: Any, pose: Transform) -> tuple[NDArray[np.uint8], NDArr
         camera.close()
 
 
-def middle(lit: NDArray[np.bool_]) -> NDArray[np.float64]:
+def middle(lit: BoolArray) -> FloatArray:
     """Column and row of what is lit."""
     return np.asarray(np.argwhere(lit).mean(axis=0)[::-1])
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.robot.guarded_base import steady_points
 from handcart.backends.robot.localization.scan_reading import WITHIN_FOOTPRINT_M, read_scan
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
 
 FOOTPRINT, LEAST, REACH = 0.34, 0.15, 8.0
 MOUNT = Pose2(0.1, -0.05, 0.3)
@@ -81,7 +81,7 @@ def test_one_wrong_beam_never_adds_a_lone_obstacle(
     limits: RangeSpec, readings: list[float], beam: int, wrong: float
 ) -> None:
     """All beams at 3 m but one, whatever it delivers: what the guard is given is at 3 m."""
-    ranges: NDArray[np.float64] = np.full(36, 3.0)
+    ranges: FloatArray = np.full(36, 3.0)
     ranges[beam] = wrong
     points = steady_points(read_scan(Scan(limits.angles(), ranges, Pose2(0.0, 0.0, 0.0)), limits, FOOTPRINT))
     np.testing.assert_allclose(np.hypot(*points.T), 3.0)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.body.near_pairs import Boxes, near_boxes, near_spheres
+from handcart.robotics.numerics.arrays import FloatArray
 
-Floats = NDArray[np.float64]
 
-
-def random_poses(rng: np.random.Generator, count: int) -> Floats:
+def random_poses(rng: np.random.Generator, count: int) -> FloatArray:
     poses = np.tile(np.eye(4), (count, 1, 1))
     for pose in poses:
         turn, _ = np.linalg.qr(rng.standard_normal((3, 3)))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.simulation.body.rigid_body import fcl_body, touch
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from handcart.robotics.numerics.arrays import FloatArray
 
 HERE = np.eye(4)
 UNSURE = 1e-6  # [m]: nearer to touching, and rounding decides
@@ -25,7 +25,7 @@ def random_pose(rng: np.random.Generator) -> Transform:
 
 def random_shape(rng: np.random.Generator) -> Shape:
     a, b, c = rng.uniform(0.02, 0.5, 3).tolist()
-    corners: NDArray[np.float64] = rng.uniform(-0.5 * c, 0.5 * c, (12, 3))
+    corners: FloatArray = rng.uniform(-0.5 * c, 0.5 * c, (12, 3))
     shapes: tuple[Shape, ...] = (
         Box(HERE, (a, b, c)),
         Cylinder(HERE, a / 2, b),

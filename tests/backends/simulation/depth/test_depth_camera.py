@@ -6,12 +6,12 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.depth_camera import DepthCamera, DepthImage
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.simulated_backend import SimulatedBackend
+from handcart.robotics.numerics.arrays import BoolArray
 
 from .conftest import DOWN, Make
 
@@ -30,7 +30,7 @@ def first(backend: Backend) -> DepthImage:
     return camera_of(backend).image()
 
 
-def readings(image: DepthImage) -> NDArray[np.bool_]:
+def readings(image: DepthImage) -> BoolArray:
     return np.isfinite(image.depth)
 
 

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import camera_model
@@ -12,6 +11,7 @@ from handcart.backends.simulation.simulated_backend import build_scene
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
@@ -30,7 +30,7 @@ def scene(tag: str = "readable", gap: float = 31.0) -> Scene:
     return build_scene(load_robot("librarian"), file, seed=0)
 
 
-def picture(world: Scene, pose: Transform, seed: int = 0, period: int = 1) -> NDArray[np.uint8]:
+def picture(world: Scene, pose: Transform, seed: int = 0, period: int = 1) -> ByteArray:
     robot = load_robot("librarian")
     assert robot.camera is not None
     return Renderer(camera_model(robot.camera), robot.errors, seed).render(world, pose, period)

@@ -8,13 +8,13 @@ from types import MappingProxyType
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.simulation.sensors.range_faults import OWN_BODY_M
+from handcart.robotics.numerics.arrays import FloatArray
 
 WORLD = """\
 format: handcart-world/1
@@ -34,7 +34,7 @@ SHARES = {
 
 def scans(
     folder: Path, errors: Mapping[str, float] = MappingProxyType({}), seed: int = 0, looks: int = 1
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """(PERIODS, beams) of a half turn's lidar; asked so often in each period."""
     world = folder / "world.yaml"
     world.write_text(WORLD, encoding="utf-8")

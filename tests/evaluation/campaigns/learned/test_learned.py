@@ -20,8 +20,9 @@ from handcart.evaluation.campaigns.learned.learned import Learned, NothingLearne
 from handcart.evaluation.campaigns.learned.learned_odds import LearnedOdds, best_pooling
 from handcart.evaluation.campaigns.learned.prediction import predict
 from handcart.evaluation.campaigns.learned.seen_actions import SeenActions
-from handcart.evaluation.campaigns.walks.odds import Codes, EndCode, Floats, Numbers
+from handcart.evaluation.campaigns.walks.odds import EndCode
 from handcart.networks.task.task_file import Task, load_task
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array, Int32Array
 
 TRIALS = 600
 STACK_BLOCKS = Path(__file__).parents[4] / "tasks" / "stack_blocks" / "task.yaml"
@@ -32,13 +33,15 @@ class SecondTimeWorse:
 
     rest_s = 3.0
 
-    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+    def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         good = np.where(context < 2, 0.7, 0.2)
         return np.where(
             drawn < good, EndCode.SUCCESS, np.where(drawn > 0.97, EndCode.GIVE_UP, EndCode.FAIL)
         ).astype(np.int8)
 
-    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def seconds(
+        self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
+    ) -> FloatArray:
         return (10.0 + action + drawn) * np.where(context % 2, 2.0, 1.0)
 
 
@@ -110,7 +113,7 @@ class FirstBlock(SecondTimeWorse):
     def __init__(self, hard: int, give_up: float) -> None:
         self.hard, self.give_up = hard, give_up
 
-    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+    def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         lost = (action == self.hard) & (drawn < self.give_up)
         return np.where(lost, EndCode.GIVE_UP, EndCode.SUCCESS).astype(np.int8)
 
@@ -210,7 +213,9 @@ def test_a_context_is_an_action_s_own_fails_and_what_came_before(task: Task) -> 
 class SlowGiveUp(SecondTimeWorse):
     """A GiveUp takes a hundred seconds."""
 
-    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def seconds(
+        self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
+    ) -> FloatArray:
         return np.where(ends == EndCode.GIVE_UP, 100.0, 10.0 + drawn)
 
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from handcart.evaluation.campaigns.rare.population import Level, Numbers, Population, shared_out, split
+from handcart.evaluation.campaigns.rare.population import Level, Population, shared_out, split
+from handcart.robotics.numerics.arrays import IndexArray
 
 
 class Scripted:
@@ -15,9 +16,9 @@ class Scripted:
 
     def __init__(self, *levels: tuple[int, int]) -> None:
         self._levels = list(levels)
-        self.asked: list[tuple[int, Numbers | int]] = []
+        self.asked: list[tuple[int, IndexArray | int]] = []
 
-    def advance(self, level: int, starts: Numbers | int) -> Level:
+    def advance(self, level: int, starts: IndexArray | int) -> Level:
         self.asked.append((level, starts))
         reached, hits = self._levels.pop(0)
         return Level(8, reached, hits, 10)

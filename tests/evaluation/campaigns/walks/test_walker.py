@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from handcart.evaluation.campaigns.walks.odds import Codes, EndCode, Floats, Numbers, context_of
+from handcart.evaluation.campaigns.walks.odds import EndCode, context_of
 from handcart.evaluation.campaigns.walks.walk_table import GOAL, NO_WAY, WalkTable
 from handcart.evaluation.campaigns.walks.walker import GAVE_UP, NO_ACTION, Walked, Walker
 from handcart.networks.analysis.forecast import forecast
@@ -18,6 +18,7 @@ from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import RunDecisions
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.outcomes.outcome import Success
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array, Int32Array
 
 BOUND = Binding.of(Modify(place="x"))
 WALKS = 4000
@@ -31,11 +32,13 @@ class Even:
     def __init__(self, *limits: float) -> None:
         self.limits, self.contexts = np.array(limits), set[int]()
 
-    def ends(self, action: Numbers, context: Numbers, drawn: Floats) -> Codes:
+    def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         self.contexts.update(context.tolist())
         return np.searchsorted(self.limits, drawn, side="right").astype(np.int8)
 
-    def seconds(self, action: Numbers, context: Numbers, ends: Codes, drawn: Floats) -> Floats:
+    def seconds(
+        self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
+    ) -> FloatArray:
         return np.asarray(action + 1.0, dtype=np.float64)
 
 

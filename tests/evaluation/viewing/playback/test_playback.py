@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -21,10 +20,10 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.run_files.run_folder import NoRun
 from handcart.networks.runs.run_header import header, process_facts
 from handcart.networks.task.preparing import Prepared, prepare
+from handcart.robotics.numerics.arrays import FloatArray
 
 STACK = Path(__file__).parents[4] / "tasks" / "stack_blocks" / "task.yaml"
 SECONDS = 3.0
-Array = NDArray[np.float64]
 
 
 class Run:
@@ -36,8 +35,8 @@ class Run:
         scene = simulated_world(self.prepared.backend)
         assert scene is not None
         self.scene: Scene = scene
-        self.joints: dict[float, Array] = {}
-        self.ranges: dict[float, Array] = {}
+        self.joints: dict[float, FloatArray] = {}
+        self.ranges: dict[float, FloatArray] = {}
         folder.mkdir()
         with Journal(folder / "journal.jsonl") as journal:
             journal.append("RUN", 0.0, header(self.prepared), process_facts())

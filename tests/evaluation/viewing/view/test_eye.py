@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.evaluation.viewing.view.eye import ROBOT_HEIGHT_M, Eye, eye_on
+from handcart.robotics.numerics.arrays import FloatArray
 
 ROBOT = np.array([4.0, -2.0, 0.1])
 FOV = math.radians(75.0)
 
 
-def seen_at(point: NDArray[np.float64], eye: Eye, aspect: float) -> tuple[float, float]:
+def seen_at(point: FloatArray, eye: Eye, aspect: float) -> tuple[float, float]:
     """Return the position of a point in the picture, -1 to 1 from left to right and from bottom to top."""
     ahead = eye.look_at - eye.position
     ahead /= np.linalg.norm(ahead)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.primitives.seam.seam_placer import placer_of
@@ -17,10 +16,9 @@ from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with, place_alongside, seen_from
 from handcart.robotics.manipulation.placement.placer import Placer
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from ..seams import arched_poses
-
-Floats = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +30,7 @@ def seam(span: float = 4.6) -> ToolPath:
     return tool_path(arched_poses(300, span=span, low=0.7, rise=0.3), longest_step=0.2)
 
 
-def nowhere(bases: Floats) -> NDArray[np.bool_]:
+def nowhere(bases: FloatArray) -> BoolArray:
     """Nothing stands anywhere."""
     return np.zeros(len(bases), dtype=bool)
 
@@ -69,7 +67,7 @@ def test_a_way_keeps_off_what_stands_beside_it(placer: Placer) -> None:
     best = place_alongside(placer, seam(), nowhere, 1).bases[0]
     row = level_with(Pose2(*best.tolist()), seam().points)
 
-    def blocked(bases: Floats) -> NDArray[np.bool_]:
+    def blocked(bases: FloatArray) -> BoolArray:
         near = np.linalg.norm(bases[:, None, :2] - row[None, 100:200, :2], axis=2).min(axis=1)
         return np.asarray(near < 0.15)
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.numerics.arrays import FloatArray
 
 DT = 0.05
 
@@ -26,7 +26,7 @@ def moved(pose: Pose2, speed: float, turn_rate: float) -> Pose2:
 
 def run(
     law: Any, pose: Pose2, seconds: float = 120.0, rng: np.random.Generator | None = None, noise: float = 0.0
-) -> tuple[list[Pose2], NDArray[np.float64]]:
+) -> tuple[list[Pose2], FloatArray]:
     """Drive until finished; returns all poses and commands."""
     poses, commands = [pose], list[tuple[float, float]]()
     seen = pose

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, WayGuard
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
 
 NEEDED = 0.3
 WALL = GridMap(
@@ -20,7 +20,7 @@ WALL = GridMap(
 """The cells from x = 3.9 m on."""
 
 
-def swept(pose: Pose2, curvature: float, length: float) -> NDArray[np.float64]:
+def swept(pose: Pose2, curvature: float, length: float) -> FloatArray:
     """Middles (n, 2) along an arc, a millimetre apart."""
     along = np.arange(0.0, abs(length), 0.001) * math.copysign(1.0, length)
     turn = curvature * along

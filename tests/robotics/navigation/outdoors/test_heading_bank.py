@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from benchmarks.field.field_course import straight_course
 from benchmarks.field.field_drive import PERIOD_S, FieldTimes
@@ -21,11 +20,12 @@ from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD, HeadingBank
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
+from handcart.robotics.numerics.arrays import FloatArray
 
-Away = Callable[[int], NDArray[np.float64]]
+Away = Callable[[int], FloatArray]
 
 
-def no_error(second: int) -> NDArray[np.float64]:
+def no_error(second: int) -> FloatArray:
     return np.zeros(2)
 
 

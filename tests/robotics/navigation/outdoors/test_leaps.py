@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 import scipy.stats
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.watched_moment import Belief, mixed
@@ -18,6 +17,7 @@ from handcart.robotics.navigation.outdoors.filter_history import FixResult
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.navigation.outdoors.sky import leapt, log_normal
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
+from handcart.robotics.numerics.arrays import FloatArray
 
 LEAPING = REFERENCE_NOISE._replace(gps_drift=3.0, gps_drift_time=600.0, jump=3.0, jump_every=100.0)
 STANDS = Advance(0.0, 0.0, 0.0, 1.0, 1.0, 0.0)
@@ -28,7 +28,7 @@ def standing(noise: FieldNoise, record: bool = False) -> FieldKalman:
     return FieldKalman(Pose2(0.0, 0.0, 0.0), noise, record=TrackRecord() if record else None)
 
 
-def seen(filtering: FieldKalman, fixes: NDArray[np.float64]) -> list[FixResult]:
+def seen(filtering: FieldKalman, fixes: FloatArray) -> list[FixResult]:
     """What comes of fixes (n, 2), a second apart, of a base that stands."""
     odometry, found = GyroOdometry(), []
     for fix in fixes:
@@ -37,9 +37,9 @@ def seen(filtering: FieldKalman, fixes: NDArray[np.float64]) -> list[FixResult]:
     return found
 
 
-def fixes(seed: int, count: int, off: tuple[float, float] = (0.0, 0.0)) -> NDArray[np.float64]:
+def fixes(seed: int, count: int, off: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
     """White ones (count, 2) about a place [m]."""
-    drawn: NDArray[np.float64] = np.random.default_rng(seed).standard_normal((count, 2)) + off
+    drawn: FloatArray = np.random.default_rng(seed).standard_normal((count, 2)) + off
     return drawn
 
 
@@ -141,7 +141,7 @@ def test_before_gravity_told_the_tilt_a_fix_is_less_exact() -> None:
 
 
 @pytest.mark.parametrize("covariance", [np.zeros((2, 2)), np.ones((2, 2)), np.diag([1.0, -1.0])])
-def test_nothing_is_likely_by_what_is_no_covariance(covariance: NDArray[np.float64]) -> None:
+def test_nothing_is_likely_by_what_is_no_covariance(covariance: FloatArray) -> None:
     with pytest.raises(ValueError, match="no covariance"):
         log_normal(np.zeros(2), covariance)
 

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.blocks.block_finder import MAX_TURN_RAD, find_block
 from handcart.robotics.perception.blocks.nearest_face import nearest_face
 from handcart.robotics.perception.cameras.camera_model import CameraModel
@@ -56,9 +56,7 @@ class Painter:
         rays = CAMERA.undistort(np.column_stack([columns.ravel(), rows.ravel()]))
         self._map = (rays * 800.0 + self.middle).astype(np.float32).reshape(480, 640, 2)
 
-    def __call__(
-        self, blocks: list[Block], camera_T_plane: NDArray[np.float64], seed: int
-    ) -> NDArray[np.uint8]:
+    def __call__(self, blocks: list[Block], camera_T_plane: FloatArray, seed: int) -> ByteArray:
         canvas = np.full((self.ideal[1] * FINE, self.ideal[0] * FINE), TABLE, dtype=np.uint8)
         x, y, _ = inverse(camera_T_plane)[:3, 3]
         # What is lower or farther to the side never hides the other.
@@ -73,10 +71,10 @@ class Painter:
         down, across = np.mgrid[-0.5:0.5:480j, -0.5:0.5:640j]
         image = image * (1.0 + 0.25 * (math.sin(bearing) * down + math.cos(bearing) * across))
         image = np.rint(image + rng.normal(0.0, 3.0, image.shape))
-        taken: NDArray[np.uint8] = np.clip(image, 0, 255).astype(np.uint8)
+        taken: ByteArray = np.clip(image, 0, 255).astype(np.uint8)
         return taken
 
-    def _block(self, canvas: NDArray[np.uint8], block: Block, camera_T_plane: NDArray[np.float64]) -> None:
+    def _block(self, canvas: ByteArray, block: Block, camera_T_plane: FloatArray) -> None:
         camera_T_top = camera_T_plane @ block.pose.lift(block.top)
         half = np.array([block.size[0] / 2, block.size[1] / 2, -HEIGHT])
         for shade, normal, signs in FACES:
@@ -104,7 +102,7 @@ def looking(
 class View(NamedTuple):
     """A block somewhere in the picture, the camera beside it, and where the block is said to be."""
 
-    camera_T_plane: NDArray[np.float64]
+    camera_T_plane: FloatArray
     block: Pose2
     expected: Pose2
 

@@ -1,8 +1,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import SingleArray
 from handcart.robotics.perception.books.call_number_decoder import (
     CALL_NUMBER_SYMBOLS,
     CallNumberDecoder,
@@ -13,7 +13,7 @@ CHARACTERS = ["", *CALL_NUMBER_SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " 
 DECODER = CallNumberDecoder(CHARACTERS)
 
 
-def _outputs(text: str, sure: float = 0.98) -> NDArray[np.float32]:
+def _outputs(text: str, sure: float = 0.98) -> SingleArray:
     """What a recogniser says that reads `text` with a blank ("_") between the symbols."""
     rows = np.full((len(text), len(CHARACTERS)), (1 - sure) / len(CHARACTERS), dtype=np.float32)
     for row, character in zip(rows, text, strict=True):
@@ -21,7 +21,7 @@ def _outputs(text: str, sure: float = 0.98) -> NDArray[np.float32]:
     return rows
 
 
-def _decoded(outputs: NDArray[np.float32]) -> Decoded:
+def _decoded(outputs: SingleArray) -> Decoded:
     decoded = DECODER.decode(outputs)
     assert decoded is not None
     return decoded

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.books.spine_edges import Strips, upright
 
-Floats = NDArray[np.float64]
 HEIGHTS = np.linspace(0.2, 0.0, 20)
 
 
@@ -22,7 +21,7 @@ def leaning(tilt: float, rows: int = 20, width: int = 160) -> Strips:
     return Strips(grey, z, 0.1, 0.0005, -1)
 
 
-def spread(grey: Floats) -> float:
+def spread(grey: FloatArray) -> float:
     """How much the strips differ at most."""
     return float(np.abs(grey - grey.mean(axis=0)).max())
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 from handcart.robotics.perception.landmarks.constellation import (
     BasePrior,
     Kind,
@@ -30,7 +30,7 @@ def row(count: int, spacing: float = 0.09, kind: Kind = KIND) -> list[PlannedMar
     return [PlannedMark(kind, Pose2(0.1, 0.5 + spacing * (n - (count - 1) / 2), 0.0)) for n in range(count)]
 
 
-def within(views: Sequence[Sequence[float]], places: Sequence[Sequence[float]]) -> NDArray[np.bool_]:
+def within(views: Sequence[Sequence[float]], places: Sequence[Sequence[float]]) -> BoolArray:
     """Whether places are in one of the pictures, by the pictures' middles."""
     return np.array([any(np.all(np.abs(np.subtract(at[:2], v)) < HALF) for v in views) for at in places])
 
@@ -40,7 +40,7 @@ def look(
     lying: list[PlannedMark],
     base: Pose2,
     views: Sequence[Sequence[float]],
-    covariance: NDArray[np.float64] = ABOUT,
+    covariance: FloatArray = ABOUT,
     believed: Pose2 = HERE,
     noise: np.random.Generator | None = None,
 ) -> list[MarkAssignment]:

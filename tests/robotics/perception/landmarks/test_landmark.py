@@ -5,10 +5,10 @@ import math
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.geometry.transform import transform
+from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.landmarks.landmark import INK, PAPER, diagonals_meet, draw_landmark
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 from handcart.robotics.perception.landmarks.landmark_pose import (
@@ -23,7 +23,7 @@ HEIGHT = 0.3
 
 def seen_at(
     tabletop: Tabletop, pose: Pose2, seed: int, height: float = HEIGHT, grey: float = 150.0
-) -> NDArray[np.uint8]:
+) -> ByteArray:
     """The image of a landmark that lies at `pose` of a plane that the camera faces."""
     table = tabletop.table(grey)
     tabletop.put(table, draw_landmark(), 0.0, 0.0)
