@@ -1,1 +1,1 @@
-"""Many runs of one task: side by side, each on disk when it has ended."""
+"""Campaigns: many runs of one task in parallel, each written to disk when it has ended."""

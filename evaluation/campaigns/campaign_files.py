@@ -1,4 +1,4 @@
-"""The files that a campaign depends on, by their content."""
+"""Checksums of the files that a campaign depends on."""
 
 from __future__ import annotations
 
@@ -24,11 +24,13 @@ _YAML = (".yaml", ".yml")
 
 
 def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
-    """SHA-256 of the task's file and of those that it names, and they in turn, by their names as seen from
-    the task; and of the robot's description, where there is a robot.
+    """Return the SHA-256 of each file that a campaign depends on, by its name as seen from the task.
+
+    These are the task's file, all files that it names, directly or through other files, and the robot's
+    description if the task has a robot.
 
     Raises:
-        FileError: the robot's file is wrong.
+        FileError: the robot's file is invalid.
     """
     files, path = _Files(), Path(task.document.file)
     files.add(path.name, path, _words(task.document.root))
@@ -51,18 +53,18 @@ class _Word(NamedTuple):
 
     text: str
     given: bool
-    """On the command line: from the current folder, not beside the file that has it."""
+    """True for a word of the command line, which is relative to the current folder."""
 
 
 class _Files:
-    """Files that are named by files, each once."""
+    """Set of files that are named by other files."""
 
     def __init__(self) -> None:
         self.sums: dict[str, str] = {}
         self._known: set[Path] = set()
 
     def add(self, name: str, path: Path, words: Iterable[_Word]) -> None:
-        """A file, and those that are named by words in it."""
+        """Add a file, and the files that it names."""
         self._known.add(path.resolve())
         self.sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
         for text, given in words:
@@ -82,7 +84,7 @@ def _words_in(path: Path) -> Iterator[_Word]:
 
 
 def _words(node: Node) -> Iterator[_Word]:
-    """All words in a file that may be a file's name."""
+    """Return all words in a file that may be the name of a file."""
     content = node.content
     if isinstance(content, dict):
         for each in content.values():

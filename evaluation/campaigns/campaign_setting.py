@@ -12,7 +12,9 @@ from handcart.evaluation.campaigns.rare.rare_event import RareEvent
 from .variation import Variation
 
 WorldGenerator = Callable[[int, Path], Mapping[str, str]]
-"""Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
+"""Function that writes the files of a world for a seed into a folder, and returns the task's settings that
+name them.
+"""
 
 Level = Literal["run", "fitted", "network"]
 """Kind of a trial: a run on a backend, or a walk through the network with outcomes drawn by the odds of
@@ -37,9 +39,9 @@ class CampaignSetting:
     seeds: range = range(0)
     """Seeds of all trials, over all shards; variations are spread over them."""
     faults: Path | None = None
-    """A file of faults that come in each trial."""
+    """File of faults that are injected into each trial."""
     learned_from: tuple[Path, ...] = ()
-    """Folders of the campaigns that show how actions end."""
+    """Folders of the campaigns from which the odds of actions are learned."""
 
     rare: RareEvent | None = None
     """Rare event that each trial estimates with a population of runs; None: each trial is one run."""

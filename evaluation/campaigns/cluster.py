@@ -1,4 +1,6 @@
-"""Trials on a Dask cluster: workers that die, freeze or crawl lose none, and none counts twice."""
+"""Trials on a Dask cluster: a worker that dies, freezes or slows down loses no trial, and no trial counts
+twice.
+"""
 
 from __future__ import annotations
 
@@ -26,21 +28,21 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 Work = Callable[[int], bytes]
-"""Runs the trial of a seed, on a worker, and gives its line as `line_of` does."""
+"""Function that runs the trial of a seed on a worker, and returns its line as `line_of` does."""
 ANSWERS_S = 10.0
-"""[s] within which a scheduler answers, and knows a worker."""
+"""Time-out of a scheduler's answer, and of its first worker, in [s]."""
 PATIENCE_S = 5.0
 """Minimum time before a trial under way is given to a second worker, in [s]."""
 LATE_TIME_RATIO = 3.0
-"""Times the mean time of a trial, the same."""
+"""Minimum time before a trial under way is given to a second worker, in mean times of a trial."""
 MAX_WORKERS_PER_TRIAL = 4
-"""Workers that one trial is given to at most, one after the other."""
+"""Maximum number of workers to which one trial is given, one after the other."""
 TRIALS_PER_THREAD = 2
-"""Trials that each thread of a worker has, the running one counted."""
+"""Number of trials that each thread of a worker has, including the running one."""
 LOOKS_S = 2.0
-"""[s] between two looks at which workers are there."""
+"""Time between two checks of which workers are available, in [s]."""
 NAPS_S = 0.005
-"""[s] between two looks at what has ended."""
+"""Time between two checks of which trials have ended, in [s]."""
 _ALONE = threading.Lock()  # a process runs one trial at a time: libraries are set up for all its threads
 
 _CHECKED: list[TrialThere] = []
@@ -55,12 +57,12 @@ class ClusterLost(HandcartError):
 
 
 class OtherFiles(InputError):
-    """A worker has other files than who asks for trials."""
+    """Error: the files on a worker differ from those of the client."""
 
 
 @dataclass(frozen=True)
 class TrialThere:
-    """Work of a worker, which needs the same files, by content, at the same paths."""
+    """Work of a worker, which needs files with the same content at the same paths as the client."""
 
     setting: CampaignSetting
     files: Mapping[str, str]
@@ -77,7 +79,11 @@ class TrialThere:
         return cls(there, _files(there))
 
     def __call__(self, seed: int) -> bytes:
-        """Run the trial of a seed; raises `TrialFault` where it can't be run."""
+        """Run the trial of a seed.
+
+        Raises:
+            TrialFault: the trial cannot be run.
+        """
         try:
             with _ALONE:
                 self._check()
@@ -115,7 +121,7 @@ def _quiet() -> Iterator[None]:
 
 @dataclass
 class SubmittedTrial:
-    """A trial that is on its way."""
+    """Trial that was submitted to the scheduler."""
 
     since: float
     futures: list[Future[bytes]] = field(default_factory=list)
@@ -125,10 +131,10 @@ class Cluster:
     """Runs trials on the workers of a scheduler; leaving the iteration early cancels the remaining trials."""
 
     def __init__(self, work: Work, address: str) -> None:
-        """Nothing is asked for before it is iterated.
+        """Prepare without contacting the scheduler; iterating does.
 
         Args:
-            work: can be sent; handcart is installed on the workers.
+            work: picklable function; handcart is installed on the workers.
             address: such as `tcp://10.0.0.1:8786`, or the path of a scheduler's file.
         """
         self._work, self._address = work, address
@@ -187,7 +193,7 @@ class Cluster:
             yield client
 
     def _give(self, client: Client, waiting: Any) -> bool:
-        """Hand out as much as there are workers for; whether anything is left to wait for."""
+        """Submit as many trials as the workers can take, and return whether any trial is pending."""
         if time.monotonic() - self._looked > LOOKS_S:
             self._looked = time.monotonic()
             self._room = TRIALS_PER_THREAD * sum(client.nthreads().values())

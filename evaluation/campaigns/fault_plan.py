@@ -1,4 +1,4 @@
-"""Faults in a campaign's trials: which, and when."""
+"""Plan of faults that are injected into a campaign's trials."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _OF_A_SENSOR = ("stale sensor", "NaN")
 
 
 class PlannedFault(FileModel):
-    """A fault, and when it comes: one of `at_s`, `every_s` and `rate_per_s`."""
+    """A fault and its time: one of `at_s`, `every_s` and `rate_per_s`."""
 
     kind: Literal[
         "exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN", "lidar faults"
@@ -35,15 +35,15 @@ class PlannedFault(FileModel):
     periods: Annotated[int, Field(ge=1, le=1_000_000)] = 1
     """Duration in periods."""
     speed_m_s: float = 0.0
-    """At which a standing base slides ahead."""
+    """Speed at which a standing base slides forwards."""
     turn_deg_s: float = 0.0
-    """At which a standing base slides round."""
+    """Rate at which a standing base slides around."""
     at_s: Annotated[float, Field(ge=0.0, le=1e6)] | None = None
-    """Once, at that time of the robot's."""
+    """Robot time of a single occurrence."""
     every_s: Seconds | None = None
-    """Again and again, first after that time."""
+    """Time between occurrences, and before the first one."""
     rate_per_s: Annotated[float, Field(gt=0.0, le=1e3)] | None = None
-    """So often on average, at instants drawn by the trial's seed."""
+    """Mean rate of occurrences at instants drawn by the trial's seed."""
 
     @model_validator(mode="after")
     def _whole(self) -> PlannedFault:
@@ -59,7 +59,7 @@ class PlannedFault(FileModel):
         return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
 
     def instants(self, draw: Random) -> Iterator[float]:
-        """When it comes, in [s] of the robot's time."""
+        """Yield the robot times of the occurrences, in [s]."""
         if self.at_s is not None:
             yield self.at_s
         elif self.every_s is not None:
@@ -79,7 +79,11 @@ class FaultPlan(FileModel):
 
 
 def load_faults(path: Path) -> FaultPlan:
-    """A file of faults; raises `FileError`."""
+    """Load a file of faults.
+
+    Raises:
+        FileError: the file is invalid.
+    """
     return load(path, FaultPlan)
 
 
@@ -91,14 +95,16 @@ class InjectedFaults(RunObserver):
     """
 
     def __init__(self, plan: FaultPlan, seed: int) -> None:
-        """Nothing is wrong yet.
+        """Prepare without injecting anything.
 
         Args:
-            plan: which faults come when.
-            seed: of the trial.
+            plan: faults and their times.
+            seed: seed of the trial.
         """
         self.injected: list[dict[str, Any]] = []
-        """Each with `fault`, `at_s` and `bitten`: how often it changed something."""
+        """Injected faults, each with `fault`, `at_s` and `bitten`, the number of readings or commands that it
+        changed.
+        """
         self._backend: _Faulty | None = None
         self._coming = [
             (each.fault(), each.instants(Random(f"{seed} fault {number}")))
@@ -107,12 +113,12 @@ class InjectedFaults(RunObserver):
         self._next = [next(instants, math.inf) for _, instants in self._coming]
 
     def around(self, backend: Backend) -> Backend:
-        """The backend that errs."""
+        """Return a backend with faults around another backend."""
         self._backend = _Faulty(backend)
         return self._backend
 
     def period(self, robot: Robot) -> None:
-        """Inject what is due."""
+        """Inject the faults that are due."""
         assert self._backend is not None
         self._backend.asked = True
         for number, (fault, instants) in enumerate(self._coming):
@@ -126,7 +132,7 @@ class InjectedFaults(RunObserver):
             self.injected.append({"fault": str(fault), "at_s": round(robot.time, 6), "bitten": 0})
 
     def end(self) -> None:
-        """Note what the last one has changed."""
+        """Record the effect of the last fault."""
         self._note()
 
     def _note(self) -> None:
@@ -135,7 +141,7 @@ class InjectedFaults(RunObserver):
 
 
 class _Faulty(FaultyBackend):
-    """While a period passes, the localizer asks, and no primitive."""
+    """Backend with faults. Readings during `step` are the localizer's, not a primitive's."""
 
     def step(self) -> None:
         self.asked = False

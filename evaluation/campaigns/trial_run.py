@@ -1,4 +1,4 @@
-"""Running one trial of a campaign."""
+"""Run of one trial of a campaign."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
-    """One seeded run, in a world of its own where the setting says so; or a walk through the network."""
+    """Execute the trial of a seed: a run, in a world of its own if the setting says so, or a walk."""
     if setting.varied is None:
         return _trial(setting, seed)
     row = setting.varied.row(seed, setting.seeds)
@@ -32,7 +32,7 @@ def run_trial(setting: CampaignSetting, seed: int) -> Trial:
 
 
 def run_beside(setting: CampaignSetting, seed: int) -> Trial:
-    """The same in a process that computes beside others."""
+    """Execute the trial of a seed in a process that runs in parallel with others."""
     if setting.level == "run":
         import cv2
 
@@ -67,11 +67,11 @@ def _population(setting: CampaignSetting, event: RareEvent, seed: int) -> Trial:
 
 
 def walked_trials(setting: CampaignSetting) -> WalkedTrials:
-    """The trials of a setting in which no robot moves.
+    """Return the walks of a setting in which no robot moves.
 
     Raises:
-        FileError: the task's file is wrong, or lacks probabilities.
-        InputError: the campaigns that are learned from tell nothing of the task.
+        FileError: the task's file is invalid, or lacks probabilities.
+        InputError: the campaigns to learn from do not cover the task.
     """
     chosen = dict(setting.settings or {})
     if setting.level == "fitted":

@@ -1,4 +1,4 @@
-"""Numbers in a campaign's files that vary from trial to trial."""
+"""Numbers in a task's files that vary from trial to trial of a campaign."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
 class Grid(FileModel):
-    """Evenly spaced values, both ends among them."""
+    """Evenly spaced values, including both ends."""
 
     least: float
     most: float
@@ -34,17 +34,19 @@ class Grid(FileModel):
 
 
 class Varied(FileModel):
-    """A number and its values: one of `list`, `grid`, `uniform`, `log_uniform` and `normal`."""
+    """Number that varies, and its values: one of `list`, `grid`, `uniform`, `log_uniform` and `normal`."""
 
     file: Literal["task", "robot", "world"]
     key: str
-    """Where it stands: keys and numbers of list items from 0, with dots between: `actions.0.cost_s`."""
+    """Path of the number in its file: keys, and indices of list items from 0, joined by dots:
+    `actions.0.cost_s`.
+    """
     list: Annotated[Sequence[int | float], Field(min_length=1)] | None = None
     grid: Grid | None = None
     uniform: Pair | None = None
-    """Least and most."""
+    """Smallest and largest value."""
     log_uniform: Pair | None = None
-    """The same, evenly in the logarithm."""
+    """Smallest and largest value, uniform in the logarithm."""
     normal: Pair | None = None
     """Mean and standard deviation."""
 
@@ -64,23 +66,23 @@ class Varied(FileModel):
 
     @property
     def name(self) -> str:
-        """For people: `robot errors.slip`."""
+        """Name for people: `robot errors.slip`."""
         return f"{self.file} {self.key}"
 
     @property
     def path(self) -> KeyPath:
-        """The key, step by step."""
+        """Keys and indices from the top of the file to the number."""
         return tuple(int(step) if step.isdecimal() else step for step in self.key.split("."))
 
     def values(self) -> Sequence[float] | None:
-        """All of them; None for a distribution."""
+        """All values; None for a distribution."""
         if self.grid is not None:
             step = (self.grid.most - self.grid.least) / (self.grid.count - 1)
             return [self.grid.least + number * step for number in range(self.grid.count)]
         return self.list
 
     def at(self, share: float) -> float:
-        """The value below which that share of all values is; `share` is from 0 up to 1, that excluded."""
+        """Return the quantile of a share, 0 <= share < 1."""
         values = self.values()
         if values is not None:
             return values[int(share * len(values))]
@@ -96,12 +98,14 @@ class Varied(FileModel):
 
 
 class Variation(FileModel):
-    """What stands in a file of variations."""
+    """Content of a file of variations."""
 
     format: Literal["handcart-vary/1"]
     design: Literal["grid", "random", "latin_hypercube"] = "random"
-    """`grid`: all combinations, one after the other; `random`: drawn by the trial's seed; `latin_hypercube`:
-    over all trials each number takes each of as many equal shares of its values once."""
+    """Design of experiments: `grid` takes all combinations in order; `random` draws by the trial's seed;
+    `latin_hypercube` divides the values of each number into as many equal shares as there are trials, and
+    uses each share once.
+    """
     vary: Annotated[list[Varied], Field(min_length=1)]
 
     @model_validator(mode="after")
@@ -112,7 +116,7 @@ class Variation(FileModel):
         return self
 
     def row(self, seed: int, seeds: range) -> Mapping[str, float]:
-        """The numbers of a trial; `seeds` are those of all trials, in whatever parts they are run."""
+        """Return the numbers of a trial; `seeds` are those of all trials, over all shards."""
         if self.design == "grid":
             every = [each.values() or () for each in self.vary]
             at, combined = seed % math.prod(map(len, every)), []
@@ -135,7 +139,7 @@ class Variation(FileModel):
         return {each.name: value for each, value in zip(self.vary, values, strict=True)}
 
     def changes(self, row: Mapping[str, float], task: Task) -> Changes:
-        """What a trial's numbers change in the files of a task."""
+        """Return the values that a trial's numbers replace in the files of a task."""
         changed: dict[Path, dict[KeyPath, float]] = {}
         for each in self.vary:
             changed.setdefault(file_of(each.file, task).resolve(), {})[each.path] = row[each.name]
@@ -151,7 +155,7 @@ def _hypercube(numbers: int, trials: int, seed: int) -> FloatArray:
 
 
 def file_of(name: str, task: Task) -> Path:
-    """The file of a task, its robot or its world; where there is no world, the task's."""
+    """Return the file of a task, of its robot or of its world; without a world, the task's."""
     files = {
         "task": Path(task.document.file),
         "robot": robot_path(task.robot),
@@ -161,14 +165,14 @@ def file_of(name: str, task: Task) -> Path:
 
 
 def load_variation(path: Path, task: Task | None = None) -> Variation:
-    """A file of variations.
+    """Load a file of variations.
 
     Args:
-        path: the file's.
-        task: whose files must hold what varies; None: that was seen to.
+        path: path of the file.
+        task: task whose files must contain the varied numbers; None if that was checked already.
 
     Raises:
-        FileError: something in it is wrong, or names what is no number in the task's files.
+        FileError: the file is invalid, or names a key that is not a number in the task's files.
     """
     read = load(path, Variation)
     if task is None:

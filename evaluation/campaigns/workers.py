@@ -1,4 +1,4 @@
-"""Processes that run trials side by side; one that dies loses none."""
+"""Processes that run trials in parallel; a process that dies loses no trial."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from handcart.evaluation.trials.with_parent import end_with_parent
 from handcart.files.errors import HandcartError
 
 Work = Callable[[int], Trial]
-"""Runs the trial of a seed."""
+"""Function that runs the trial of a seed."""
 TOGETHER_S = 0.02
-"""[s] for which short trials are collected before they are handed on."""
+"""Time over which short trials are collected before they are sent, in [s]."""
 AHEAD_S = 0.1
-"""[s] of work that a process has before it, at least the trial that it runs."""
+"""Amount of work that a process has in its queue, in [s]; at least the trial that it runs."""
 MOST_AHEAD = 256
 MAX_PROCESS_DEATHS = 5
-"""Of the process in one trial, until that counts as its end."""
+"""Number of deaths of the process during one trial after which that counts as the trial's end."""
 MAX_FAILED_STARTS = 20
-"""Processes, one after the other, that end before they begin, until the campaign does."""
+"""Number of processes in a row that end before they begin, after which the campaign ends."""
 
 
 class TrialFault(HandcartError):
-    """A trial can't be run; the error's words, and the exit status that it has."""
+    """Error: a trial cannot be run; it has the text and the exit status of the original error."""
 
     def __init__(self, words: str, exit_status: int = 5) -> None:
         super().__init__(words)
@@ -39,14 +39,14 @@ class TrialFault(HandcartError):
 
 
 class Worker:
-    """A process, and the seeds that it was given and hasn't brought back, the running one first."""
+    """Process and its queue of seeds without a result, the running one first."""
 
     def __init__(self, work: Work) -> None:
         context = get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.seeds: deque[int] = deque()
         self.begun = False
-        """Whether it came to work at all."""
+        """True once the process has begun to work."""
         self.process: BaseProcess = context.Process(target=_serve, args=(theirs, work), daemon=True)
         self.process.start()
         theirs.close()
@@ -58,10 +58,10 @@ class Worker:
             self.connection.send(seeds)
 
     def taken(self) -> list[Trial] | None:
-        """What has ended; None: the process did.
+        """Return the ended trials; None if the process has ended.
 
         Raises:
-            HandcartError: a trial can't be run.
+            HandcartError: a trial cannot be run.
         """
         try:
             said: list[Trial] | Exception = self.connection.recv()
@@ -76,14 +76,14 @@ class Worker:
 
 
 class Workers:
-    """Runs trials in processes. Who leaves the iteration early ends them."""
+    """Runs trials in processes; leaving the iteration early ends the processes."""
 
     def __init__(self, work: Work, jobs: int) -> None:
-        """Nothing is started before it is iterated.
+        """Prepare without starting a process; iterating does.
 
         Args:
-            work: can be pickled.
-            jobs: how many processes.
+            work: picklable function.
+            jobs: number of processes.
         """
         self._work, self._jobs = work, jobs
         self._workers: list[Worker] = []
@@ -92,10 +92,10 @@ class Workers:
         self._left: Iterator[int] = iter(())
 
     def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
-        """Run a trial for each seed; those that have ended by the same time come together.
+        """Run a trial for each seed; yield trials that ended at the same time together.
 
         Raises:
-            HandcartError: one can't be run.
+            HandcartError: a trial cannot be run.
         """
         self._left = iter(seeds)
         try:
@@ -119,7 +119,9 @@ class Workers:
         self._let_go()
 
     def _clock(self, ended: int) -> None:
-        """So many trials have ended: how long one takes, by those after the first, which began late."""
+        """Update the duration of a trial from the number that have ended; the first ones, which started late,
+        are excluded.
+        """
         now = time.monotonic()
         if not self._first:
             self._first = now
@@ -140,7 +142,7 @@ class Workers:
         return bool(self._workers)
 
     def _feed(self, worker: Worker) -> bool:
-        """Give it as much as it should have before it; whether it has anything to do."""
+        """Fill the queue of a worker, and return whether it has anything to do."""
         ahead = min(MOST_AHEAD, int(AHEAD_S / self._took)) if self._took else 0
         more = list(islice(self._left, max(0, 1 + ahead - len(worker.seeds))))
         if more:
@@ -150,7 +152,7 @@ class Workers:
         return bool(worker.seeds)
 
     def _buried(self, worker: Worker) -> list[Trial]:
-        """Hand the dead worker's trials to others; a trial that kills each of its workers has ended."""
+        """Give the trials of a dead worker to others; a trial that kills each of its workers has ended."""
         self._workers.remove(worker)
         worker.process.join()
         first = worker.seeds[0]
@@ -232,7 +234,7 @@ def _run_all(connection: Connection, work: Work) -> None:
 
 
 def sendable(error: Exception) -> TrialFault:
-    """The error's words: not every error is the same when it is unpacked."""
+    """Return an error that can be pickled, with the text of the original one."""
     if isinstance(error, TrialFault):
         return error
     if isinstance(error, HandcartError):

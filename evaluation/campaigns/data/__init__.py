@@ -1,1 +1,1 @@
-"""A campaign's folder: its trials, and how their actions ended."""
+"""Folder of a campaign: its trials, and the ends of their actions."""

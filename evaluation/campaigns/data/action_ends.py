@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 
 class ActionEnds(RunObserver):
-    """Takes them down."""
+    """Record of the ends of a trial's actions."""
 
     def __init__(self) -> None:
-        """Nothing has ended."""
+        """Begin with an empty record."""
         self.ends: list[ActionEnd] = []
         self._names: dict[int, str] = {}
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Learn what the actions are called in the task's file."""
+        """Look up the names of the actions in the task's file."""
         self._names = names_in_network(prepared.task)
 
     def event(self, event: Event) -> None:
-        """Take down an action that has ended."""
+        """Record an action that has ended."""
         if not isinstance(event, Ended):
             return
         action, outcome, causes = event.action, event.outcome, event.primitive.evidence.causes
@@ -48,7 +48,7 @@ class ActionEnds(RunObserver):
 
 
 def action_names(task: Task) -> list[str]:
-    """The actions of a task's file in words, each another: `MOVE_TO (here to there)`, `... #2`."""
+    """Return a unique name for each action of a task's file: `MOVE_TO (here to there)`, `... #2`."""
     plain = [f"{each.do} ({each.source} to {each.target})" for each in task.file.actions]
     seen: Counter[str] = Counter()
     names = []

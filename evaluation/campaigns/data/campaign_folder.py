@@ -39,7 +39,7 @@ class NoCampaign(InputError):
 
 
 class OtherCampaign(InputError):
-    """A folder belongs to a campaign with other arguments."""
+    """Error: a folder belongs to a campaign with other arguments."""
 
     def __init__(self, folder: Path, different: list[str]) -> None:
         listed = "".join(f"\n  {each}" for each in different)
@@ -49,18 +49,18 @@ class OtherCampaign(InputError):
 
 @dataclass(frozen=True)
 class CampaignFolder:
-    """A folder that holds a campaign, or a part of one."""
+    """Folder of a campaign, or of a shard of one."""
 
     folder: Path
     arguments: Arguments
 
     @classmethod
     def made(cls, folder: Path, arguments: Arguments) -> CampaignFolder:
-        """A new one, or the same as is there.
+        """Create a campaign's folder, or open the existing folder of the same campaign.
 
         Raises:
-            NoCampaign: something else is there, or it can't be made.
-            OtherCampaign: other arguments made what is there.
+            NoCampaign: the folder holds something else, or it cannot be created.
+            OtherCampaign: the folder belongs to a campaign with other arguments.
         """
         asked: Arguments = orjson.loads(orjson.dumps({"format": CAMPAIGN_FORMAT, **arguments}))
         try:
@@ -114,7 +114,7 @@ class CampaignFolder:
         return self.folder / RUNS
 
     def log(self) -> TrialLog:
-        """To append to; raises as `TrialLog` does."""
+        """Open the log of trials for appending; raises as `TrialLog` does."""
         return TrialLog(self.folder / TRIALS)
 
     def trials(self) -> TrialFile:

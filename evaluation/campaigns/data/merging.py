@@ -1,4 +1,4 @@
-"""Parts of one campaign, put together."""
+"""Merge of the shards of one campaign."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from .campaign_folder import CampaignFolder, differences
 
 
 class NotOneCampaign(InputError):
-    """Folders aren't the parts of one campaign."""
+    """Error: folders are not the shards of one campaign."""
 
 
 def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
-    """A folder with the trials of all parts.
+    """Write a folder with the trials of all shards, and return it.
 
     Args:
         parts: folders of one campaign, each made with another `--shard`.
-        out: the folder; nothing is there yet, or the same. It has links to the runs of the parts.
+        out: new folder, or one with the same content; it has links to the runs of the shards.
 
     Raises:
-        NotOneCampaign: they differ in more than the shard, hold a trial twice, or lack one.
-        NoCampaign, OtherCampaign, TrialLogError: a folder can't be read, or written.
+        NotOneCampaign: the shards differ in more than `--shard`, share a trial, or lack one.
+        NoCampaign, OtherCampaign, TrialLogError: a folder cannot be read or written.
     """
     found = [CampaignFolder.read(each) for each in parts]
     wrong = _faults(found)
@@ -41,7 +41,7 @@ def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
 
 
 def _link_runs(part: CampaignFolder, whole: CampaignFolder) -> None:
-    """Let the whole lead to the runs of its parts; where links can't be made, it doesn't."""
+    """Link the runs of all shards into the merged folder, where the file system allows links."""
     with suppress(OSError):
         whole.runs.mkdir(exist_ok=True)
         for trial in part.trials():

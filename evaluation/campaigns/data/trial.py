@@ -1,4 +1,4 @@
-"""One run of a campaign: how it ended, and each action on the way."""
+"""Trial of a campaign: how the run and each of its actions ended."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ class ActionEnd(NamedTuple):
     action: str
     """Name from the task file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""
     source: str
-    """The situation, in a repeat with its copy's number: `loaded[2]`."""
+    """Situation in which the action started, in a repeat with the number of its copy: `loaded[2]`."""
     target: str
     outcome: str
     """Success, Fail or GiveUp."""
     time_s: float
-    """When it ended, of the robot's time."""
+    """Robot time at which it ended, in [s]."""
     reason: str = ""
-    """Why it didn't succeed."""
+    """Reason of a Fail or GiveUp."""
     check: str = ""
     """Check that found the cause, as in `Cause.check`."""
     for_good: bool = False
     """True if a Fail used up all attempts."""
     cause: str = ""
-    """Kind of cause of a Fail or GiveUp; campaigns from before there were any have none."""
+    """Kind of cause of a Fail or GiveUp; empty in campaigns that were recorded without causes."""
 
     @property
     def primitive(self) -> str:
-        """Its name."""
+        """Name of the primitive."""
         return self.action.partition(" ")[0]
 
 
@@ -47,7 +47,7 @@ class Trial:
     signalled: bool = False
     """True if an interrupt arrived, even after the last action."""
     varied: Mapping[str, float] = field(default_factory=dict)
-    """The numbers that vary from trial to trial, by name."""
+    """Values of the numbers that vary from trial to trial, by name."""
     faults: Sequence[Mapping[str, Any]] = ()
     """Injected faults in order, each with `fault`, `at_s` and `bitten`."""
 
@@ -77,11 +77,13 @@ class Trial:
 
     @property
     def untrue(self) -> Sequence[str]:
-        """What the ground truth contradicts."""
+        """Messages about outcomes that the ground truth contradicts."""
         return list(self.summary["metrics"].get("untrue", []))
 
 
 def died(seed: int, reason: str) -> Trial:
-    """A trial whose process doesn't survive it: a fault in here, or in a library."""
+    """Return the trial of a seed whose process dies each time, through a fault in handcart or in a
+    library.
+    """
     nothing = {"sim_time_s": 0.0, "wall_time_s": 0.0, "actions": 0, "fails": 0, "metrics": {}}
     return Trial(seed, 5, {"outcome": "Error", "reason": reason, "seed": seed, "run_dir": "", **nothing})

@@ -1,4 +1,4 @@
-"""The trials of a campaign on disk: one line each, appended when it has ended, with a checksum."""
+"""Log of a campaign's trials: one line for each, with a checksum, appended when the trial has ended."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ MAX_LINE = 64 * 2**20
 
 
 class TrialLogError(HandcartError):
-    """The trials of a campaign can't be written, or aren't what was written. Exit status 5."""
+    """Error: the log of trials cannot be written, or a line is damaged. Exit status 5."""
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(printable(f"{path}: {reason}"))
 
 
 class CampaignAlive(InputError):
-    """Another process goes on with the campaign."""
+    """Error: another process is running the campaign."""
 
     def __init__(self, path: Path) -> None:
         words = (
@@ -41,10 +41,15 @@ class CampaignAlive(InputError):
 
 
 class TrialFile(Sequence[Trial]):
-    """Trials in a file, in the order of their seeds, each read when it is asked for."""
+    """Sequence of the trials in a log, ordered by seed; each is read on access."""
 
     def __init__(self, path: Path, offsets: Iterable[tuple[int, int]]) -> None:
-        """Of a file that holds lines as `line_of` writes them; seeds and where their lines begin."""
+        """Index a log.
+
+        Args:
+            path: file with lines as `line_of` writes them.
+            offsets: seed of each trial, and the byte at which its line begins.
+        """
         self._path = path
         self._offsets = [offset for _, offset in sorted(offsets)]
 
@@ -78,21 +83,22 @@ class TrialFile(Sequence[Trial]):
 
 
 class TrialLog:
-    """Appends trials to a file that nobody else writes; each seed once. A context manager.
+    """Context manager that appends trials to a log, each seed once; one process at a time.
 
-    What a crash left half written at the end is cut off when the file is opened; nothing else may be wrong.
+    An incomplete last line, left by a crash, is removed when the log is opened. Any other damage is an
+    error.
     """
 
     def __init__(self, path: Path, sync: bool = True) -> None:
-        """Open a file, or make it.
+        """Open or create a log.
 
         Args:
-            path: its name.
-            sync: whether trials wait until they are on the disk.
+            path: path of the log.
+            sync: True to wait until trials are on the disk.
 
         Raises:
-            CampaignAlive: another process writes it.
-            TrialLogError: it can't be opened, or a line in it isn't what was written.
+            CampaignAlive: another process writes the log.
+            TrialLogError: the log cannot be opened, or a line is damaged.
         """
         self._path, self._sync = path, sync
         try:
@@ -136,14 +142,14 @@ class TrialLog:
         return len(self._offsets)
 
     def trials(self) -> TrialFile:
-        """Those that are there by now."""
+        """Return the trials in the log so far."""
         return TrialFile(self._path, self._offsets.items())
 
     def append(self, trials: Sequence[Trial]) -> None:
         """Write trials that have ended; when this returns, they are on disk.
 
         Raises:
-            TrialLogError: they can't be written; what could be is there all the same.
+            TrialLogError: a trial cannot be written; those before it are in the log.
         """
         lines = [(each.seed, line_of(each)) for each in trials if each.seed not in self._offsets]
         content = b"".join(line for _, line in lines)
@@ -161,7 +167,7 @@ class TrialLog:
 
 
 def line_of(trial: Trial) -> bytes:
-    """A trial's line, with its checksum."""
+    """Return the line of a trial, with its checksum."""
     fields: dict[str, Any] = {
         "seed": trial.seed,
         "status": trial.status,
@@ -177,7 +183,7 @@ def line_of(trial: Trial) -> bytes:
 
 
 def trial_of(line: bytes) -> Trial | None:
-    """The trial in a line; None where it isn't what was written."""
+    """Return the trial of a line, or None if the line is damaged."""
     line = line.rstrip(b"\n")
     body = line[:-_TAIL]
     if line[-_TAIL:] != b',"crc":"%08x"}' % zlib.crc32(body):
@@ -195,10 +201,10 @@ def trial_of(line: bytes) -> Trial | None:
 
 
 def read_offsets(path: Path) -> tuple[dict[int, int], int]:
-    """Where the trial of each seed begins, and where the last whole line ends, in [bytes].
+    """Return the byte at which each seed's line begins, and the byte after the last complete line.
 
     Raises:
-        TrialLogError: it can't be read, or a line that others follow isn't what was written.
+        TrialLogError: the log cannot be read, or a line before the last one is damaged.
     """
     offsets: dict[int, int] = {}
     offset, torn = 0, False

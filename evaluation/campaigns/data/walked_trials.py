@@ -23,43 +23,45 @@ from .trial import ActionEnd, Trial
 
 DRAWN, UNKNOWN = "drawn by its probability", "nobody has seen how it ends"
 WALK_BATCH_SIZE = 4096
-"""Walks side by side: a seed's walk is the same, whichever others are asked for."""
+"""Number of walks that are drawn together. The walk of a seed depends on it, but not on which seeds are asked
+for.
+"""
 _STREAM = 20  # tells these draws from others that begin with the same numbers
 
 
 class WalkedTrials:
-    """Trials of one task by odds: the same for the same seed."""
+    """Reproducible trials of one task, drawn by the odds of its actions."""
 
     def __init__(self, task: Task, odds: Odds, side_by_side: int = WALK_BATCH_SIZE) -> None:
-        """Nothing is walked yet.
+        """Prepare without walking.
 
         Args:
-            task: whose network is walked through.
-            odds: how its actions end.
-            side_by_side: seeds whose walks are drawn together; with another number they are others.
+            task: task with the network to walk through.
+            odds: probabilities of the actions' ends.
+            side_by_side: number of seeds whose walks are drawn together; the walks depend on it.
         """
         self.task, self.names, self.side_by_side = task, names_in_network(task), side_by_side
         self._odds, self.walker = odds, Walker(WalkTable(task.network), odds)
         self._kept: tuple[int, Walked] | None = None
 
     def trial(self, seed: int) -> Trial:
-        """The walk of a seed."""
+        """Return the trial of a seed."""
         number, column = divmod(seed, self.side_by_side)
         return self.trial_of(seed, self.together(number), column)
 
     def together(self, number: int) -> Walked:
-        """The walks of the seeds from `number * side_by_side` on."""
+        """Return the walks of one batch: of the seeds from `number * side_by_side` on."""
         if self._kept is None or self._kept[0] != number:
             draws = np.random.default_rng([_STREAM, number % 2**64])
             self._kept = number, self.walker.walk(draws, self.side_by_side)
         return self._kept[1]
 
     def times(self, walked: Walked) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        """How long each of some walks took (n,), in [s]."""
+        """Return the duration of each walk, (n,) in [s]."""
         return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
 
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
-        """One of some walks, action by action, gone through once more as a coordinator would."""
+        """Return the trial of one walk, whose actions are repeated with the coordinator's decisions."""
         route = RunDecisions(self.task.network)
         ends: list[ActionEnd] = []
         time, fails, replans = 0.0, 0, -1
@@ -102,10 +104,10 @@ class WalkedTrials:
 
 
 class WalkedSequence(Sequence[Trial]):
-    """The trials of some seeds, each walked when it is asked for."""
+    """Sequence of the trials of a range of seeds; each is walked on access."""
 
     def __init__(self, trials: WalkedTrials, seeds: range) -> None:
-        """In their order; nothing is walked yet."""
+        """Prepare the trials in the order of `seeds`, without walking."""
         self.trials, self.seeds = trials, seeds
 
     def __len__(self) -> int:
@@ -122,7 +124,11 @@ class WalkedSequence(Sequence[Trial]):
 
 
 def network_trials(task: Path, settings: Mapping[str, str]) -> WalkedTrials:
-    """The trials of a task's file, which is read once as long as it doesn't change; raises `FileError`."""
+    """Return the trials of a task's file, which is read again only after a change.
+
+    Raises:
+        FileError: the file is invalid.
+    """
     changed = task.stat().st_mtime_ns if task.exists() else 0
     return _read(task, tuple(settings.items()), changed)
 

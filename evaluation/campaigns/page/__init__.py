@@ -1,1 +1,1 @@
-"""A campaign as one page."""
+"""Page of a campaign."""

@@ -1,4 +1,4 @@
-"""A campaign as one self-contained page: nothing in it is fetched from anywhere."""
+"""Page of a campaign: one HTML file that loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -34,19 +34,25 @@ MOST_BLAMES = 100
 
 
 class CampaignPage:
-    """The page of what a campaign's folder holds by now."""
+    """Page of the trials that a campaign's folder holds so far."""
 
     def __init__(self, found: CampaignFolder, report: CampaignReport, settling: Settling | None) -> None:
-        """Of a folder, the trials in it that count, and what became of a claim."""
+        """Prepare the page.
+
+        Args:
+            found: the campaign's folder.
+            report: report of the trials that count.
+            settling: state of the claim about the success rate; None without a claim.
+        """
         self.folder, self._arguments = found.folder, found.arguments
         self._report, self._settling = report, settling
 
     @classmethod
     def of(cls, folder: Path) -> CampaignPage:
-        """Of a campaign that is over, or still goes on.
+        """Return the page of a campaign that has ended or is still running.
 
         Raises:
-            NoCampaign, TrialLogError: the folder can't be read.
+            NoCampaign, TrialLogError: the folder cannot be read.
         """
         found = CampaignFolder.read_runs(folder)
         trials, said = found.trials(), found.arguments
@@ -55,7 +61,7 @@ class CampaignPage:
         return cls(found, CampaignReport(trials if settling is None else trials[: settling.count]), settling)
 
     def write_runs(self) -> None:
-        """Write the pages of the trials to look at first; of a run that can't be read there is none."""
+        """Write the pages of the runs to look at first; runs that cannot be read are skipped."""
         for trial in self._report.worst():
             run = self._run(trial.run_name)
             if run is not None and not (run / REPORT_FILE).exists():
@@ -63,10 +69,10 @@ class CampaignPage:
                     write_report(run)
 
     def write(self, path: Path | None = None) -> Path:
-        """Write it; None: `report.html` in the folder.
+        """Write the page (default: `report.html` in the folder), and return its path.
 
         Raises:
-            OSError: it can't be written.
+            OSError: the file cannot be written.
         """
         path = path or self.folder / REPORT_FILE
         write_whole(path, self._page(path))
@@ -111,7 +117,7 @@ class CampaignPage:
         return task.parent.name or task.stem if task.stem == GENERIC_STEM else task.stem
 
     def _sentence(self) -> str:
-        """What came out."""
+        """Return the result in one sentence."""
         report, asked = self._report, self._arguments["trials"]
         count = len(report.trials)
         if not count:
@@ -175,7 +181,7 @@ class CampaignPage:
             yield f"handcart check reckons {100 * goal:.2f} %: {verdict} {tested}."
 
     def _metrics(self, table: TrialTable, limits: Mapping[str, float]) -> Iterator[dict[str, Any]]:
-        """Those that differ between trials, or have a limit."""
+        """Yield the metrics that differ between trials, or have a limit."""
         spreads = self._report.spreads()
         for name, values in table.columns.items():
             if name not in spreads:
@@ -189,7 +195,7 @@ class CampaignPage:
             yield {"name": name, "words": words, "plot": histogram(values, table.success, limit)}
 
     def _limits(self) -> dict[str, float]:
-        """The most that ground truth takes for a Success, by metric."""
+        """Return the largest value of each metric that the ground truth accepts for a Success."""
         if self._arguments["level"] != "run":
             return {}
         from handcart.evaluation.judging.surveys import survey_kinds
@@ -213,12 +219,12 @@ class CampaignPage:
         }
 
     def _run(self, name: str) -> Path | None:
-        """The folder of a trial's run."""
+        """Return the folder of a trial's run, or None if it does not exist."""
         folder = self.folder / RUNS / name
         return folder if name and folder.is_dir() else None
 
     def _link(self, page_path: Path, name: str, page: bool = False) -> str:
-        """To a run's page, or its folder; empty where neither is there."""
+        """Return a link to a run's page or folder; empty if neither exists."""
         run = self._run(name)
         if run is None:
             return ""
@@ -227,7 +233,7 @@ class CampaignPage:
 
 
 def _same(table: TrialTable, limits: Mapping[str, float]) -> Iterator[str]:
-    """Metrics with one value, and it."""
+    """Yield the metrics that have the same value in all trials, with that value."""
     for name, values in table.columns.items():
         there = values[np.isfinite(values)]
         if len(there) and constant(values) and name not in limits:

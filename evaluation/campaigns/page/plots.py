@@ -1,4 +1,4 @@
-"""Small plots of a campaign's page: where everything stands; the page draws it."""
+"""Small plots of a campaign's page: positions in pixels, which the page's template draws."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ _SLACK = 1e-9  # of a step
 
 @dataclass(frozen=True)
 class PlotAxis:
-    """Values along a width."""
+    """Axis from the least to the largest value along a width in [px]."""
 
     least: float
     most: float
     width: float
     whole: bool = False
-    """Whether only whole numbers stand on it."""
+    """True if only integers are labelled."""
 
     def at(self, value: float) -> float:
-        """Where a value stands, in [px] from the left."""
+        """Return the position of a value, in [px] from the left."""
         span = self.most - self.least
         return self.width * (value - self.least) / span if span else 0.5 * self.width
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Round values, and where they stand."""
+        """Return the position of each label in [px], and its text, at round values."""
         if self.least == self.most:
             return [(self.at(self.least), f"{self.least:.6g}")]
         least_step = (self.most - self.least) / _TICKS
@@ -48,38 +48,38 @@ class PlotAxis:
 
 @dataclass(frozen=True)
 class Bar:
-    """Trials with a metric between two values."""
+    """Bar of a histogram."""
 
     x: float
     width: float
     reached: float
-    """Height of those that reached the goal, in [px]."""
+    """Height of the trials that reached the goal, in [px]."""
     others: float
-    """Height of the others, above it."""
+    """Height of the other trials, on top of `reached`, in [px]."""
     words: str
 
 
 @dataclass(frozen=True)
 class Histogram:
-    """How a metric is distributed."""
+    """Histogram of a metric."""
 
     axis: PlotAxis
     bars: Sequence[Bar]
     highest: int
-    """Trials that the full height stands for."""
+    """Number of trials at full height."""
     median: float
-    """Where it stands, in [px]."""
+    """Position of the median, in [px]."""
     limit: float | None
-    """Where the most that is allowed stands, in [px]; None: nothing is known to be."""
+    """Position of the largest allowed value, in [px]; None without a limit."""
 
 
 def histogram(values: FloatArray, success: BoolArray, limit: float | None = None) -> Histogram:
     """Of a metric.
 
     Args:
-        values: (n,), at least one of them no NaN.
-        success: (n,), whether the trials reached the goal.
-        limit: the most that is allowed, where that is known.
+        values: (n,) values; at least one is not NaN.
+        success: (n,) True for trials that reached the goal.
+        limit: largest allowed value, if known.
     """
     there = np.isfinite(values)
     edges = _edges(values[there])
@@ -120,7 +120,7 @@ def _are_whole(values: FloatArray) -> bool:
 
 
 def share_axis(shares: Sequence[float], width: float) -> PlotAxis:
-    """An axis of shares, in [%], that holds them all with something beside them."""
+    """Return an axis of shares in [%] that holds all of them with a margin."""
     least, most = 100.0 * min(shares), 100.0 * max(shares)
     room = max(1.0, 0.15 * (most - least))
     return PlotAxis(max(0.0, least - room), min(100.0, most + room), width)

@@ -1,4 +1,4 @@
-"""The trials of a campaign as columns, read once, for plots and the list of all trials."""
+"""Trials of a campaign as columns, for plots and for the list of trials."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ MAX_REASON_LETTERS = 160  # letters of a reason
 
 
 class TrialRow(NamedTuple):
-    """One trial in the list of all."""
+    """Row of the list of trials."""
 
     seed: int
     outcome: str
     untrue: bool
     run: str
-    """Name of its run's folder; empty: there is none."""
+    """Name of the run's folder; empty without one."""
     cells: tuple[str, ...]
     why: str
-    """Empty for a Success."""
+    """Reason of an outcome other than Success; empty otherwise."""
 
 
 class TrialTable:
-    """Trials by row and column."""
+    """Table of trials: rows for the list, columns for the plots."""
 
     def __init__(self, trials: Iterable[Trial]) -> None:
-        """Read them all, in the order of their seeds."""
+        """Read all trials, in the order of their seeds."""
         self.seeds: list[int] = []
         self._ends: list[tuple[str, bool, str, str]] = []
         values: dict[str, list[tuple[int, float]]] = {name: [] for name in OF_ALL}
@@ -47,9 +47,9 @@ class TrialTable:
             for name, value in {**figures(trial), **trial.varied}.items():
                 values.setdefault(name, []).append((at, float(value)))
         self.success = np.array(success, bool)
-        """(n,): whether each trial reached the goal."""
+        """(n,) True for each trial that reached the goal."""
         self.columns = {name: self._column(each) for name, each in values.items()}
-        """By metric, or by the name of what varies: (n,), NaN where a trial has none."""
+        """(n,) values of each metric and of each varied number, by name; NaN for trials without it."""
 
     def _column(self, found: Iterable[tuple[int, float]]) -> FloatArray:
         column = np.full(len(self.seeds), math.nan)
@@ -58,14 +58,15 @@ class TrialTable:
         return column
 
     def differing(self) -> list[str]:
-        """Columns whose values aren't all the same: those of all trials first, then by name."""
+        """Return the columns with different values: the general ones first, then by name."""
         names = [*OF_ALL, *sorted(self.columns.keys() - set(OF_ALL))]
         return [name for name in names if not constant(self.columns[name])]
 
     def listed(self) -> tuple[list[str], list[TrialRow], int]:
-        """The list's columns and rows, and how many trials are left out of it.
+        """Return columns and rows of the list, and the number of trials that it omits.
 
-        Of very many trials those are left out, and those columns, that say least: a page has to stay small.
+        A page has to stay small: of very many trials, the least informative trials and columns are
+        omitted.
         """
         chosen = self._chosen()
         names = list(OF_ALL)
@@ -76,7 +77,9 @@ class TrialTable:
         return names, rows, len(self.seeds) - len(rows)
 
     def _chosen(self) -> Sequence[int]:
-        """Those that did not succeed, or are untrue, first; in the order of their seeds."""
+        """Return the listed trials, ordered by seed; trials without Success and false outcomes are chosen
+        first.
+        """
         if len(self.seeds) <= MOST_ROWS:
             return range(len(self.seeds))
         dull = [bool(self.success[at]) and not self._ends[at][1] for at in range(len(self.seeds))]
@@ -97,7 +100,7 @@ def constant(values: FloatArray) -> bool:
 
 
 def short(value: float) -> str:
-    """Five digits; nothing for NaN."""
+    """Return a number with five digits; an empty text for NaN."""
     return f"{value:.5g}" if math.isfinite(value) else ""
 
 

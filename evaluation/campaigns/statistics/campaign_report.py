@@ -29,15 +29,14 @@ class Spread:
     mean: float
     """Mean; the share of yes for yes-or-no metrics."""
     low: float | None
-    """Lower end of the 95 % interval of the median; of yes and no, of the share of yes. None: too few trials
-    bound none."""
+    """Lower end of the 95 % interval of the median, or of the share of yes; None with too few trials."""
     high: float | None
-    """Its upper end."""
+    """Upper end of that interval."""
 
 
 @dataclass(frozen=True)
 class CampaignReport:
-    """The figures of its trials, which are read one by one."""
+    """Report of a campaign; its trials are read one by one."""
 
     trials: Sequence[Trial]
     """Trials in the order of their seeds."""
@@ -49,17 +48,17 @@ class CampaignReport:
 
     @cached_property
     def tally(self) -> Tally:
-        """All that is counted, in one pass."""
+        """Counts of all trials, computed in one pass."""
         return Tally(self.trials) if self.counted is None else self.counted
 
     @property
     def successes(self) -> int:
-        """Trials that reached the goal."""
+        """Number of trials that reached the goal."""
         return self.tally.successes
 
     @property
     def wilson(self) -> tuple[float, float]:
-        """95 % interval of the success rate, by Wilson; of no trials at all it is everything."""
+        """95 % interval of the success rate, by Wilson; (0, 1) without trials."""
         return wilson(self.successes, len(self.trials))
 
     @property
@@ -82,17 +81,17 @@ class CampaignReport:
 
     @property
     def blames(self) -> list[tuple[Blame, int]]:
-        """Fails and GiveUps by primitive and cause, and how often, the most frequent first."""
+        """Counts of Fails and GiveUps by primitive and cause, the most frequent first."""
         return sorted(self.tally.blames.items(), key=lambda each: (-each[1], each[0]))
 
     @property
     def median_run(self) -> Trial | None:
-        """The trial that took the median time of those that succeeded; None: none did."""
+        """Successful trial with the median time; None without a Success."""
         at = self.tally.median_run
         return None if at is None else self.trials[at]
 
     def spreads(self) -> dict[str, Spread]:
-        """Each metric's distribution, with 95 % intervals."""
+        """Return the distribution of each metric, with 95 % intervals."""
         return {name: self._spread(name) for name in self.tally.columns}
 
     def _spread(self, name: str) -> Spread:
@@ -103,5 +102,7 @@ class CampaignReport:
         return Spread(count, least, median, most_95, most, float(values.mean()), *(bounds or (None, None)))
 
     def worst(self, most: int = WORST_TRIAL_COUNT) -> list[Trial]:
-        """Trials to look at first: untrue ones, then those that did not succeed, then those with Fails."""
+        """Return the trials to look at first: false outcomes, then trials without Success, then those with
+        Fails.
+        """
         return [self.trials[-rank[-1]] for rank in self.tally.worst[:most]]

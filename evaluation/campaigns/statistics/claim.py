@@ -1,4 +1,4 @@
-"""A claim about the success rate that is settled as soon as the trials are enough."""
+"""Claim about the success rate, decided as soon as there are enough trials."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.files.errors import InputError
 
 MAX_ERROR_PROBABILITY = 0.05
-"""At most so often a verdict is wrong, however often it is looked for."""
+"""Maximum probability of a wrong verdict, however often the verdict is asked for."""
 _FORM = re.compile(r"\s*p\s*(>|<)\s*(0?\.\d+)\s*")
 
 
 class NoClaim(InputError):
-    """Words that claim nothing of a success rate."""
+    """Error: a text is not a claim about the success rate."""
 
     def __init__(self, words: str) -> None:
         super().__init__(f'--until "{words}": no claim; allowed: "p > 0.95" or "p < 0.5", between 0 and 1')
@@ -26,14 +26,18 @@ class NoClaim(InputError):
 
 @dataclass(frozen=True)
 class RateClaim:
-    """That the success rate is above, or below, a limit."""
+    """Claim that the success rate is above, or below, a limit."""
 
     above: bool
     limit: float
 
     @classmethod
     def of(cls, words: str) -> RateClaim:
-        """Such as `p > 0.95`; raises `NoClaim`."""
+        """Parse a claim such as `p > 0.95`.
+
+        Raises:
+            NoClaim: the text is not a claim.
+        """
         found = _FORM.fullmatch(words)
         if found is None or not 0.0 < float(found[2]) < 1.0:
             raise NoClaim(words)
@@ -58,12 +62,14 @@ class RateClaim:
 
 
 class Settling:
-    """Hears of trials, whichever ends first, and asks after each in the order of the seeds: which trials
-    count must not depend on how long they take.
+    """State of a claim while trials end in any order.
+
+    The verdict is asked for after each trial in the order of the seeds, so that the set of counted trials
+    does not depend on how long trials take.
     """
 
     def __init__(self, claim: RateClaim, seeds: Sequence[int]) -> None:
-        """Nothing is heard of yet."""
+        """Begin without any trial."""
         self.claim, self._seeds = claim, seeds
         self.count = self.successes = 0
         """Number of counted trials."""
@@ -71,7 +77,7 @@ class Settling:
         self._waiting: dict[int, bool] = {}
 
     def hear(self, trial: Trial) -> bool:
-        """A trial has ended; whether the claim is settled."""
+        """Add a trial that has ended, and return whether the claim is decided."""
         self._waiting[trial.seed] = trial.success
         while self.verdict is None and self.count < len(self._seeds):
             success = self._waiting.pop(self._seeds[self.count], None)
@@ -92,7 +98,7 @@ class Settling:
         return settling
 
     def words(self) -> str:
-        """The verdict."""
+        """Return the verdict as text."""
         if self.verdict is None:
             return f"{self.claim}: {self.count} trials are not enough to be sure"
         return f"{self.claim}: {'yes' if self.verdict else 'no'}, sure after {self.count} trials"

@@ -1,4 +1,4 @@
-"""Two campaigns side by side, paired by seed."""
+"""Comparison of two campaigns, paired by seed."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MAX_EXAMPLES = 3
 
 
 class NoPairs(InputError):
-    """Two campaigns have no seed in common."""
+    """Error: two campaigns have no seed in common."""
 
     def __init__(self) -> None:
         super().__init__("no seed is in both campaigns; needed: the same --first and --trials for both")
@@ -40,7 +40,7 @@ class MetricChange:
 
     name: str
     pairs: int
-    """That both have it."""
+    """Number of pairs in which both trials have the metric."""
     mean: float
     """Mean difference, the other campaign's value minus the first one's; shares of 1 for success."""
     p_value: float
@@ -55,7 +55,7 @@ class MetricChange:
 
 @dataclass
 class Parting:
-    """A way in which pairs part of which one alone succeeds."""
+    """Kind of first difference, over the pairs in which only one trial succeeded."""
 
     times: int = 0
     seeds: list[int] = field(default_factory=list)
@@ -70,16 +70,16 @@ class Comparison:
     unpaired: int
     """Number of trials whose seed the other campaign lacks; they are excluded."""
     only_one: int
-    """Pairs in which the one alone succeeded."""
+    """Number of pairs in which only the first campaign's trial succeeded."""
     only_other: int
     changes: tuple[MetricChange, ...]
-    """Success first."""
+    """Changes of all metrics, that of success first."""
     e_value: float
-    """After all pairs."""
+    """e-value after all pairs."""
     sure_at: int | None
-    """After how many pairs, in the order of their seeds, the e-value first said that they differ."""
+    """Number of pairs, in the order of their seeds, after which the e-value first showed a difference."""
     smallest: float | None
-    """The smallest difference of success rates that would have been seen; None: none."""
+    """Smallest difference of the success rates that would have been found; None if none would have been."""
     partings: dict[str, Parting]
     """First differences of the pairs in which only one trial succeeded."""
 

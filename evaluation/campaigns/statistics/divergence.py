@@ -1,4 +1,4 @@
-"""The first action in which two runs of one task differ."""
+"""First action in which two runs of one task differ."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Divergence:
     number: int
     """Number of the action, from 1."""
     one: ActionEnd | None
-    """None: this run has ended before."""
+    """The first run's action; None if that run has ended before."""
     other: ActionEnd | None
 
     def words(self, one: str, other: str) -> str:

@@ -1,4 +1,4 @@
-"""Exact values computed by `handcart check`, compared with measured shares."""
+"""Comparison of measured shares with the exact values that `handcart check` computes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MAX_EXACT_GAP = 1e-6
 
 @dataclass(frozen=True)
 class ExactValue:
-    """P(goal), if the probabilities in the task's file are right; and whether the measured share fits."""
+    """P(goal) by the probabilities in the task's file, and its agreement with the measured share."""
 
     goal: float
     p_value: float
@@ -69,12 +69,12 @@ def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
 
 
 def beside(goal: float, successes: int, count: int) -> ExactValue:
-    """The exact value beside a measured share."""
+    """Return the exact value next to a measured share, as text."""
     return ExactValue(goal, _binomial_test(successes, count, min(1.0, max(0.0, goal))))
 
 
 def _binomial_test(successes: int, count: int, p: float) -> float:
-    """The p-value of the exact test of both sides: how likely counts are that are as unlikely as this."""
+    """Return the two-sided p-value of the exact binomial test."""
     numbers = np.arange(count + 1.0)
     ways = gammaln(count + 1.0) - gammaln(numbers + 1.0) - gammaln(count - numbers + 1.0)
     likely = np.exp(ways + xlogy(numbers, p) + xlog1py(count - numbers, -p))

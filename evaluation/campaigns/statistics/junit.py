@@ -1,4 +1,4 @@
-"""A campaign as JUnit XML, which CI servers show."""
+"""Report of a campaign in JUnit XML, which CI servers display."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .claim import Settling
 
 
 def write_junit(path: Path, name: str, trials: Iterable[Trial], settling: Settling | None) -> None:
-    """A test case for each trial, and one for a claim.
+    """Write a test case for each trial, and one for a claim.
 
-    An untrue outcome is a failure. A trial that doesn't reach the goal is one only where nothing is claimed
-    of the success rate: else the claim says how many may.
+    A false outcome is a failure. A trial that does not reach the goal is a failure only without a claim
+    about the success rate, because a claim says how many may miss it.
 
     Raises:
-        OSError: it can't be written.
+        OSError: the file cannot be written.
     """
     suite = Element("testsuite", name=name)
     counts = {"tests": 0, "failures": 0, "errors": 0}
@@ -55,5 +55,5 @@ def _add(case: Element, counts: dict[str, int], kind: str, words: str) -> None:
 
 
 def _plain(words: str) -> str:
-    """Without the characters that no XML may hold."""
+    """Return a text without the characters that XML forbids."""
     return "".join(each if each.isprintable() else " " for each in words)

@@ -1,4 +1,4 @@
-"""Exact tests of paired campaigns, and what they could have seen."""
+"""Exact tests of paired campaigns, and their power."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ FIRST_SHARE = 0.9
 
 
 def mcnemar(only_one: int, only_other: int) -> float:
-    """The exact, two-sided p-value that two success rates are equal.
+    """Return the exact, two-sided p-value of the hypothesis that two success rates are equal.
 
-    McNemar (1947): a pair in which one alone succeeds is as likely to be of the one as of the other.
+    McNemar (1947): under the hypothesis, a pair with one Success favours either campaign equally often.
 
     Args:
-        only_one: pairs in which the one alone succeeded.
-        only_other: those in which the other alone did.
+        only_one: number of pairs in which only the first campaign succeeded.
+        only_other: number of pairs in which only the other campaign succeeded.
     """
     count = only_one + only_other
     return 1.0 if not count else float(binomtest(only_one, count, 0.5).pvalue)
@@ -41,10 +41,10 @@ def signed_rank(differences: FloatArray) -> float:
 
 
 def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[str, float]:
-    """P-values as they count if many are looked at: at most `ALPHA` of campaigns without any difference have
-    one at or below `ALPHA`.
+    """Return p-values adjusted for multiple tests, by Holm's weighted step-down method (1979, section 4).
 
-    Holm (1979), section 4: weighted, step by step, the most telling for its weight first.
+    Of campaigns that do not differ, at most a share of `ALPHA` has an adjusted p-value at or below
+    `ALPHA`.
     """
     left, out, least = dict(p_values), {}, 0.0
     while left:
@@ -56,7 +56,9 @@ def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[st
 
 
 def weights_of(first: str, others: list[str]) -> dict[str, float]:
-    """The first one has `FIRST_SHARE` to itself, the others share the rest."""
+    """Return the weights of tests: `FIRST_SHARE` for the first one, equal shares of the rest for the
+    others.
+    """
     rest = (1.0 - FIRST_SHARE) / max(1, len(others))
     return {first: FIRST_SHARE, **dict.fromkeys(others, rest)}
 
@@ -74,14 +76,14 @@ def e_value(only_one: int, only_other: int) -> float:
 
 
 def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIGNIFICANCE_LEVEL) -> float:
-    """The probability that the exact McNemar test sees a difference of success rates.
+    """Return the probability that the exact McNemar test finds a difference of success rates.
 
     Args:
-        difference: of the rates.
-        lost: share of pairs in which the worse one alone succeeds; the better one alone does in
+        difference: difference of the rates.
+        lost: share of pairs in which only the worse campaign succeeds; only the better one succeeds in
             `lost + difference`.
-        pairs: how many.
-        alpha: of the test.
+        pairs: number of pairs.
+        alpha: significance level of the test.
     """
     share = min(1.0, 2.0 * lost + difference)
     low, high = binom.ppf([1e-10, 1.0 - 1e-10], pairs, share)
@@ -96,8 +98,9 @@ def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIG
 
 
 def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | None:
-    """The smallest difference of success rates that the test would have seen with a probability of `POWER`,
-    if the worse campaign alone succeeds as often as here. None: so few pairs show none.
+    """Return the smallest difference of success rates that the test finds with a probability of `POWER`.
+
+    The worse campaign is assumed to succeed alone as often as in the data. None if so few pairs show none.
     """
     lost = min(only_one, only_other) / pairs
     most = 1.0 - 2.0 * lost

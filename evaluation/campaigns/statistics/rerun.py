@@ -1,4 +1,4 @@
-"""The command that runs one trial of a campaign again."""
+"""Command that runs one trial of a campaign again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 def rerun(said: Mapping[str, Any], seed: int) -> str:
-    """The command, by the arguments that a campaign's folder keeps."""
+    """Return the command, built from the arguments in a campaign's folder."""
     return shlex.join(_words(said, seed))
 
 

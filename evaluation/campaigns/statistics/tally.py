@@ -29,13 +29,13 @@ class Blame(NamedTuple):
     check: str
     """Check that found the cause, as in `Cause.check`; empty if unknown."""
     reason: str
-    """With # for each number."""
+    """Reason, with # for each number."""
     cause: str = ""
     """Kind of cause; empty if unknown."""
 
 
 def in_general(reason: str) -> str:
-    """Words with # for each number, so that those are equal that differ in measured values alone."""
+    """Return a text with # for each number, so that texts are equal that differ only in measured values."""
     return _NUMBER.sub("#", reason)
 
 
@@ -46,7 +46,7 @@ def outcome_in_general(summary: Mapping[str, Any]) -> str:
 
 
 def figures(trial: Trial) -> dict[str, float | bool]:
-    """The metrics of a trial that are one number, or yes and no, by name."""
+    """Return the metrics of a trial that are a number or yes or no, by name."""
     found = {**trial.summary["metrics"], **{key: trial.summary[key] for key in OF_ALL}}
     return {
         name: value
@@ -56,7 +56,7 @@ def figures(trial: Trial) -> dict[str, float | bool]:
 
 
 class Tally:
-    """Counts; of 100,000 trials it takes some MB."""
+    """Counts over trials; a few MB for 100,000 trials."""
 
     def __init__(self, trials: Iterable[Trial]) -> None:
         self.count = self.successes = 0
@@ -65,14 +65,14 @@ class Tally:
         self.untrue: list[int] = []
         """Seeds of trials with an outcome that the ground truth contradicts."""
         self.columns: dict[str, array[float]] = {}
-        """Each metric's values."""
+        """Values of each metric."""
         self.yes_no: set[str] = set()
         """Names of the yes-or-no metrics."""
         self.actions: dict[str, Counter[str]] = {}
         """Counts of outcomes of each action in the file."""
         self.blames: Counter[Blame] = Counter()
         self.worst: list[tuple[bool, bool, float, int]] = []
-        """The trials to look at first, by rank, the last element saying which."""
+        """Trials to look at first, by rank; the last element identifies the trial."""
         self.times, self.timed = array("d"), array("q")
         """How long trials took that succeeded, in [s], and which they are."""
         for at, trial in enumerate(trials):
@@ -109,11 +109,13 @@ class Tally:
         self._rank(at, trial)
 
     def _rank(self, at: int, trial: Trial) -> None:
-        """Untrue ones first, then those that did not succeed, then those with most Fails."""
+        """Return the rank of a trial: false outcomes first, then trials without Success, then those with most
+        Fails.
+        """
         fails = float(trial.summary["fails"])
         if trial.untrue or not trial.success or fails:
             self.rank((bool(trial.untrue), not trial.success, fails, -at))
 
     def rank(self, rank: tuple[bool, bool, float, int]) -> None:
-        """Keep it if it is among the worst by now."""
+        """Keep a trial if it is among the worst so far."""
         (heapq.heappush if len(self.worst) < WORST_TRIAL_COUNT else heapq.heappushpop)(self.worst, rank)

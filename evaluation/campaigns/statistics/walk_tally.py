@@ -1,4 +1,4 @@
-"""What is counted of walks through a network, thousands at once."""
+"""Counts over walks through a network, thousands at once."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .tally import WORST_TRIAL_COUNT, Blame, Tally, in_general, outcome_in_gener
 
 
 class WalkTally(Tally):
-    """The same counts as of the trials one by one, without making each."""
+    """Counts of many walks, equal to the counts of their trials, without creating the trials."""
 
     def __init__(self, trials: WalkedTrials, seeds: range) -> None:
-        """Nothing is counted yet; the seeds are consecutive."""
+        """Prepare counts for consecutive seeds."""
         super().__init__(())
         self.trials, self._seeds = trials, seeds
         self._counts = np.zeros((len(trials.task.network.actions), len(EndCode)), dtype=np.int64)
@@ -30,7 +30,7 @@ class WalkTally(Tally):
             self.columns[name] = array("d")
 
     def count_all(self) -> Generator[int, None, None]:
-        """Walk and count; gives now and then how many more there are."""
+        """Walk and count, and yield the number of walks since the last yield."""
         size = self.trials.side_by_side
         for number in range(self._seeds[0] // size, self._seeds[-1] // size + 1):
             first = max(self._seeds[0], number * size)
@@ -64,7 +64,9 @@ class WalkTally(Tally):
             self.rank((False, not success[column], float(fails[column]), -(at + column)))
 
     def _add_outcomes(self, walked: Walked, whole: slice) -> None:
-        """Walks that ended alike have the same reason: one of them is told."""
+        """Count outcomes. Walks with equal ends have the same reason, so one trial of each is created for its
+        text.
+        """
         alike = np.stack([walked.last, walked.skipped, walked.where])[:, whole]
         kinds, first, times = np.unique(alike, axis=1, return_index=True, return_counts=True)
         for kind, column, count in zip(kinds.T.tolist(), first.tolist(), times.tolist(), strict=True):
