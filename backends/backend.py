@@ -194,7 +194,7 @@ class Backend(ABC):
         return None
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
-        """The capability of that kind, None where the robot has none."""
+        """Return the capability of that kind, None where the robot has none."""
         return next((each for each in self.capabilities() if isinstance(each, kind)), None)
 
     def sensor(self, name: str) -> Capability | None:

@@ -111,7 +111,7 @@ def _units(model: ArmModel, number: int) -> tuple[float, str]:
 
 
 def checked_width(gripper: GripperSpec, width: float) -> float:
-    """An opening in [m] within the gripper's range; raises `CommandError`."""
+    """Return an opening in [m] within the gripper's range; raises `CommandError`."""
     opening = gripper.opening_mm / 1e3
     if not 0.0 <= width <= opening + _ROUNDING:
         raise CommandError(f"a width of {width} m; allowed: 0 to {opening}")

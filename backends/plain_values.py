@@ -75,7 +75,7 @@ def from_plain(data: object, kind: Any, name: str) -> Any:
 
 
 def to_plain(value: object, kind: Any) -> Any:
-    """A value of a type as plain data."""
+    """Return a value of a type as plain data."""
     return _codec(kind).write(value)
 
 

@@ -62,7 +62,7 @@ def _all() -> dict[str, str]:
 
 
 def backend_names() -> list[str]:
-    """All names, ours and those of other packages."""
+    """Return all names, ours and those of other packages."""
     return sorted(_all())
 
 
@@ -157,7 +157,7 @@ def check_world(
 
 
 def backend_class(name: str) -> type[Backend]:
-    """The class of a backend; raises `UnknownBackend`, `BrokenPlugin` or `MissingLibrary`."""
+    """Return the class of a backend; raises `UnknownBackend`, `BrokenPlugin` or `MissingLibrary`."""
     if name not in _all():
         raise UnknownBackend(name)
     check_name(name, ENTRY_POINT_GROUP, SHIPPED_BACKENDS)

@@ -38,7 +38,7 @@ def ladder(size: int, rng: random.Random) -> Iterator[Row]:
 
 
 def detours(size: int, rng: random.Random) -> Iterator[Row]:
-    """A chain each of whose steps has a detour after a Fail, as a repeat has."""
+    """Yield a chain each of whose steps has a detour after a Fail, as a repeat has."""
     for i in range(size // 3):
         a, b, c, z = f"s{i}", f"b{i}", f"d{i}", f"s{i + 1}"
         yield a, z, 5.0 + rng.random(), 3, b
@@ -47,7 +47,7 @@ def detours(size: int, rng: random.Random) -> Iterator[Row]:
 
 
 def grid(size: int, rng: random.Random) -> Iterator[Row]:
-    """A square, from corner to corner, to all four sides."""
+    """Yield a square, from corner to corner, to all four sides."""
     side = max(2, round(size**0.5))
     for x in range(side):
         for y in range(side):
@@ -57,7 +57,7 @@ def grid(size: int, rng: random.Random) -> Iterator[Row]:
 
 
 def tree(size: int, rng: random.Random) -> Iterator[Row]:
-    """Each situation leads to two; every leaf leads to the goal."""
+    """Yield each situation leads to two; every leaf leads to the goal."""
     for i in range(size - 1):
         for child in (2 * i + 1, 2 * i + 2):
             there = f"s{child}" if child < size - 1 else "z"
@@ -98,7 +98,7 @@ NETWORK_SHAPES: dict[str, tuple[Callable[[int, random.Random], Iterator[Row]], s
 
 
 def network(shape: str, size: int, seed: int = 0) -> ActionNetwork:
-    """A network of that shape and about that many situations."""
+    """Return a network of that shape and about that many situations."""
     made, goal = NETWORK_SHAPES[shape]
     rows = list(made(size, random.Random(seed)))
     names = dict.fromkeys(name for s, t, _, _, f in rows for name in (s, t, f) if name)

@@ -101,7 +101,7 @@ class Instant(ActionPrimitive):
 
 
 def chain(length: int) -> ActionNetwork:
-    """A network that is one long way."""
+    """Return a network that is one long way."""
     situations = [Situation(f"s{number}") for number in range(length + 1)]
     actions = [
         Action(f"s{number}", f"s{number + 1}", Binding.of(Instant(number=number))) for number in range(length)
@@ -168,7 +168,7 @@ def transitions_round(length: int) -> float:
 
 
 def least_us(work: Callable[[], float], length: int, rounds: int) -> float:
-    """The least of some rounds, per action in [us]."""
+    """Return the least of some rounds, per action in [us]."""
     return 1e6 * min(work() for _ in range(rounds)) / length
 
 

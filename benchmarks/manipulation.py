@@ -24,7 +24,7 @@ PILLAR_BOX = Box(transform((0.3, 0.0, 1.1)), (0.05, 0.3, 0.6), "pillar")
 
 
 def books(count: int) -> list[Box]:
-    """A row of books on a shelf before the robot."""
+    """Return a row of books on a shelf before the robot."""
     rows = np.linspace(-0.5, 0.5, count)
     return [Box(transform((0.545, y, 0.81)), (0.15, 0.9 / count, 0.22), f"book_{y:.3f}") for y in rows]
 

@@ -22,7 +22,7 @@ EXTRA_MODULES: dict[str, Sequence[str]] = {
 
 
 def extra_of(error: ImportError) -> str | None:
-    """The extra that brings what couldn't be imported; None where none does."""
+    """Return the extra that brings what couldn't be imported; None where none does."""
     module = (error.name or "").partition(".")[0]
     return next((extra for extra, modules in EXTRA_MODULES.items() if module in modules), None)
 

@@ -32,7 +32,7 @@ Check = Callable[[XmlTag], Iterable[str]]
 
 
 def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int = MAX_BYTES) -> str:
-    """The text of an XML file in UTF-8, found well-formed.
+    """Return the text of an XML file in UTF-8, found well-formed.
 
     Args:
         path: the file.
@@ -40,7 +40,8 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
         max_bytes: larger files are not read.
 
     Raises:
-        FileError: it is missing, no regular file or too large; no UTF-8, not well-formed, too deep, has too
+        FileError: it is missing, no regular file or too large; no UTF-8, not well-formed, too deep, has
+            too
             many elements and attributes, or a document type (which could define entities without end);
             or `check` found something. With line and column.
     """

@@ -36,12 +36,12 @@ def _all() -> dict[str, str]:
 
 
 def primitive_names() -> list[str]:
-    """All names, ours and those of other packages."""
+    """Return all names, ours and those of other packages."""
     return sorted(_all())
 
 
 def primitive_class(name: str) -> type[ActionPrimitive]:
-    """The class of a name.
+    """Return the class of a name.
 
     Raises:
         KeyError: no primitive has that name; the message lists those that exist.

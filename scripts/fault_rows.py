@@ -18,7 +18,7 @@ _TOLD = re.compile(r"^\| ([TNABSCDKU][1-9]\d?) \|", re.M)
 
 
 def rows() -> list[str]:
-    """The rows that the document claims."""
+    """Return the rows that the document claims."""
     return _TOLD.findall(FAULTS_PAGE.read_text(encoding="utf-8"))
 
 

@@ -41,7 +41,7 @@ class CanParts:
             self.gripper = CanGripper(robot.gripper, axes.gripper)
 
     def capabilities(self) -> tuple[Capability, ...]:
-        """The capabilities that this robot has."""
+        """Return the capabilities that this robot has."""
         return tuple(each for each in (self.base, self.arm, self.gripper) if each is not None)
 
     def begin(self) -> None:

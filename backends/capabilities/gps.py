@@ -26,4 +26,4 @@ class Gps(Capability):
 
     @abstractmethod
     def fix(self) -> Fix | None:
-        """The fix that came in during this period; None where none did."""
+        """Return the fix that came in during this period; None where none did."""

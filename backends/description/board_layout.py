@@ -36,7 +36,7 @@ class BoardLayout(FileModel):
         return self
 
     def board(self, square_mm: float) -> CalibrationBoard:
-        """The board with squares of that side; raises ValueError where its tags don't fit."""
+        """Return the board with squares of that side; raises ValueError where its tags don't fit."""
         square = square_mm / 1e3
         if self.pattern == "chessboard":
             return Chessboard(self.columns, self.rows, square)

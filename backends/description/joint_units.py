@@ -37,7 +37,7 @@ class JointUnits(NamedTuple):
         return "mm" if self.slides[joint] else "deg"
 
     def words(self, joint: int, value: float, digits: int = 1) -> str:
-        """A joint's value in [rad] or [m] as people read it: `12.5 deg`."""
+        """Return a joint's value in [rad] or [m] as people read it: `12.5 deg`."""
         return f"{self.user_value(joint, value):.{digits}f} {self.unit(joint)}"
 
     @property

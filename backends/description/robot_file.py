@@ -197,7 +197,9 @@ class RobotFile(SensorTable):
         return self
 
     def urdf_path(self) -> Path:
-        """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
+        """Return a file with the URDF of the whole robot: that beside the robot's file, or a temporary
+        one.
+        """
         if self._path is None:
             text = self.urdf_text().encode()
             own = None if self.urdf.startswith(PACKAGE_PREFIX) else resolve_inside(self._folder, self.urdf)
@@ -215,7 +217,7 @@ class RobotFile(SensorTable):
         return self._whole
 
     def urdf_text(self) -> str:
-        """The URDF of the whole robot: its parts put together, meshes named by absolute paths.
+        """Return the URDF of the whole robot: its parts put together, meshes named by absolute paths.
 
         Raises:
             UrdfError: of a part that is missing, or can't be put there.
@@ -353,7 +355,7 @@ class RobotFile(SensorTable):
         return ideal
 
     def posture(self, name: str) -> tuple[float, ...]:
-        """A named posture, in [rad] and [m]; raises `UnknownPosture`."""
+        """Return a named posture, in [rad] and [m]; raises `UnknownPosture`."""
         if self.arm is None or name not in self.arm.postures:
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
             raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")

@@ -53,7 +53,7 @@ def _with_files(loaded: Loaded[RobotFile], folder: Path) -> RobotFile:
 
 
 def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:
-    """A robot's file with the keys that are called otherwise now, and a warning of each."""
+    """Return a robot's file with the keys that are called otherwise now, and a warning of each."""
     content, warnings = document.root.content, []
     if not isinstance(content, dict):
         return document, ()

@@ -54,7 +54,7 @@ def quiet() -> Iterator[None]:
 
 @cache
 def bullet() -> ModuleType:
-    """The module `pybullet`; raises `MissingPyBullet`."""
+    """Return the module `pybullet`; raises `MissingPyBullet`."""
     if find_spec("pybullet") is None:
         raise MissingPyBullet
     with quiet():

@@ -249,7 +249,7 @@ class BulletEngine(Engine):
         return {"bullet": self._saved(), "pinned": to_plain(self._pinned, Pinned | None)}
 
     def _saved(self) -> bytes:
-        """The file that the engine writes now."""
+        """Return the file that the engine writes now."""
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "state.bullet"
             self.p.saveBullet(str(path), physicsClientId=self.client)

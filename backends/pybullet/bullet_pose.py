@@ -12,12 +12,12 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:
-    """A pose (4, 4) as Bullet wants it: position, and quaternion x, y, z, w."""
+    """Return a pose (4, 4) as Bullet wants it: position, and quaternion x, y, z, w."""
     return pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
 
 
 def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
-    """The pose (4, 4) of a position and a quaternion x, y, z, w."""
+    """Return the pose (4, 4) of a position and a quaternion x, y, z, w."""
     x, y, z, w = quaternion
     result: FloatArray = np.array(
         [

@@ -18,6 +18,6 @@ class Bodies:
                 self._by_class |= domain.imported(each.physics)
 
     def of(self, what: object, default: Any) -> Any:
-        """The class for a thing or props, or for the nearest class that it is derived from."""
+        """Return the class for a thing or props, or for the nearest class that it is derived from."""
         found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)
         return next(found, default)

@@ -205,7 +205,9 @@ class SimulatedBackend(Backend):
 
 
 def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """The world at first: a person has put the robot there, and set up what the file has of domains."""
+    """Return the world at first: a person has put the robot there, and set up what the file has of
+    domains.
+    """
     assert world.map is None, "load_world puts what the map shows among the furniture"
     named = world.model_fields_set - WorldFile.model_fields.keys()
     kinds = {

@@ -75,7 +75,7 @@ def _in_package(name: str, rest: str, urdf: Path) -> Path:
 
 
 def _root(urdf: Path, root: Path) -> Path:
-    """The ROS package that holds the URDF, where that reaches further than `root`."""
+    """Return the ROS package that holds the URDF, where that reaches further than `root`."""
     packages = (folder for folder in urdf.resolve().parents if (folder / "package.xml").is_file())
     package = next(packages, None)
     return package if package is not None and root.resolve().is_relative_to(package) else root

@@ -81,7 +81,7 @@ def _entries(variable: str) -> list[Path]:
 
 @lru_cache(maxsize=32)
 def _ros_packages(entry: Path) -> Sequence[Path]:
-    """The folders with a `package.xml` at an entry of ROS_PACKAGE_PATH or a few levels below it."""
+    """Return the folders with a `package.xml` at an entry of ROS_PACKAGE_PATH or a few levels below it."""
     found: list[Path] = []
     level, seen = [entry], 0
     for _ in range(_DEPTH + 1):

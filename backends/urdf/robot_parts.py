@@ -116,7 +116,7 @@ def read_part(urdf: str, folder: Path) -> ReadPart:
 
 
 def read_srdf(srdf: str, folder: Path) -> str:
-    """The text of a SRDF; arguments and errors as for `read_part`."""
+    """Return the text of a SRDF; arguments and errors as for `read_part`."""
     path, _, _ = _found(srdf, folder)
     if not path.is_file():
         raise UrdfError(f"there is no text file {srdf!r}; {did_you_mean(path)}allowed: a SRDF")
@@ -182,7 +182,7 @@ def _mesh_fault(mesh_file: _MeshFile, scale: str) -> str | None:
 
 
 def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
-    """A URDF's file, the folder that it and its meshes are in, and how the file is shown."""
+    """Return a URDF's file, the folder that it and its meshes are in, and how the file is shown."""
     if not urdf.startswith(PACKAGE_PREFIX):
         return resolve_inside(folder, urdf), folder, str(folder / urdf)
     package, _, path = urdf.removeprefix(PACKAGE_PREFIX).partition("/")
@@ -195,7 +195,8 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
 
 
 def _inside(root: Path, path: str) -> Path:
-    """A file of a package; its folder may hold links into another one, as after `colcon --symlink-install`.
+    """Return a file of a package; its folder may hold links into another one, as after `colcon
+    --symlink-install`.
 
     Raises:
         UnsafePath: the path leads out of the package by `..`.

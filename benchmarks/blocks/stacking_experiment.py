@@ -88,7 +88,7 @@ def run_trials(
     backend: str | None = None,
     jobs: int = 2,
 ) -> Iterator[Trial]:
-    """The trials, each as it ends."""
+    """Return the trials, each as it ends."""
     return run_campaign(CampaignSetting(task, backend, settings, None, runs), seeds, jobs)
 
 

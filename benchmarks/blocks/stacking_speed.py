@@ -24,7 +24,7 @@ TASK_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "stack_blocks"
 
 
 def least(work: Callable[[], object], times: int = 50) -> float:
-    """The least CPU time of a call, in [ms]."""
+    """Return the least CPU time of a call, in [ms]."""
     taken = []
     for _ in range(times):
         before = time.process_time()

@@ -95,7 +95,9 @@ def _draw_map(table: Pose2, folder: Path) -> GridMap:
 
 
 def plan_drawn(folder: Path, robot: str) -> WallPlan:
-    """The plan of the wall in a folder, written there as a task; raises FileError where it can't be built."""
+    """Return the plan of the wall in a folder, written there as a task; raises FileError where it can't be
+    built.
+    """
     from handcart.primitives.knowledge.place import load_map
 
     loaded = load_document(read_document(folder / "drawing.yaml"), Drawing)

@@ -103,7 +103,7 @@ def trial(plan: Plan, fault: Fault, seed: int, folder: Path) -> str:
 
 
 def _written(planned: Sequence[Sequence[float]], there: Sequence[Sequence[float]], folder: Path) -> RigFiles:
-    """The task's hall and table with other landmarks, and a plan of them."""
+    """Return the task's hall and table with other landmarks, and a plan of them."""
     yaml = YAML()
     world = yaml.load(TASK_FOLDER / "unload_world.yaml")
     world["marks"] = [_mark(at) for at in there]

@@ -30,7 +30,7 @@ WHEELS_ALONE = {"localizer: scan": "localizer: odometry"}
 
 
 def robot(folder: Path, name: str, changes: dict[str, str]) -> str:
-    """A copy of the robot with other lines in its file; the copy's path."""
+    """Return a copy of the robot with other lines in its file; the copy's path."""
     (folder / "librarian.urdf").write_bytes((SHIPPED_FOLDER / "librarian" / "librarian.urdf").read_bytes())
     text = (SHIPPED_FOLDER / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     for old, new in changes.items():

@@ -115,7 +115,7 @@ def _judged(library: Library, rig: Rig, shelf: str) -> Tried:
 
 
 def _return(rig: Rig, shelf: str) -> tuple[Outcome, str]:
-    """The outcome of the last primitive, and its name."""
+    """Return the outcome of the last primitive, and its name."""
     outcome: Outcome
     for primitive in (Recognize(), PickUp()):
         outcome = rig.do(primitive)

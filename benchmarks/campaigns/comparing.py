@@ -36,7 +36,7 @@ def drawn(trials: WalkedTrials, count: int, first: int) -> Sequence[Trial]:
 
 
 def shown(words: str, seen: int, count: int) -> str:
-    """A share with its interval."""
+    """Return a share with its interval."""
     low, high = wilson(seen, count)
     return f"{words:<58}{seen:>6} of {count} ({100 * low:.1f} to {100 * high:.1f} %)"
 

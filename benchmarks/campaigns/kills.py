@@ -27,7 +27,7 @@ QUIET_STREAMS = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
 def command(task: Path, out: Path, trials: int) -> list[str]:
-    """The campaign's, always the same."""
+    """Return the campaign's, always the same."""
     words = ["campaign", str(task), "--level", "network", "--trials", str(trials), "--jobs", "2"]
     return [sys.executable, "-m", "handcart", *words, "--out", str(out), "--json"]
 

@@ -98,7 +98,7 @@ def campaign(task: Path, trials: int, out: Path, jobs: int) -> float:
 
 @contextmanager
 def scheduler(folder: Path) -> Iterator[Path]:
-    """The file of a Dask scheduler with two workers."""
+    """Yield the file of a Dask scheduler with two workers."""
     from distributed import Client
 
     file = folder / "scheduler.json"
@@ -117,7 +117,7 @@ def scheduler(folder: Path) -> Iterator[Path]:
 
 @contextmanager
 def dask(*words: str) -> Iterator[None]:
-    """A process of Dask's."""
+    """Yield a process of Dask's."""
     known = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen([sys.executable, "-m", "dask", *words], env=known, **quiet)  # type: ignore[call-overload]
@@ -139,7 +139,9 @@ def tell(what: str, shares: tuple[float, float]) -> None:
 
 
 def page(task: Path, out: Path, trials: int = 10_000) -> tuple[float, float]:
-    """The page of a campaign of the network alone: its size in [MB], and seconds of CPU to write it."""
+    """Return the page of a campaign of the network alone: its size in [MB], and seconds of CPU to write
+    it.
+    """
     from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
 
     campaign(task, trials, out, 1)

@@ -65,7 +65,7 @@ class Toss(ActionPrimitive):
 
 
 def rare_walk(folder: Path, at_once: float = 0.0) -> Path:
-    """The file of a task whose walks give up once in about 10,000: after three Fails.
+    """Return the file of a task whose walks give up once in about 10,000: after three Fails.
 
     Args:
         folder: exists.

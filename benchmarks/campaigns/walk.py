@@ -23,7 +23,7 @@ actions:
 
 
 def walk(folder: Path, p: float = 0.85) -> Path:
-    """The task's file, written into a folder with all that it names.
+    """Return the task's file, written into a folder with all that it names.
 
     Args:
         folder: exists.

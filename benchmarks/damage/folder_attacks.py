@@ -47,7 +47,7 @@ class Scene:
     rng: random.Random
 
     def other(self, name: str) -> Path | None:
-        """A file of that name of another original."""
+        """Return a file of that name of another original."""
         found = [each.folder / name for each in self.originals if (each.folder / name).is_file()]
         return self.rng.choice(found) if found else None
 

@@ -154,7 +154,7 @@ class Trials:
         return Verdict(number, attack.__name__, name, tried.ended, tuple(wrong))
 
     def prepared(self, folder: Path) -> tuple[Any, Prepared]:
-        """The robot for a folder; one that was made before, where it would be the same."""
+        """Return the robot for a folder; one that was made before, where it would be the same."""
         header = task_of(folder)
         key = key_of(header) if header.keys() >= {"start", "bench"} else b""
         if key not in self._made:

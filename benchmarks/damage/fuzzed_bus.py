@@ -61,7 +61,7 @@ class Noise:
         self._heard.append(frame)
 
     def frame(self) -> can.Message:
-        """The next one."""
+        """Return the next one."""
         kinds = (self._any, self._aimed, self._aimed, self._damaged, self._damaged, self._odd)
         return self._rng.choice(kinds)()
 
@@ -74,7 +74,7 @@ class Noise:
         return self._plain(can_id, self._rng.randbytes(self._rng.choice((0, 1, 1, 2, 4, 6, 8, 8))))
 
     def _damaged(self) -> can.Message:
-        """A real one: as it was, with bits flipped, cut off, of another length, of another node."""
+        """Return a real one: as it was, with bits flipped, cut off, of another length, of another node."""
         if not self._heard:
             return self._any()
         real = self._rng.choice(self._heard)

@@ -41,7 +41,7 @@ class Failure:
 
 
 def sources() -> dict[str, bytes]:
-    """The files that are damaged, by name, with those that they need beside them."""
+    """Return the files that are damaged, by name, with those that they need beside them."""
     found = {path.name: path.read_bytes() for path in LIBRARY_FOLDER.iterdir() if path.is_file()}
     found["robot.yaml"] = (ROBOT_FOLDER / "robot.yaml").read_bytes()
     found |= {path.name: path.read_bytes() for path in ROBOT_FOLDER.glob("*.urdf")}
@@ -49,7 +49,7 @@ def sources() -> dict[str, bytes]:
 
 
 def damaged(content: bytes, rng: random.Random) -> bytes:
-    """A file with up to six damages: bytes flipped, lines lost, doubled or swapped, words put in."""
+    """Return a file with up to six damages: bytes flipped, lines lost, doubled or swapped, words put in."""
     lines = content.split(b"\n")
     for _ in range(rng.randint(1, 6)):
         kind, at = rng.randrange(6), rng.randrange(len(lines))

@@ -87,7 +87,7 @@ def fuzzed_sentences(count: int, seed: int = 0) -> Iterator[Account]:
 
 
 def _times_of(fix: Fix, given: list[bytes], receiver: NmeaGps) -> list[float]:
-    """The times of day, in [s], of the sentences that a fix may be from."""
+    """Return the times of day, in [s], of the sentences that a fix may be from."""
     times = []
     for line in given:
         fields = line.partition(b"*")[0].split(b",")

@@ -14,7 +14,7 @@ _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", 
 
 
 def mutated(text: str, seed: int) -> tuple[str, str]:
-    """A URDF with one change, and that in words; the same for the same seed.
+    """Return a URDF with one change, and that in words; the same for the same seed.
 
     Args:
         text: a URDF that is well-formed.

@@ -63,7 +63,7 @@ class Ended(NamedTuple):
 
 
 def draw(seed: int, pillars: bool, backend: str, wrong_start: bool) -> Case:
-    """The case of a seed."""
+    """Return the case of a seed."""
     rng = np.random.default_rng([seed, 77])
     return Case(
         seed,

@@ -284,7 +284,7 @@ def odometry_row() -> Row:
 
 
 def real_maps(folder: Path) -> list[tuple[str, GridMap, float]]:
-    """The maps that are there, with a robot's radius for each."""
+    """Return the maps that are there, with a robot's radius for each."""
     found = []
     for name, path, origin, thresh, radius in (
         ("turtlebot3", "turtlebot3/map.pgm", -10.0, 0.196, 0.105),

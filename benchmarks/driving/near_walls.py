@@ -146,7 +146,7 @@ def _places(room: Room, folder: Path, settings: dict[str, str], result: Trial) -
 
 
 def _tour(at: tuple[float, float], places: dict[str, tuple[float, float, float]]) -> list[str]:
-    """The nearest one next."""
+    """Return the nearest one next."""
     tour, left = [], dict(places)
     while left:
         tour.append(min(left, key=lambda name: math.dist(at, left[name][:2])))

@@ -11,7 +11,7 @@ Boxes = list[tuple[float, float, float, float, float]]
 
 
 def wall_boxes(size: tuple[float, float]) -> Boxes:
-    """The four outer walls of a floor whose lower-left corner is (0, 0)."""
+    """Return the four outer walls of a floor whose lower-left corner is (0, 0)."""
     w, h = size
     return [
         (w / 2, WALL_M / 2, 0.0, w, WALL_M),
@@ -22,7 +22,7 @@ def wall_boxes(size: tuple[float, float]) -> Boxes:
 
 
 def _row_wall(rng: np.random.Generator, y: float, width: float, room: float) -> Boxes:
-    """A wall along x with a door of 1 m for each room."""
+    """Return a wall along x with a door of 1 m for each room."""
     boxes: Boxes = []
     left = 0.0
     for k in range(round(width / room)):
@@ -62,6 +62,6 @@ def _furniture(rng: np.random.Generator, width: float, room: float, low: float, 
 
 
 def office_map(seed: int, width: int, height: int, resolution: float = 0.05) -> GridMap:
-    """An office floor of `width` x `height` cells."""
+    """Return an office floor of `width` x `height` cells."""
     size = (width * resolution, height * resolution)
     return from_boxes(office_boxes(seed, size), resolution, (0.0, 0.0), size)

@@ -96,7 +96,7 @@ GRID_KINDS: tuple[Callable[[np.random.Generator, tuple[int, int]], BoolArray], .
 
 
 def random_grid(seed: int) -> tuple[GridMap, float]:
-    """A grid and the radius of a robot for it, in [m]: none, a part of a cell, up to many cells."""
+    """Return a grid and the radius of a robot for it, in [m]: none, a part of a cell, up to many cells."""
     rng = np.random.default_rng(seed)
     shape = int(rng.integers(8, 60)), int(rng.integers(8, 60))
     occupied = GRID_KINDS[seed % len(GRID_KINDS)](rng, shape)

@@ -128,7 +128,7 @@ class Room:
 
 
 def write(room: Room, folder: Path, start: tuple[float, float]) -> dict[str, str]:
-    """The files of a world; settings for the task."""
+    """Return the files of a world; settings for the task."""
     grid = room.grid
     cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
     (folder / "map.yaml").write_text(

@@ -135,7 +135,9 @@ def _box(
 
 
 def _between(rng: np.random.Generator, places: list[tuple[float, float, float]]) -> Box:
-    """A low box, or one that hangs, near the straight line between two places that follow each other."""
+    """Return a low box, or one that hangs, near the straight line between two places that follow each
+    other.
+    """
     number = int(rng.integers(len(places) - 1))
     (x1, y1, _), (x2, y2, _) = places[number : number + 2]
     share = rng.uniform(0.3, 0.7)

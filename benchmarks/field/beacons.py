@@ -62,7 +62,7 @@ class BeaconDrive(NamedTuple):
 
 
 def beacon_drive(seed: int, world: BeaconWorld = BeaconWorld(), stops: int = 7) -> BeaconDrive:
-    """The zigzag course, driven."""
+    """Return the zigzag course, driven."""
     log, rng = record_course(zigzag_course(stops), REFERENCE_NOISE, seed), np.random.default_rng([seed, 77])
     poses, tilts = log.drive.poses, log.drive.tilts
     tags = rotations(tilts[:, 0], tilts[:, 1], poses[:, 2]) @ np.array(BEACON_ERRORS.tag)
@@ -117,7 +117,7 @@ def try_beacons(drive: BeaconDrive, errors: BeaconErrors = BEACON_ERRORS) -> Bea
 
 
 def row_of(world: str, filtering: str, trials: list[BeaconTrial]) -> list[str]:
-    """The table's line."""
+    """Return the table's line."""
     errors = np.concatenate([trial.errors for trial in trials])
     squares = nees(errors, np.concatenate([trial.covariances for trial in trials]))
     laid = np.concatenate([trial.consistent for trial in trials])

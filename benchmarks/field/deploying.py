@@ -157,7 +157,7 @@ COURSE_MAKERS: dict[str, Callable[[Path, int], dict[str, str]]] = {
 
 
 def in_words(rows: list[Laying]) -> str:
-    """A line of the table."""
+    """Return a line of the table."""
     runs: dict[int, list[Laying]] = {}
     for row in rows:
         runs.setdefault(row.seed, []).append(row)

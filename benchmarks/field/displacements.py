@@ -78,7 +78,7 @@ def true_way(log: FieldLog, begun: int, row: int) -> FloatArray:
 
 
 def row_of(world: str, legs: int, found: list[Way]) -> list[str]:
-    """The table's line."""
+    """Return the table's line."""
     errors = np.array([way.error for way in found])
     covariances = np.array([way.covariance for way in found])
     worst = np.sqrt(np.maximum(0.0, np.linalg.eigvalsh(covariances)[:, -1]))

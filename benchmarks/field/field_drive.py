@@ -72,7 +72,7 @@ def drive_course(
 
 @compiled
 def _drift(value: float, share: float, sigma: float, rng: np.random.Generator) -> float:
-    """An Ornstein-Uhlenbeck value after `share` of its length."""
+    """Return an Ornstein-Uhlenbeck value after `share` of its length."""
     keep = math.exp(-share)
     return keep * value + sigma * math.sqrt(1.0 - keep * keep) * float(rng.standard_normal())
 

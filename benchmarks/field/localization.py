@@ -71,7 +71,7 @@ Results = dict[Key, list[FieldTrial]]
 
 
 def one_run(job: tuple[str, str, int]) -> list[tuple[Key, FieldTrial]]:
-    """All ways of localizing on one log."""
+    """Return all ways of localizing on one log."""
     name, course, seed = job
     noise = NOISE_SETS.get(name, REFERENCE_NOISE)
     log = record_course(COURSE_MAKERS[course](), noise, seed)
@@ -89,7 +89,7 @@ def one_run(job: tuple[str, str, int]) -> list[tuple[Key, FieldTrial]]:
 
 
 def limit(log: FieldLog, noise: FieldNoise) -> FieldTrial:
-    """The bound as a trial whose errors are not known."""
+    """Return the bound as a trial whose errors are not known."""
     bounds = information_limit(log.drive, log.fix_rows, noise)
     headings = log.drive.poses[log.drive.placings, 2]
     spreads = [tip_covariance(bound, float(angle)) for bound, angle in zip(bounds, headings, strict=True)]
@@ -190,7 +190,7 @@ def write_raw(path: Path, results: Results) -> None:
 
 
 def measure(runs: int, jobs: int, console: Console) -> Results:
-    """Every noise set on both courses; the same seeds for all."""
+    """Return every noise set on both courses; the same seeds for all."""
     work = [
         (name, course, seed)
         for name in (*NOISE_SETS, "turned")

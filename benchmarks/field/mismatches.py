@@ -54,7 +54,7 @@ def one_run(job: tuple[str, int]) -> FieldTrial:
 
 
 def row(world: str, trials: list[FieldTrial]) -> list[str]:
-    """The table's line of one world."""
+    """Return the table's line of one world."""
     squares = [nees(trial.errors, trial.covariances) for trial in trials]
     errors = np.concatenate([np.hypot(*trial.errors.T) for trial in trials])
     claims = np.concatenate([np.sqrt(np.trace(trial.covariances, axis1=1, axis2=2)) for trial in trials])

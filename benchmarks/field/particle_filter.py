@@ -32,7 +32,7 @@ Step = Callable[[], object]
 
 
 def ours(with_fix: bool) -> Step:
-    """A step of 100 ms of `ParticleFilter`, gyro odometry and all."""
+    """Return a step of 100 ms of `ParticleFilter`, gyro odometry and all."""
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), count=COUNT)
     rates, wheels = np.array([0.0, 0.0, TURN / 0.1]), np.full(2, FORWARD)
 

@@ -41,7 +41,7 @@ class Drive(NamedTuple):
 
 
 def rigid(folder: Path) -> str:
-    """The robot's file, its rockers' joints fixed."""
+    """Return the robot's file, its rockers' joints fixed."""
     urdf = (ROBOT_FOLDER / "el_verde.urdf").read_text(encoding="utf-8")
     for side in ("left", "right"):
         urdf = urdf.replace(f'"{side}_rocker" type="revolute"', f'"{side}_rocker" type="fixed"')

@@ -27,12 +27,12 @@ REPOSITORY_ROOT = TASK_FILE.parents[2]
 
 
 def command(*words: object) -> list[str]:
-    """A command line of handcart in this Python."""
+    """Return a command line of handcart in this Python."""
     return [sys.executable, "-m", "handcart", *map(str, words)]
 
 
 def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:
-    """The folder of a run, killed so long after it listened to its operator, and how long it lived."""
+    """Return the folder of a run, killed so long after it listened to its operator, and how long it lived."""
     process = subprocess.Popen(
         command("run", TASK_FILE, "--runs", runs),
         cwd=REPOSITORY_ROOT,
@@ -63,7 +63,7 @@ def results(folder: Path) -> list[tuple[int, str]]:
 
 
 def last_json(text: str) -> dict[str, Any]:
-    """The summary on the last line."""
+    """Return the summary on the last line."""
     summary: dict[str, Any] = json.loads(text.splitlines()[-1])
     return summary
 

@@ -53,7 +53,7 @@ class Kept:
 
 
 def world_of(backend: MujocoBackend) -> bytes:
-    """All that there is of the world; not what was read of it and when."""
+    """Return all that there is of the world; not what was read of it and when."""
     state = backend.state()
     return pack({name: state[name] for name in ("engine", "scene")})
 

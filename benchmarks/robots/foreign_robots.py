@@ -99,7 +99,9 @@ def _stretch(model: str, urdf: str) -> Callable[[Path, Path], Path]:
 
 
 def _husky(packages: Path, into: Path) -> Path:
-    """The husky that comes with PyBullet: xacro has left `$(optenv NAME VALUE)`; the UR5 is put onto it."""
+    """Return the husky that comes with PyBullet: xacro has left `$(optenv NAME VALUE)`; the UR5 is put onto
+    it.
+    """
     urdf = _copied(packages, into, "husky") / "husky" / "husky.urdf"
     urdf.write_text(re.sub(r"\$\(optenv \w+ ([^)]*)\)", r"\1", urdf.read_text()), encoding="utf-8")
     _data("ur_description", "urdf/ur5_robot.urdf")(packages, into)
@@ -115,7 +117,7 @@ def _kinova(packages: Path, into: Path) -> Path:
 
 
 def _with_lidar(height: float, x: float = 0.0) -> dict[str, Any]:
-    """A range sensor of one's own, on the link that carries all."""
+    """Return a range sensor of one's own, on the link that carries all."""
     return {"urdf": "lidar.urdf", "xyz_m": [x, 0.0, height]}
 
 

@@ -151,7 +151,7 @@ class MimicRobot:
         return folder / "robot.yaml"
 
     def _still(self, joint: Joint) -> str:
-        """A joint without its mimic, fixed where that would have it at first."""
+        """Return a joint without its mimic, fixed where that would have it at first."""
         if joint.mimic is None:
             return joint.xml(60.0)
         fixed = Joint(joint.name, "fixed", joint.parent, joint.pose(joint.mimic.offset), joint.axis, None)

@@ -81,7 +81,7 @@ def _off(robot: MimicRobot, backend: Any, spec: Any, goal: Any) -> tuple[float, 
 
 
 def _shown(name: str) -> str:
-    """The name of a link in the robot's file: the last leader's is the hand."""
+    """Return the name of a link in the robot's file: the last leader's is the hand."""
     return "hand" if name == "lead_2" else name
 
 

@@ -42,7 +42,7 @@ def greedy_division(scores: PlacementScores, lengths: FloatArray) -> Division:
 def _heaviest_run(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, first: int
 ) -> tuple[int, int]:
-    """The placement whose whole run from the point `first` has the greatest integral, and its end."""
+    """Return the placement whose whole run from the point `first` has the greatest integral, and its end."""
     placement, end, heaviest = -1, first, -np.inf
     for b in range(values.shape[1]):
         last = run_end(usable, joined, first, b)

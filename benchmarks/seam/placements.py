@@ -57,7 +57,7 @@ def least(call: Callable[[], Any], times: int = 7) -> float:
 
 
 def arched_seam(span: float, rise: float, points: int = POINTS) -> ToolPath:
-    """An arch over y = 0, from 0.7 m up; the tool points along y and 35 degrees down."""
+    """Return an arch over y = 0, from 0.7 m up; the tool points along y and 35 degrees down."""
     t = np.linspace(-0.5, 0.5, points)
     poses = np.tile(np.eye(4), (points, 1, 1))
     poses[:, 0, 3], poses[:, 2, 3] = t * span, 0.7 + rise * (1.0 - (2.0 * t) ** 2)

@@ -95,7 +95,7 @@ def _until_driven(task: Task, situation: str) -> list[Action]:
 
 
 def _block(action: Action, plan: Building) -> dict[str, LevelPose]:
-    """The block that an action takes from the supply, or lays."""
+    """Return the block that an action takes from the supply, or lays."""
     fixed = action.binding.fixed if action.binding else {}
     number = fixed.get("number", 0)
     if _does(action, PickUpBlock) and fixed.get("at") == "supply" and 0 < number <= len(plan.supply):

@@ -106,7 +106,7 @@ class StopReach:
         return self._looking(mark.floor, mark.height_m, heading)
 
     def _looking(self, floor: Pose2, height: float, heading: float) -> ToolPath:
-        """The hand (2 points) with the camera straight above a place."""
+        """Return the hand (2 points) with the camera straight above a place."""
         view = pointing_down(Pose2(0.0, 0.0, heading), 0.0)
         view[:3, 3] = (floor.x, floor.y, height + VIEW_DISTANCE_M) - (view @ self._hand_T_camera)[:3, 3]
         return tool_path([view, transform((0.0, 0.0, HEIGHT_STEP_M)) @ view])

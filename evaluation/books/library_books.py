@@ -61,7 +61,9 @@ def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
 def make_row(
     rng: np.random.Generator, shelf: str, first_accession: int, first_call: int, misplaced: bool
 ) -> ShelfRow:
-    """A full row with two gaps of lent books and, if wanted, one misplaced book beside or near a gap."""
+    """Return a full row with two gaps of lent books and, if wanted, one misplaced book beside or near a
+    gap.
+    """
     thickness = rng.integers(15, 46, 60).astype(float)
     count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR_WIDTH_M - 20.0))
     calls = call_numbers(rng, count, first_call)

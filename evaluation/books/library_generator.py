@@ -149,7 +149,9 @@ def place_before(shelf: Pose2) -> Pose2:
 
 
 def _closed(row: ShelfRow, wanted: GeneratedBook) -> ShelfRow:
-    """The row without the gap of this book: a lent book's own number isn't there, its neighbours touch."""
+    """Return the row without the gap of this book: a lent book's own number isn't there, its neighbours
+    touch.
+    """
     gaps = [i for i, each in enumerate(row.standing) if isinstance(each, float)]
     at = gaps[row.lent.index(wanted)]
     return replace(row, standing=row.standing[:at] + row.standing[at + 1 :])

@@ -42,7 +42,7 @@ class _Making:
 def make_unfriendly(
     row: ShelfRow, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
 ) -> tuple[ShelfRow, dict[int, str]]:
-    """A row made harder, and why the slot of a lent book is none any more, by its accession.
+    """Return a row made harder, and why the slot of a lent book is none any more, by its accession.
 
     Args:
         row: as it would be.
@@ -188,7 +188,7 @@ def _gaps(row: ShelfRow) -> list[float]:
 
 
 def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
-    """Each slot wider than its book by so much."""
+    """Return each slot wider than its book by so much."""
     gaps = iter([round(float(book.thickness_mm + plays[book.accession]), 2) for book in m.row.lent])
     standing = tuple(next(gaps) if _is_slot(each) else each for each in m.row.standing)
     return replace(m, row=replace(m.row, standing=standing))

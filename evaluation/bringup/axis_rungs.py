@@ -48,7 +48,7 @@ class Move(NamedTuple):
 
 
 def move_of(jogger: Jogger, axis: str) -> Move:
-    """A small one, away from the nearer end."""
+    """Return a small one, away from the nearer end."""
     if axis.endswith("wheel"):
         return Move(0.1, "the wheel rolled the robot forward on its side", "mm", 1e3)
     lower, upper = jogger.limits(axis)

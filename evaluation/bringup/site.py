@@ -68,7 +68,7 @@ class Site:
 
     @contextmanager
     def line(self) -> Iterator[tuple[CanLine, list[can.Message]]]:
-        """The bus as it is, nothing set up; with the frames that came."""
+        """Yield the bus as it is, nothing set up; with the frames that came."""
         came: list[can.Message] = []
 
         def heard(frame: can.Message, sent: bool) -> None:
@@ -92,7 +92,9 @@ class Site:
 
     @contextmanager
     def backend(self, seed: int = 0) -> Iterator[CanBackend]:
-        """The robot, set up and read back, no drive enabled yet; a real one is claimed for this process."""
+        """Yield the robot, set up and read back, no drive enabled yet; a real one is claimed for this
+        process.
+        """
         made = (
             CanBackend.build_on_bench(self.robot, self.world, seed, bench_class(self.bench, CanBackend.name))
             if self.bench

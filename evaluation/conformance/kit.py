@@ -111,7 +111,7 @@ class KitSetting:
         return repertoire(self.robot, self._chosen, self.backend)
 
     def task_runs(self) -> list[OneRun]:
-        """Each of them without errors, and with."""
+        """Return each of them without errors, and with."""
         seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
         chosen = [task for task in self.tasks if task.parent.name in self.only_tasks or not self.only_tasks]
         return task_runs(chosen, self.backend, seeds, self._chosen)
@@ -176,7 +176,7 @@ Job = OneCheck | OneMutant | Batch | OneRun
 
 
 def jobs_of(setting: KitSetting) -> list[Job]:
-    """All that is to be done, in an order in which processes side by side end together."""
+    """Return all that is to be done, in an order in which processes side by side end together."""
     parts = setting.chosen_parts
     jobs: list[Job] = list(setting.task_runs()) if "tasks" in parts else []
     jobs += setting.batches() if "faults" in parts else []

@@ -143,7 +143,7 @@ class KitReport:
         return {key: dict(count) for key, count in found.items()}
 
     def lines(self) -> Iterator[str]:
-        """The table, line by line."""
+        """Yield the table, line by line."""
         if self.checks:
             yield f"checks of {self.backend} with {self.robot}"
             for each in self.checks:

@@ -73,7 +73,7 @@ class OneRun:
 
 
 def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping[str, str]) -> list[OneRun]:
-    """All that is to be run: each task once without errors, and with those of so many seeds."""
+    """Return all that is to be run: each task once without errors, and with those of so many seeds."""
     backends = dict.fromkeys((backend, REFERENCE_BACKEND))
     return [
         OneRun(task, name, seed, errors, settings)

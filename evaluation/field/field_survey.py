@@ -139,7 +139,7 @@ class FieldSurvey(Survey):
         self._noted, self._noted_lengths = self._scene.time, self._lengths()
 
     def placements(self) -> list[Placement]:
-        """All sensors that were let go."""
+        """Return all sensors that were let go."""
         work = self._model.of(FieldWork)
         found = []
         for laid in work.laid:
@@ -186,7 +186,7 @@ class FieldSurvey(Survey):
             draw_as_laid(folder, self, self._as_laid)
 
     def _nearest(self, laid: Laid) -> str:
-        """The block that lies nearest to where the robot believed to lay it."""
+        """Return the block that lies nearest to where the robot believed to lay it."""
         away = {
             block.spec.name: math.dist(block.pose[:2, 3], (laid.x, laid.y))
             for block in self._scene.of(FieldProps).sensors.values()

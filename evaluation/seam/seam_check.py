@@ -47,7 +47,7 @@ def seam_facts(task: Task) -> dict[str, Any]:
 
 
 def _divides(task: Task) -> list[Divide]:
-    """Each DIVIDE of the network whose parameters are known."""
+    """Return each DIVIDE of the network whose parameters are known."""
     bindings = [action.binding for action in task.network.actions if action.binding is not None]
     return [
         each.kind.model_validate(each.fixed)

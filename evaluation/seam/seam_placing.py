@@ -61,7 +61,7 @@ class PlacedSeam(NamedTuple):
         return self.placements.score / self.seam.length
 
     def words(self) -> list[str]:
-        """A line for each placement."""
+        """Return a line for each placement."""
         lines = []
         for number, segment in enumerate(self.placements.segments, start=1):
             x, y, turn = self.placements.bases[segment.placement].tolist()

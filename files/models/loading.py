@@ -33,7 +33,9 @@ class Loaded(Generic[FileModelT]):
         return self.document.finding(path, message, at_key=at_key)
 
     def refuse(self, path: KeyPath, message: str, *, at_key: bool = False) -> FileError:
-        """An error, to raise, with this one finding; `handcart.files.findings.Findings` collects several."""
+        """Return an error, to raise, with this one finding; `handcart.files.findings.Findings` collects
+        several.
+        """
         return FileError([self.finding(path, message, at_key=at_key)])
 
 
@@ -62,7 +64,7 @@ def load(
 def load_document(
     document: Document, model: type[FileModelT] | TypeAdapter[FileModelT], context: object = None
 ) -> Loaded[FileModelT]:
-    """The whole of `document` as a `model`; raises `FileError` with every finding."""
+    """Return the whole of `document` as a `model`; raises `FileError` with every finding."""
     return Loaded(load_part(document, (), model, context), document)
 
 

@@ -36,7 +36,7 @@ _Placed = tuple[SchemaPlace, Any]
 
 
 def _meant(errors: list[_Placed]) -> Iterable[_Placed]:
-    """The errors without those of union members that the value was not meant to be."""
+    """Yield the errors without those of union members that the value was not meant to be."""
     tried: dict[KeyPath, dict[str, list[_Placed]]] = {}
     for placed in errors:
         for path, label in placed[0].unions[:1]:
@@ -129,7 +129,7 @@ def _says_bound(allowed: str, context: Mapping[str, Any]) -> bool:
 
 
 def _key(path: KeyPath) -> str:
-    """The innermost key of a path: the one that names the unit of a list's items."""
+    """Return the innermost key of a path: the one that names the unit of a list's items."""
     return next((step for step in reversed(path) if isinstance(step, str)), "")
 
 

@@ -45,7 +45,7 @@ class SchemaWalk:
             self._definitions = {part["ref"]: part for part in schema["definitions"]}
 
     def place(self, location: tuple[str | int, ...]) -> SchemaPlace:
-        """The place that pydantic calls `location`."""
+        """Return the place that pydantic calls `location`."""
         place = SchemaPlace((), self.bare(self._root), _ANY)
         if location and location[-1] == "[key]":
             mapping = self.place(location[:-2])
@@ -56,7 +56,7 @@ class SchemaWalk:
         return place
 
     def bare(self, schema: Schema) -> Schema:
-        """The schema without defaults, validators of one's own and references around it."""
+        """Return the schema without defaults, validators of one's own and references around it."""
         while True:
             if schema["type"] == "definition-ref":
                 schema = self._definitions.get(schema["schema_ref"], _ANY)
@@ -102,7 +102,7 @@ class SchemaWalk:
         return _ANY
 
     def members(self, union: Schema) -> list[Schema]:
-        """The schemas that a value of a union may have."""
+        """Return the schemas that a value of a union may have."""
         choices: Any = union["choices"]
         listed = choices.values() if isinstance(choices, dict) else choices
         return [self.bare(choice[0] if isinstance(choice, tuple) else choice) for choice in listed]
@@ -129,7 +129,7 @@ class SchemaWalk:
 
 
 def _keys(alias: Any) -> list[str]:
-    """The keys that one field may have in a file: an alias, or one path of one key for each choice."""
+    """Return the keys that one field may have in a file: an alias, or one path of one key for each choice."""
     return [alias] if isinstance(alias, str) else [str(path[0]) for path in alias]
 
 

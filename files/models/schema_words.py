@@ -22,7 +22,7 @@ _KINDS = {
 
 
 def shown(value: object) -> str:
-    """A value of a file as a message names it: short, on one line."""
+    """Return a value of a file as a message names it: short, on one line."""
     match value:
         case None:
             return "empty"

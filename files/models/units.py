@@ -32,7 +32,7 @@ _UNITS = {
 
 
 def unit_of(key: str) -> str:
-    """The unit that the end of `key` names, or "" when it names none."""
+    """Return the unit that the end of `key` names, or "" when it names none."""
     for suffix, unit in _UNITS.items():
         if key.endswith(suffix):
             return unit

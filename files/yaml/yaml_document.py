@@ -121,7 +121,7 @@ def _with_changes(path: Path, root: Node) -> Node:
 
 
 def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:
-    """The document in `content`, called `file` in messages; raises `FileError`."""
+    """Return the document in `content`, called `file` in messages; raises `FileError`."""
     text = decode_text(content, file)
     root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)
     return Document(file, content, root)
@@ -129,7 +129,7 @@ def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> 
 
 @lru_cache(maxsize=KEPT_TREES)
 def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
-    """The tree by the fast parser; None where the exact one has to be asked.
+    """Return the tree by the fast parser; None where the exact one has to be asked.
 
     Kept for the next one who reads the same text: the trials of a campaign read the same files. Nobody
     changes a tree.
@@ -158,9 +158,11 @@ def _tree(text: str, file: str, max_nodes: int) -> Node:
 
 
 def fast_events(text: str) -> Iterator[Any] | None:
-    """The events of `text` by libyaml, thirty times as fast; None where it isn't there, or reads otherwise.
+    """Return the events of `text` by libyaml, thirty times as fast; None where it isn't there, or reads
+    otherwise.
 
-    Raises yaml.YAMLError, on the way, where libyaml takes it for no YAML; `exact_events` has the last word.
+    Raises yaml.YAMLError, on the way, where libyaml takes it for no YAML; `exact_events` has the last
+    word.
     """
     if not hasattr(yaml, "CLoader") or _READ_DIFFERENTLY.search(text):
         return None
@@ -168,5 +170,5 @@ def fast_events(text: str) -> Iterator[Any] | None:
 
 
 def exact_events(text: str) -> Iterator[Any]:
-    """The events of `text` as YAML 1.2 has them; raises ruamel.yaml.error.YAMLError on the way."""
+    """Return the events of `text` as YAML 1.2 has them; raises ruamel.yaml.error.YAMLError on the way."""
     return iter(YAML(typ="safe", pure=True).parse(text))

@@ -30,7 +30,9 @@ class Node:
         return None
 
     def deepest(self, path: KeyPath) -> "tuple[Node, bool]":
-        """The node at `path`, or the last one on the way to it; and whether the whole way was there."""
+        """Return the node at `path`, or the last one on the way to it; and whether the whole way was
+        there.
+        """
         node = self
         for step in path:
             child = node.child(step)
@@ -40,7 +42,7 @@ class Node:
         return node, True
 
     def plain(self) -> Any:
-        """The value as dict, list, str, int, float, bool or None."""
+        """Return the value as dict, list, str, int, float, bool or None."""
         if isinstance(self.content, dict):
             return {key: child.plain() for key, child in self.content.items()}
         if isinstance(self.content, list):

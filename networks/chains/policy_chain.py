@@ -29,11 +29,11 @@ class Chain:
 
 
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
-    """The exact figures, by Kemeny and Snell, Finite Markov Chains (1960), chapter 3.
+    """Return the exact figures, by Kemeny and Snell, Finite Markov Chains (1960), chapter 3.
 
     A transient state is an action that is about to start. States are numbered so that what follows comes
-    before, as long as chance leads no run in circles: I - Q is triangular, and what is asked of its inverse
-    comes of a few sparse solutions.
+    before, as long as chance leads no run in circles: I - Q is triangular, and what is asked of its
+    inverse comes of a few sparse solutions.
     """
     count = len(policy.network.actions)
     if policy.start not in policy.steps:

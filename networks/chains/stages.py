@@ -26,7 +26,9 @@ def stages(network: ActionNetwork) -> list[Stage]:
 
 
 def _chain(above: Mapping[str, str], start: str, goal: str) -> list[str]:
-    """The situations that dominate the goal, from the start to it; the start alone where it isn't reached."""
+    """Return the situations that dominate the goal, from the start to it; the start alone where it isn't
+    reached.
+    """
     if goal not in above:
         return [start]
     chain = [goal]
@@ -47,7 +49,7 @@ def _levels(above: Mapping[str, str], chain: Sequence[str]) -> dict[str, int]:
 
 
 def _open(chain: Sequence[str], steps: Sequence[tuple[int, int]]) -> list[int]:
-    """The levels at which the network can be cut: no step leads back from there or later to before."""
+    """Return the levels at which the network can be cut: no step leads back from there or later to before."""
     closed = [0] * (len(chain) + 1)
     for source, to in steps:
         if to < source:

@@ -267,7 +267,8 @@ class Coordinator:
         self._log.restoring(action, reason)
 
     def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
-        """The end of a run that a fault broke off: of ours or the journal, or a GiveUp where the robot's.
+        """Return the end of a run that a fault broke off: of ours or the journal, or a GiveUp where the
+        robot's.
 
         The robot has been stopped.
         """

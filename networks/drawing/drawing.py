@@ -100,7 +100,7 @@ def _numbers(folded: FoldedNetwork) -> dict[Spot | RepeatedPart | None, str]:
 def _nested(
     folded: FoldedNetwork, part: RepeatedPart | None
 ) -> Iterator[tuple[RepeatedPart | None, Spot | None]]:
-    """The situations of a part, then those of the parts within it; None, None closes a part."""
+    """Yield the situations of a part, then those of the parts within it; None, None closes a part."""
     for spot in folded.spots:
         if folded.part_of[spot] is part:
             yield None, spot

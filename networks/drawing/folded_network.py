@@ -91,7 +91,7 @@ def fold(network: ActionNetwork) -> FoldedNetwork:
 
 
 def _called(situation: Situation) -> tuple[str, int]:
-    """A situation's name in the file, and how many repeated parts it is in."""
+    """Return a situation's name in the file, and how many repeated parts it is in."""
     if situation.element is None:
         return situation.name, 0
     name = re.sub(r"(\[\d+\])+$", "", situation.name)

@@ -104,7 +104,7 @@ def lay_out(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -
 
 
 def _ranks(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -> dict[Key, int]:
-    """The column of each box: longest ways from the first, without those that close a circle."""
+    """Return the column of each box: longest ways from the first, without those that close a circle."""
     ways: nx.DiGraph[Key] = nx.DiGraph()
     ways.add_nodes_from([first, *boxes])
     ways.add_edges_from((edge.source, edge.target) for edge in edges if edge.source != edge.target)
@@ -153,7 +153,7 @@ class _Placing:
         self._column = {cell: number for number, column in enumerate(columns) for cell in column}
 
     def tops(self) -> dict[Key, float]:
-        """The upper edge of each cell."""
+        """Return the upper edge of each cell."""
         tops: dict[Key, float] = {}
         for column in self._columns:
             tops |= self._placed(column, dict.fromkeys(column, 0.0))
@@ -188,7 +188,7 @@ class _Placing:
 
 
 def _rising(values: Sequence[float]) -> list[float]:
-    """The nearest values of which none is below the one before (pool adjacent violators)."""
+    """Return the nearest values of which none is below the one before (pool adjacent violators)."""
     pools: list[tuple[float, int]] = []
     for value in values:
         pool = (value, 1)

@@ -193,7 +193,7 @@ class _Drawing:
         self._folded, self._ended = folded, ended
 
     def part(self, part: RepeatedPart | None) -> _Drawn:
-        """A repeated part, or with None what is in none of them."""
+        """Return a repeated part, or with None what is in none of them."""
         folded = self._folded
         inner = {each: self.part(each) for each in folded.parts if each.around is part}
         boxes = {spot: self._spot(spot) for spot in folded.spots if folded.part_of[spot] is part}
@@ -278,7 +278,7 @@ class _Drawing:
         return around
 
     def _entry(self, part: RepeatedPart | None) -> Spot:
-        """The situation in which a part begins."""
+        """Return the situation in which a part begins."""
         folded = self._folded
         if part is None:
             return folded.start

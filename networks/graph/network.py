@@ -247,7 +247,7 @@ class ActionNetwork:
         return {action.index: tuple(counters) for action, counters in named if counters}
 
     def bound(self) -> int:
-        """The most actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
+        """Return the most actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
 
         V situations, A attempts of all actions together: between two counted attempts a run visits no
         situation twice. Where chance may lead a run in circles, it is ended after `MAX_ROUNDS` times as

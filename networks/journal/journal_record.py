@@ -126,7 +126,7 @@ def _more_than_torn(tail: bytes, number: int) -> bool:
 
 
 def _checked(line: bytes) -> dict[str, Any] | None:
-    """The record in a line, if writing it again gives the same bytes."""
+    """Return the record in a line, if writing it again gives the same bytes."""
     try:
         record: dict[str, Any] = orjson.loads(line)
         body = {key: value for key, value in record.items() if key not in ("h", "wall")}

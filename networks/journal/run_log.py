@@ -197,7 +197,7 @@ class RunLog(Intents):
 
 
 def outcome_record(number: int, outcome: Outcome) -> records.Result:
-    """The outcome of the action with that number, as the journal holds it."""
+    """Return the outcome of the action with that number, as the journal holds it."""
     match outcome:
         case Success(evidence):
             succeeded = records.Succeeded(n=number, outcome="Success")

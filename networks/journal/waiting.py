@@ -53,7 +53,7 @@ def may_have_begun(records: Sequence[Record]) -> bool:
 
 
 def broken_off(start: Record) -> str:
-    """A START without a RESULT, in words."""
+    """Return a START without a RESULT, in words."""
     action = start["action"]
     return f"action {start['n']}, {action['do']} from {action['from']}, was broken off"
 

@@ -47,7 +47,7 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
 
 
 def cause_of(contents: JournalContents, record: int) -> Record:
-    """The `kind` and checksum `h` of a record that waits; of a damaged one, the checksum before it."""
+    """Return the `kind` and checksum `h` of a record that waits; of a damaged one, the checksum before it."""
     if record < len(contents.records):
         return contents.records[record]
     return {"kind": TORN_RECORD, "h": contents.records[-1]["h"]}

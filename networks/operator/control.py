@@ -154,7 +154,7 @@ def _refusal(wrong: str) -> bytes:
 
 
 def _bound(path: Path, kind: socket.SocketKind) -> socket.socket:
-    """A socket that hears what is sent to `path`; one that a killed run left there is removed."""
+    """Return a socket that hears what is sent to `path`; one that a killed run left there is removed."""
     listening = socket.socket(socket.AF_UNIX, kind)
     listening.setblocking(False)
     before = os.umask(0o177)

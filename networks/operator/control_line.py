@@ -48,7 +48,9 @@ class ControlLine:
             self._receive(now)
 
     def message(self) -> bytes | None:
-        """The next message, without its line's end; None: it is too long to be one, and no other follows."""
+        """Return the next message, without its line's end; None: it is too long to be one, and no other
+        follows.
+        """
         if self._too_long:
             self._came, self._refused = b"", True
             return None

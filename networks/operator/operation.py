@@ -140,7 +140,7 @@ class _Heard:
         self._commands.append({**said, "sim_time_s": round(time, 3)})
 
     def latest(self) -> list[dict[str, Any]]:
-        """The last ones, the oldest first."""
+        """Return the last ones, the oldest first."""
         return list(self._commands)
 
 
@@ -155,6 +155,6 @@ def _words(action: Action) -> dict[str, Any]:
 
 
 def _value(value: Any) -> str:
-    """A parameter in words; of one that the world model gives, its name there."""
+    """Return a parameter in words; of one that the world model gives, its name there."""
     late = isinstance(value, dict) and value.keys() == {"model"}
     return clipped(str(value["model"] if late else value))

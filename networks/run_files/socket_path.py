@@ -15,7 +15,7 @@ STOP_SOCKET = "control.stop"
 
 @contextmanager
 def socket_path(path: Path) -> Iterator[str]:
-    """A name of at most 108 bytes for a socket's path, which may be longer.
+    """Yield a name of at most 108 bytes for a socket's path, which may be longer.
 
     Raises:
         OSError: its folder can't be opened.

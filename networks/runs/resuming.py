@@ -159,7 +159,7 @@ def read_past(folder: Path, network: ActionNetwork) -> Past:
 
 
 def _named(contents: JournalContents) -> str | None:
-    """The checkpoint that belongs to the last result, by its digest."""
+    """Return the checkpoint that belongs to the last result, by its digest."""
     results = (each for each in reversed(contents.records) if each["kind"] == "RESULT")
     kept = (each for each in results if each["outcome"] != "GiveUp" and each.get("by") != "recon")
     last = next(kept, None)
@@ -169,7 +169,8 @@ def _named(contents: JournalContents) -> str | None:
 def _recovered(
     folder: Path, checkpoint: Checkpoint, here: RunPosition, contents: JournalContents
 ) -> Mapping[str, Any]:
-    """The result of the action in doubt: its checkpoint was kept, and a crash came before the journal had it.
+    """Return the result of the action in doubt: its checkpoint was kept, and a crash came before the journal
+    had it.
 
     Raises:
         NeedsOperator: it is any other checkpoint than that.
@@ -188,7 +189,7 @@ def _recovered(
 
 
 def _maybe_begun(here: RunPosition, contents: JournalContents) -> Mapping[str, Any] | None:
-    """The START that a damaged last record may have been (row D3)."""
+    """Return the START that a damaged last record may have been (row D3)."""
     route = here.route
     if not route.planned or not may_have_begun(contents.records):
         return None

@@ -156,7 +156,7 @@ def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
 
 
 def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -> Journal:
-    """A new journal with its header, or the past one with what is known of the crash."""
+    """Return a new journal with its header, or the past one with what is known of the crash."""
     path = run_dir / "journal.jsonl"
     if past is None:
         journal = Journal(path, sync)

@@ -79,7 +79,7 @@ def _uses(action: Action) -> list[str]:
 
 
 def robot_fingerprint(spec: RobotFile) -> str:
-    """A checksum of a robot's file, limits, tolerances and all, in hexadecimal."""
+    """Return a checksum of a robot's file, limits, tolerances and all, in hexadecimal."""
     return hashlib.sha256(spec.model_dump_json().encode()).hexdigest()
 
 

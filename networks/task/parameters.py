@@ -44,7 +44,7 @@ def with_parameters(document: Document, findings: Findings) -> Document:
 
 
 def with_listed_repeats(document: Document) -> Document:
-    """The document with its repeats as a list, also where there is only one."""
+    """Return the document with its repeats as a list, also where there is only one."""
     node = document.root.child(REPEAT_KEY)
     if node is None or not isinstance(node.content, dict):
         return document
@@ -52,7 +52,7 @@ def with_listed_repeats(document: Document) -> Document:
 
 
 def with_all(document: Document, entry: str, names: Collection[object]) -> Document:
-    """The document with these names where one of its repeats goes over `{all: ENTRY}`."""
+    """Return the document with these names where one of its repeats goes over `{all: ENTRY}`."""
     for over in _overs(document):
         node, there = document.root.deepest(over)
         if there and reference(node, "all") == entry:
@@ -125,7 +125,9 @@ class ParameterValues:
             self._value_of(name)
 
     def put_in(self, node: Node) -> Node:
-        """The node with a value wherever it names a parameter; raises `FileError` if it grows too large."""
+        """Return the node with a value wherever it names a parameter; raises `FileError` if it grows too
+        large.
+        """
         return self._put_in(node).node
 
     def _value_of(self, name: str) -> _Value:

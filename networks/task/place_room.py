@@ -111,7 +111,7 @@ def _where(place: Place, grid: GridMap) -> str:
 
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
-    """The places of a task's map, where it has one and the robot drives on it."""
+    """Return the places of a task's map, where it has one and the robot drives on it."""
     loaded = task.knowledge.places
     if loaded is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
         return PlaceRooms()
@@ -164,7 +164,7 @@ def _start_of(task: Task) -> str | None:
 
 
 def _named(actions: Collection[Action], driving: bool = False) -> _Named:
-    """The places that actions name; of those that drive, or of all."""
+    """Return the places that actions name; of those that drive, or of all."""
     names: set[str] = set()
     late = False
     for action in actions:

@@ -146,7 +146,7 @@ def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:
 
 
 def _expected(field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, pose: Pose2) -> ScanBeams:
-    """The scan that the map lets expect at a pose."""
+    """Return the scan that the map lets expect at a pose."""
     mount = base_T_frame(robot.urdf_text(), robot.lidar_link)
     sensor = Pose2(float(mount[0, 3]), float(mount[1, 3]), math.atan2(mount[1, 0], mount[0, 0]))
     angles = lidar.angles()

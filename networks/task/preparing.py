@@ -115,7 +115,7 @@ def _built(
     errors: bool = True,
     bench: str | None = None,
 ) -> Prepared:
-    """The robot of a task that was read; raises as `prepare` does."""
+    """Return the robot of a task that was read; raises as `prepare` does."""
     task, name, spec, known = read.task, read.backend, read.spec, read.known
     findings, world = read.findings, read.world
     findings.add(*read.rooms.errors)
@@ -277,7 +277,7 @@ def _checked(read: _Read) -> Checked:
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
-    """The robot, standing where the task says that it starts."""
+    """Return the robot, standing where the task says that it starts."""
     grid = model.map if task.file.knowledge else None
     return Robot(backend, spec, task.knowledge.start if task.knowledge.is_start_known else None, grid)
 

@@ -124,7 +124,7 @@ def _is_reference(node: Node) -> bool:
 
 @cache
 def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[Any]:
-    """The primitive as a type in which parameters that are bound late may be missing."""
+    """Return the primitive as a type in which parameters that are bound late may be missing."""
     if not late:
         return TypeAdapter(kind)
     missing: dict[str, Any] = dict.fromkeys(sorted(late), (Any, None))

@@ -86,7 +86,9 @@ def _changed_by_skip(part: Repetition, situations: Situations) -> Iterator[Fault
 
 
 def element_facts(copies: Copies, situations: Situations) -> tuple[dict[str, dict[str, Fact]], list[Fault]]:
-    """The facts of a network's situations, by their names, and what is wrong with `{each: ...}` in them."""
+    """Return the facts of a network's situations, by their names, and what is wrong with `{each: ...}` in
+    them.
+    """
     found: dict[str, dict[str, Fact]] = {}
     faults: dict[KeyPath, str] = {}
     for name, (called, element) in copies.situations.items():

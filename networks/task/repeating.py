@@ -95,7 +95,7 @@ class _Copier:
             raise NotRepeated(wrong, most.path)
 
     def within(self, around: Nested) -> Iterator[Nested]:
-        """The parts within one, in each of its copies."""
+        """Yield the parts within one, in each of its copies."""
         for element in self._elements[around.part]:
             for each in around.within:
                 yield self._copied(each, around.part, element)

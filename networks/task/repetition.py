@@ -124,12 +124,12 @@ class Repetition:
         return path, values
 
     def of(self, name: str, number: int) -> str:
-        """An element's own copy of a situation of the part."""
+        """Return an element's own copy of a situation of the part."""
         return f"{name}[{number + 1}]"
 
 
 def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -> list[Repetition]:
-    """The repeated parts of a task, by their numbers in its list."""
+    """Return the repeated parts of a task, by their numbers in its list."""
     actions = list(entries)
     alike = Counter(repeat.name for repeat in repeats.values())
     return [
@@ -153,7 +153,7 @@ class Nested(NamedTuple):
 
 
 def nested(parts: Sequence[Repetition]) -> list[Nested]:
-    """The parts that lie in no other one, each with those that lie in it."""
+    """Return the parts that lie in no other one, each with those that lie in it."""
     outer = [part for part in parts if not any(part.inner < other.inner for other in parts)]
     return [
         Nested(part, tuple(nested([other for other in parts if other.inner < part.inner]))) for part in outer
@@ -161,7 +161,7 @@ def nested(parts: Sequence[Repetition]) -> list[Nested]:
 
 
 def shortened(value: object) -> str:
-    """A value in a message, cut."""
+    """Return a value in a message, cut."""
     words = repr(value)
     return words if len(words) <= 40 else f"{words[:40]} ..."
 

@@ -123,5 +123,5 @@ def is_start_unknown(document: Document, names: Collection[object]) -> bool:
 
 
 def domain_keys() -> list[str]:
-    """The keys under `knowledge:` that domains add."""
+    """Return the keys under `knowledge:` that domains add."""
     return [key for domain in domains() if domain.knowledge for key in domain.knowledge.files]

@@ -16,7 +16,9 @@ VIEW_DISTANCE_M = 0.30  # from the camera down to what it looks at
 
 
 def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
-    """The tables, the blocks that wait and those that were put where they go, posed in the base frame."""
+    """Return the tables, the blocks that wait and those that were put where they go, posed in the base
+    frame.
+    """
     plan = building(model)
     base_T_map = standing(robot, model).inverse().lift()
     boxes = [table.box for table in plan.tables.values()]
@@ -37,7 +39,7 @@ def standing(robot: Robot, model: ModelView) -> Pose2:
 
 
 def building(model: ModelView) -> Building:
-    """The building plan; raises `Discrepancy` where the robot has none."""
+    """Return the building plan; raises `Discrepancy` where the robot has none."""
     blocks = model.of(Blocks)
     if blocks.building is None:
         raise Discrepancy("the task has no building plan", permanent=True, cause=causes.NOT_KNOWN)

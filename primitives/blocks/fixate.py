@@ -93,7 +93,7 @@ class Fixate(ActionPrimitive):
 
 
 def landmark_of(model: ModelView, name: str) -> LandmarkPlan:
-    """A landmark of the building plan; raises `Discrepancy` where it has none of that name."""
+    """Return a landmark of the building plan; raises `Discrepancy` where it has none of that name."""
     marks = building(model).landmarks
     if name not in marks:
         raise Discrepancy(

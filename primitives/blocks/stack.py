@@ -132,7 +132,7 @@ class Stack(ActionPrimitive):
             yield from move_to_posture(robot, "home", around=surroundings(robot, model))
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Its block, and what carries that where it goes."""
+        """Return its block, and what carries that where it goes."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.onto == "robot":
             return own, MeantContact("held", TRAY_NAME)

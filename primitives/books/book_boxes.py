@@ -40,7 +40,7 @@ def tray_box(robot: Robot) -> Box:
 
 
 def held_box(robot: Robot, book: Book) -> Box:
-    """A book as PICK_UP grips it, posed in the hand frame."""
+    """Return a book as PICK_UP grips it, posed in the hand frame."""
     depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
     middle = transform((hand_to_spine(robot) + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
     return Box(middle, (depth, thickness, height), HELD_NAME)

@@ -51,7 +51,7 @@ def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[N
 
 
 def held_book(robot: Robot, book: Book) -> Box | None:
-    """The book in the hand, posed in the hand frame; None where the hand doesn't hold it."""
+    """Return the book in the hand, posed in the hand frame; None where the hand doesn't hold it."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return held_box(robot, book) if gripper is not None and holds(robot, book) else None
 

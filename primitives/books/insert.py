@@ -195,7 +195,7 @@ class Insert(HeldBookPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """The book, held: the board and what bounds its slot."""
+        """Return the book, held: the board and what bounds its slot."""
         return row_contacts(model, self.shelf)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -210,7 +210,7 @@ class Insert(HeldBookPrimitive):
 
 
 def _before_spines(robot: Robot, base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
-    """The pose of the hand (4, 4) further along the shelf's x, its tips just before the spines."""
+    """Return the pose of the hand (4, 4) further along the shelf's x, its tips just before the spines."""
     shelf_T_hand = inverse(base_T_shelf) @ base_T_hand
     away = TIPS_BEFORE + hand_to_tips(robot)
     if shelf_T_hand[0, 3] > -away:

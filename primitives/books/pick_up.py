@@ -107,7 +107,9 @@ class PickUp(TreePrimitive):
         return {}
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """The steps, one after the other; how the hand comes there and goes away is planned or taught."""
+        """Return the steps, one after the other; how the hand comes there and goes away is planned or
+        taught.
+        """
         ways = {"planned": (self._go, self._carry), "taught": (self._go_as_taught, self._carry_as_taught)}
         there, away = ways[self.method]
         steps: dict[str, Step] = {
@@ -200,7 +202,7 @@ def _tray(robot: Robot) -> float:
 
 
 def _standing(robot: Robot, model: ModelView) -> tuple[Box, ...]:
-    """The book on the tray, in the base frame, as far as it was seen."""
+    """Return the book on the tray, in the base frame, as far as it was seen."""
     books = model.of(Books)
     book, pose = books.book, books.book_pose
     if book is None or pose is None:

@@ -80,7 +80,7 @@ class Release(HeldBookPrimitive):
     """Target opening of the fingers in [m], while they open."""
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """The steps, one after the other."""
+        """Return the steps, one after the other."""
         steps = {
             "measure the shelf": lambda: self._measure(robot, model),
             "lower the book onto the board": lambda: self._lower(robot),
@@ -172,7 +172,7 @@ class Release(HeldBookPrimitive):
         return stands
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Its book, which the fingers push home; held, the board and what bounds its slot."""
+        """Return its book, which the fingers push home; held, the board and what bounds its slot."""
         books = model.of(Books)
         own = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", own), *row_contacts(model, self.shelf)

@@ -196,13 +196,17 @@ class Search(ActionPrimitive):
         return fuse_views(self._views, self.fuse)
 
     def _slot_at(self, left: float, book: Book) -> tuple[Gap, ...]:
-        """The slot between the last book, whose right side is `left`, and the book end, in the last view."""
+        """Return the slot between the last book, whose right side is `left`, and the book end, in the last
+        view.
+        """
         assert self._last is not None
         right = book_end(self._last, left, book.thickness_mm / 1e3)
         return () if right is None else (Gap(left, right),)
 
     def _where(self, book: Book, number: CallNumber) -> GapFound | NoGap:
-        """The interval between labelled books where it belongs; whether that is free isn't seen yet."""
+        """Return the interval between labelled books where it belongs; whether that is free isn't seen
+        yet.
+        """
         reading = self._reading()
         self._note(reading)
         widest = max((gap.width for gap in reading.intervals), default=0.0)
@@ -210,7 +214,7 @@ class Search(ActionPrimitive):
         return find_gap(wide, number, book.thickness_mm / 1e3 - GAP_TOLERANCE_M, widest, self.misplacement)
 
     def _slot_in(self, seen: GapFound, book: Book, number: CallNumber) -> GapFound | NoGap:
-        """The slot in an interval that was looked at from both sides."""
+        """Return the slot in an interval that was looked at from both sides."""
         reading = self._reading()
         near = min(
             reading.intervals, key=lambda gap: abs(gap.left + gap.right - 2 * seen.centre), default=None
@@ -227,7 +231,7 @@ class Search(ActionPrimitive):
         return self._find(book, number, slots)
 
     def _leaning_in(self, interval: Gap, offsets: Sequence[float]) -> Label | None:
-        """The label of a book that leans within an interval."""
+        """Return the label of a book that leans within an interval."""
         return next(
             (
                 label
@@ -239,7 +243,7 @@ class Search(ActionPrimitive):
         )
 
     def _find(self, book: Book, number: CallNumber, slots: tuple[Gap, ...]) -> GapFound | NoGap:
-        """The slot among `slots`."""
+        """Return the slot among `slots`."""
         reading = self._reading()
         self._note(reading)
         scale = scale_of(self._views, self._thicknesses)
@@ -275,7 +279,7 @@ class Search(ActionPrimitive):
 
 
 def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
-    """The book whose slot is looked for, and its call number."""
+    """Return the book whose slot is looked for, and its call number."""
     book: Book | None = model.of(Books).book
     if book is None:
         raise Discrepancy("no book has been recognized", permanent=True, cause=causes.NOT_KNOWN)

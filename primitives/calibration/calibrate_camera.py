@@ -153,7 +153,7 @@ class CalibrateCamera(ActionPrimitive):
 
 
 def _lens(start: str, found: CameraCalibration) -> dict[str, Calibrated]:
-    """The coefficients that the pictures bear; the others stay 0."""
+    """Return the coefficients that the pictures bear; the others stay 0."""
     values, sigmas = found.camera.distortion, found.sigmas[4:]
     return {
         f"{start}.{name}": Calibrated(float(value), float(sigma))

@@ -38,7 +38,7 @@ class TreePrimitive(ActionPrimitive):
 
     @abstractmethod
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """A new tree for this attempt.
+        """Return a new tree for this attempt.
 
         It is only built here, and asks robot and model in its leaves: then `handcart describe` shows it.
         """

@@ -138,8 +138,8 @@ class FieldObstacleMonitor:
     def unexpected(self, robot: Robot) -> FloatArray:
         """(n, 2) points of this period's scan, in the field's frame, in [m].
 
-        Without a lowered hand's own, and without what may be the ground: that is for the guard of the base,
-        once it is near.
+        Without a lowered hand's own, and without what may be the ground: that is for the guard of the
+        base, once it is near.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())
         if robot.spec.localizer in OUTDOOR_LOCALIZERS:

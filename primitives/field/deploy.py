@@ -116,7 +116,9 @@ class Deploy(TreePrimitive):
         arm.check_near(place, REACH_SIGMAS * self._sigma(robot, target))
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """The steps, one after the other; in the end only the fingers are lifted, or the arm comes home."""
+        """Return the steps, one after the other; in the end only the fingers are lifted, or the arm comes
+        home.
+        """
         steps: dict[str, Step] = {
             "stand until the target is known well enough": lambda: self._be_sure(robot, model),
             "take the sensor from the magazine": lambda: self._arm.take(),
@@ -204,7 +206,7 @@ class Deploy(TreePrimitive):
         return room or math.inf  # what can't be reached from there anyway needs nothing
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """The sensor, and the ground that it is put on."""
+        """Return the sensor, and the ground that it is put on."""
         return model.of(FieldWork).sensor_contact(self.target), *(
             MeantContact("held", name) for name in GROUND_NAMES
         )

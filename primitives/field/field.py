@@ -71,7 +71,7 @@ class Field(FileModel):
         return finger_tip + (self.sensor_mm[2] - self.gripped_mm) / 1e3
 
     def held(self, finger_tip: float, name: str) -> Box:
-        """A sensor in the hand, posed in the hand's frame: its height along x."""
+        """Return a sensor in the hand, posed in the hand's frame: its height along x."""
         length, width, height = (each / 1e3 for each in self.sensor_mm)
         middle = transform((self.below(finger_tip) - height / 2, 0.0, 0.0))
         return Box(middle, (height, width, length), name)

@@ -105,7 +105,7 @@ class _Near:
         self._squares[math.floor(x / LEAST_APART), math.floor(y / LEAST_APART)].append((name, x, y))
 
     def to(self, x: float, y: float) -> list[str]:
-        """The names of those that lie nearer than allowed."""
+        """Return the names of those that lie nearer than allowed."""
         column, row = math.floor(x / LEAST_APART), math.floor(y / LEAST_APART)
         squares = [(column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
         others = [other for square in squares for other in self._squares.get(square, ())]

@@ -31,7 +31,7 @@ class SpeedMask(FileModel):
 
 
 def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
-    """The limits in a mask's file; raises `FileError` where that is missing or wrong."""
+    """Return the limits in a mask's file; raises `FileError` where that is missing or wrong."""
     read = read_occupancy(path)
     percent = spec.type == "percent"
     return SpeedLimits(read.values, read.resolution, read.origin, percent, spec.base, spec.multiplier)

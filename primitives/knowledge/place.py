@@ -123,7 +123,7 @@ class Places(FileModel):
 
 
 def load_places(path: Path) -> Loaded[Places]:
-    """The places in a file of places, or of goals for nav2; raises `FileError` with every finding."""
+    """Return the places in a file of places, or of goals for nav2; raises `FileError` with every finding."""
     document = read_document(path)
     return load_document(goals_as_places(document) if is_goals(document) else document, Places)
 

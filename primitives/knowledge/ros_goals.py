@@ -112,7 +112,7 @@ def _yaw(turn: Node) -> float:
 
 
 def _number(node: Node, key: str, index: int) -> float:
-    """A number of a mapping, or of a list."""
+    """Return a number of a mapping, or of a list."""
     found = node.child(key) or node.child(index)
     value: Any = found.content if found is not None else None
     if found is None or isinstance(value, bool) or not isinstance(value, int | float):

@@ -12,19 +12,19 @@ from .section import Section
 
 @cache
 def section_class(domain: Domain) -> type[Section] | None:
-    """The section of a domain, imported; None where it has none."""
+    """Return the section of a domain, imported; None where it has none."""
     found: type[Section] | None = imported(domain.knowledge.section) if domain.knowledge else None
     return found
 
 
 def sections() -> dict[str, type[Section]]:
-    """All sections, by the names of their domains."""
+    """Return all sections, by the names of their domains."""
     found = {each.name: section_class(each) for each in domains()}
     return {name: kind for name, kind in found.items() if kind is not None}
 
 
 def name_of(kind: type[Section]) -> str:
-    """The domain whose section it is.
+    """Return the domain whose section it is.
 
     Raises:
         LookupError: no domain declares it.

@@ -116,7 +116,7 @@ class WorldModel:
         return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """A domain's section."""
+        """Return a domain's section."""
         name = name_of(kind)
         section = self._section(name, kind)
         assert isinstance(section, kind)
@@ -135,7 +135,7 @@ class WorldModel:
             section.forget_element()
 
     def view(self, primitive: Declares) -> ModelView:
-        """The model as this primitive may use it."""
+        """Return the model as this primitive may use it."""
         return ModelView(self, primitive)
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
@@ -148,7 +148,7 @@ class WorldModel:
         return [each for section in self.sections.values() for each in section.contacts_on_the_way(place)]
 
     def lookup(self, path: str) -> Any:
-        """A value for a late-bound parameter, such as `cup.size`.
+        """Return a value for a late-bound parameter, such as `cup.size`.
 
         Raises:
             UnknownFact: it isn't known yet.
@@ -169,7 +169,7 @@ class WorldModel:
 
     @classmethod
     def entry_types(cls) -> dict[str, Any]:
-        """The types of all entries, those of the domains' sections too."""
+        """Return the types of all entries, those of the domains' sections too."""
         found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
         for section in sections().values():
             found |= {name: types_of(section)[name] for name in section.entries()}
@@ -270,7 +270,7 @@ class ModelView:
         object.__setattr__(self, "_part", model if part is None else part)
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """A domain's section, through the same eyes."""
+        """Return a domain's section, through the same eyes."""
         model = self.__dict__["_model"]
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 

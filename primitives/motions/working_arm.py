@@ -11,7 +11,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 
 def working_arm(spec: RobotFile) -> ArmModel:
-    """The robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
+    """Return the robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
     if spec.arm is None:
         raise Discrepancy("the robot's file has no arm", permanent=True, cause=causes.UNSUITABLE)
     arm = spec.arm_model()

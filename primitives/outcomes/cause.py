@@ -54,7 +54,7 @@ class Cause:
 
 
 def cause_of(error: Exception, restoring: bool) -> Cause:
-    """The cause behind an exception that left a primitive.
+    """Return the cause behind an exception that left a primitive.
 
     Args:
         error: caught, its traceback complete.

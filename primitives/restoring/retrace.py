@@ -118,7 +118,7 @@ def _sure_of(robot: Robot, start: Snapshot, room: float) -> bool:
 
 
 def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
-    """The moments, divided where the base starts or stops moving."""
+    """Return the moments, divided where the base starts or stops moving."""
     result: list[list[Moment]] = []
     moving = False
     for before, now in pairwise(moments):

@@ -83,7 +83,7 @@ class Divide(ActionPrimitive):
         return work.next is not None and not room.blocked(_way(work.next)).any()
 
     def divided(self, placer: Placer, rest: ToolPath, room: StandingRoom) -> Placements:
-        """The rest of a seam divided; raises `Untrackable`."""
+        """Return the rest of a seam divided; raises `Untrackable`."""
         if self.base == "drives":
             return place_alongside(placer, rest, room.blocked, self.placements, room.free)
         return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)

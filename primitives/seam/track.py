@@ -224,7 +224,7 @@ def _lead(pose: FloatArray) -> ToolPath:
 
 
 def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:
-    """The work piece, posed in the base frame."""
+    """Return the work piece, posed in the base frame."""
     work = model.of(Seam)
     if work.work_piece is None:
         return ()

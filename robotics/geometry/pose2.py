@@ -26,7 +26,7 @@ class Pose2(NamedTuple):
     theta: float
 
     def compose(self, other: Pose2) -> Pose2:
-        """The pose `other`, given in this pose's frame, in the frame of this pose."""
+        """Return the pose `other`, given in this pose's frame, in the frame of this pose."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return Pose2(
             self.x + cos * other.x - sin * other.y,

@@ -14,7 +14,7 @@ Transform = Annotated[FloatArray, (4, 4)]
 
 
 def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> Transform:
-    """A pose from a position in [m] and roll, pitch, yaw about fixed axes in [rad] (URDF's order)."""
+    """Return a pose from a position in [m] and roll, pitch, yaw about fixed axes in [rad] (URDF's order)."""
     # Written out: SciPy's Rotation takes twenty times as long for a single one.
     (sr, sp, sy), (cr, cp, cy) = (tuple(map(f, rpy)) for f in (math.sin, math.cos))
     x, y, z = xyz

@@ -24,7 +24,7 @@ def meshes() -> Any:
 
 
 def coal_body(shape: Shape) -> object:
-    """A shape as coal's geometry, about the origin of its frame."""
+    """Return a shape as coal's geometry, about the origin of its frame."""
     match shape:
         case Box():
             return pin.coal.Box(*shape.size)
@@ -71,7 +71,7 @@ def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) ->
 
 
 def hull_of_mesh(mesh: object, name: str) -> object:
-    """The convex hull of coal's mesh.
+    """Return the convex hull of coal's mesh.
 
     Raises:
         ValueError: its vertices (fewer than four, all in a plane, or not finite) enclose nothing.

@@ -137,7 +137,7 @@ def _put_name(robot: ElementTree.Element, kind: str, old: str, new: str) -> None
 
 
 def _frame(robot: ElementTree.Element, onto: str, name: str) -> ElementTree.Element:
-    """A joint that fixes a new link without mass onto another; the link is added."""
+    """Return a joint that fixes a new link without mass onto another; the link is added."""
     ElementTree.SubElement(robot, "link", {"name": name})
     return _fixed(f"{name}_frame", onto, name, ("0 0 0", "0 0 0"))
 

@@ -26,10 +26,10 @@ _SHOWN = 6
 
 
 def urdf_faults(text: str) -> list[UrdfFault]:
-    """All that is wrong in a URDF, in the order of its lines; empty where it is sound.
+    """Return all that is wrong in a URDF, in the order of its lines; empty where it is sound.
 
-    Looked at is what kinematics needs: names, references, joint kinds, limits, numbers, the tree, collision
-    bodies. Whether files of meshes are there isn't.
+    Looked at is what kinematics needs: names, references, joint kinds, limits, numbers, the tree,
+    collision bodies. Whether files of meshes are there isn't.
     """
     try:
         robot = read_urdf(text)
@@ -368,7 +368,7 @@ def _elements(element: UrdfElement) -> Iterator[UrdfElement]:
 
 
 def _suggested(name: str, allowed: Iterable[str]) -> str:
-    """The second half of a message about an unknown name, with the nearest of those that are known."""
+    """Return the second half of a message about an unknown name, with the nearest of those that are known."""
     names = list(allowed)
     near = get_close_matches(name[:100], names, n=1, cutoff=0.6)
     question = f"did you mean {near[0]!r}? " if near else ""

@@ -60,7 +60,9 @@ def known_urdf(text: str) -> UrdfElement:
 
 
 def read_xml(text: str) -> UrdfElement:
-    """The root element of any XML; raises `UrdfFaults` where it is not well-formed or declares entities."""
+    """Return the root element of any XML; raises `UrdfFaults` where it is not well-formed or declares
+    entities.
+    """
     reader = _Reader()
     try:
         reader.parser.Parse(text, True)

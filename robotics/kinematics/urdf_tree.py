@@ -120,7 +120,7 @@ def _kinematic(robot: Element) -> Element:
 
 
 def _copied(element: Element) -> Element:
-    """A copy whose numbers read the same for every parser."""
+    """Return a copy whose numbers read the same for every parser."""
     copy = Element(element.tag)
     for key, value in element.attrib.items():
         copy.set(key, value if key in _WORDS else " ".join(_plain(word) for word in value.split()))

@@ -77,14 +77,14 @@ class Bed:
             (folder / "shared").symlink_to(project.parent / "shared")
 
     def passes(self, tests: tuple[str, ...]) -> bool:
-        """Whether the tests pass without any bug."""
+        """Return whether the tests pass without any bug."""
         begun = time.monotonic()
         passed = self._run(tests, self._machine_code, PATIENCE_S).status == 0
         self._took[tests] = time.monotonic() - begun
         return passed
 
     def notices(self, mutant: Plantable) -> bool:
-        """Whether one of the nearest tests fails, or never ends, with the bug planted."""
+        """Return whether one of the nearest tests fails, or never ends, with the bug planted."""
         known = self._took.get(mutant.tests, PATIENCE_S)
         status = self.run_tests(mutant, min(PATIENCE_S, max(LEAST_S, MAX_TIME_RATIO * known))).status
         if status > FAILED_STATUS:

@@ -27,7 +27,9 @@ class Mutant:
     """Nearest tests, as pytest takes them."""
 
     def planted(self, content: str) -> str:
-        """The file's content with the bug; raises `ValueError` where the text isn't there exactly once."""
+        """Return the file's content with the bug; raises `ValueError` where the text isn't there exactly
+        once.
+        """
         found = content.count(self.text)
         if found != 1:
             raise ValueError(f"{self.file}: {self.name}: the text is there {found} times; needed: once")
@@ -57,5 +59,5 @@ def _in_a_line(text: str, replacement: str) -> str:
 
 
 def _alike(a: str, b: str) -> int:
-    """How many characters both begin with."""
+    """Return how many characters both begin with."""
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(a, b, strict=False)))

@@ -68,7 +68,7 @@ class Bench:
         return self._drives.line
 
     def open(self) -> BenchBus:
-        """The program's end of the bus."""
+        """Return the program's end of the bus."""
         self.master = BenchBus(self._drives.open())
         return self.master
 

@@ -29,7 +29,9 @@ _WORDS = {
 
 
 def fault_words(code: int) -> str:
-    """An error code (603Fh, or of an EMCY) in words, such as "error 8611h, following error"; "" for none."""
+    """Return an error code (603Fh, or of an EMCY) in words, such as "error 8611h, following error"; "" for
+    none.
+    """
     if code == 0:
         return ""
     # The library knows the groups of codes (CiA 301).

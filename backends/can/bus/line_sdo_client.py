@@ -40,7 +40,7 @@ class LineSdoClient(SdoClient):
         super().download(index, subindex, data, force_segment)
 
     def read_response(self) -> bytes:
-        """The answer to the last request; raises `canopen.SdoError`."""
+        """Return the answer to the last request; raises `canopen.SdoError`."""
         line = cast(CanLine, self.network)
         self._left -= 1
         if self._left < 0:

@@ -52,7 +52,7 @@ class EchoFreeBus(can.BusABC):
 
 
 def open_bus(spec: CanSpec) -> can.BusABC:
-    """The interface that a robot's file names; raises `NoInterface`."""
+    """Return the interface that a robot's file names; raises `NoInterface`."""
     return open_interface(spec.interface, spec.channel, 1000 * spec.bitrate_kbit_s)
 
 

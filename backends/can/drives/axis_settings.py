@@ -101,7 +101,7 @@ def _mode(axis: Axis, period: float) -> Iterator[ObjectValue]:
 
 
 def interpolation_time(period: float) -> tuple[int, int]:
-    """A period in [s] as 60C2h has it: value times ten to the index.
+    """Return a period in [s] as 60C2h has it: value times ten to the index.
 
     Raises:
         ValueError: a byte can't hold it.

@@ -70,7 +70,7 @@ def look(axes: Iterable[Axis]) -> None:
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
-    """Every setting of a drive that is not as it should be; raises `SilentDrive`."""
+    """Yield every setting of a drive that is not as it should be; raises `SilentDrive`."""
     for each in (*settings(axis, spec, period), *mapping(axis)):
         got = _read(axis, each)
         if got != each.value:

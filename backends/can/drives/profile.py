@@ -8,7 +8,9 @@ _CYCLE = 1e-3  # of a drive's own control loop [s]
 
 
 def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[float, float]:
-    """The way that is covered, and the velocity then, where it goes over to `target` at `rate` a second."""
+    """Return the way that is covered, and the velocity then, where it goes over to `target` at `rate` a
+    second.
+    """
     needs = abs(target - velocity) / rate if rate > 0.0 else math.inf
     if needs <= seconds:
         return (velocity + target) / 2 * needs + target * (seconds - needs), target
@@ -19,7 +21,7 @@ def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[f
 def approach(
     way: float, velocity: float, top: float, rates: tuple[float, float], seconds: float
 ) -> tuple[float, float]:
-    """A trapezoidal velocity profile to a point, from whatever velocity it has.
+    """Return a trapezoidal velocity profile to a point, from whatever velocity it has.
 
     Args:
         way: to the point.

@@ -62,7 +62,7 @@ DEVICE_LACKS: Mapping[Without, Lack] = {
 
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
-    """The objects that an axis is used without."""
+    """Return the objects that an axis is used without."""
     return frozenset(index for each in axis.without for index in DEVICE_LACKS[each].objects)
 
 

@@ -36,7 +36,7 @@ class LinePort:
         self._begun = b""
 
     def lines(self) -> Iterator[bytes]:
-        """The whole lines that have come, without their ends.
+        """Yield the whole lines that have come, without their ends.
 
         Raises:
             OSError: it can't be read any more.

@@ -41,7 +41,7 @@ class SensorLine(NamedTuple):
 
 
 def checksum(body: bytes) -> int:
-    """The exclusive or of all bytes."""
+    """Return the exclusive or of all bytes."""
     return reduce(xor, body, 0)
 
 
@@ -53,7 +53,7 @@ def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
 
 
 def read_line(line: bytes) -> SensorLine | None:
-    """A line; None where it is damaged, or of another kind of talk."""
+    """Return a line; None where it is damaged, or of another kind of talk."""
     try:
         kind, stamp, *fields = body_of(line).decode("ascii").split(",")
         if not _STAMP.fullmatch(stamp):

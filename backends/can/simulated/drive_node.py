@@ -349,5 +349,5 @@ def _wrapped(counts: int, counted: PositionRange) -> int:
 
 
 def nmt_reset(node: int) -> bytes:
-    """The NMT command that resets a node."""
+    """Return the NMT command that resets a node."""
     return struct.pack("BB", 129, node)

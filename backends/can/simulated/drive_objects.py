@@ -26,7 +26,7 @@ class DriveObjects:
         self._values: dict[tuple[int, int], int] = {}
 
     def __call__(self, index: int, subindex: int = 0) -> int:
-        """The value of an object."""
+        """Return the value of an object."""
         key = (index, subindex)
         if key not in self._values:
             if index == 0x6084 and not self.described(index):

@@ -37,7 +37,7 @@ class GrowingModel:
         self._grown = True
 
     def links(self) -> Any:
-        """The data, with poses of all links as of now."""
+        """Return the data, with poses of all links as of now."""
         model, data = self.both()
         if self._stale:
             mujoco().mj_kinematics(model, data)

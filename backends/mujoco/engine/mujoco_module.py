@@ -23,7 +23,7 @@ class MissingMuJoCo(InputError):
 
 @cache
 def mujoco() -> ModuleType:
-    """The module `mujoco`; raises `MissingMuJoCo`."""
+    """Return the module `mujoco`; raises `MissingMuJoCo`."""
     if find_spec("mujoco") is None:
         raise MissingMuJoCo
     module = import_module("mujoco")

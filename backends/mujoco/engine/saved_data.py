@@ -16,7 +16,7 @@ _FREE = 7  # coordinates of a body that moves as it will
 
 
 def saved(model: Any, data: Any) -> dict[str, Any]:
-    """All that MuJoCo integrates, and what of it sleeps."""
+    """Return all that MuJoCo integrates, and what of it sleeps."""
     kind = mujoco().mjtState.mjSTATE_INTEGRATION
     values = np.zeros(mujoco().mj_stateSize(model, kind))
     mujoco().mj_getState(model, data, values, kind)

@@ -163,7 +163,7 @@ class WorldSpec:
 
 
 def where(pose: Transform) -> dict[str, Any]:
-    """A pose (4, 4) as MuJoCo wants it."""
+    """Return a pose (4, 4) as MuJoCo wants it."""
     return {"pos": pose[:3, 3], "quat": quaternion(pose)}
 
 

@@ -97,7 +97,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def links_behind(self, joint: str) -> set[int]:
-        """The engine's numbers of the links that a joint moves."""
+        """Return the engine's numbers of the links that a joint moves."""
 
     def planar_drive(self) -> PlanarDrive:
         """Return what pushes a base that drives in any direction.

@@ -103,13 +103,15 @@ class Engine(ABC):
 
     @abstractmethod
     def add_floor(self, friction: float) -> int:
-        """A plane through the origin."""
+        """Return a plane through the origin."""
 
     @abstractmethod
     def add_box(
         self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
-        """A box that nothing moves; only one that `moves` may be put elsewhere. `material` is for people."""
+        """Return a box that nothing moves; only one that `moves` may be put elsewhere. `material` is for
+        people.
+        """
 
     @abstractmethod
     def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
@@ -128,7 +130,7 @@ class Engine(ABC):
 
     @abstractmethod
     def add_thing(self, form: ThingForm) -> int:
-        """A rigid body that moves as it will."""
+        """Return a rigid body that moves as it will."""
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:

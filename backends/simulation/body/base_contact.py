@@ -47,7 +47,7 @@ def _clearance(scene: Scene, x: float, y: float) -> tuple[float, str]:
 
 
 def _nearest_free(scene: Scene, start: Pose2, end: Pose2) -> Pose2:
-    """The last free position on the straight way; the turn is made in full."""
+    """Return the last free position on the straight way; the turn is made in full."""
     radius, free, blocked = scene.robot.footprint_radius_m, 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (free + blocked) / 2

@@ -78,7 +78,7 @@ def _for_coal(pose: Transform) -> object:
 
 
 def fcl_body(shape: Shape) -> object:
-    """A shape as FCL's geometry, about the origin of its frame."""
+    """Return a shape as FCL's geometry, about the origin of its frame."""
     match shape:
         case Box():
             return fcl.Box(*shape.size)

@@ -175,7 +175,7 @@ class SimulatedGripper(Gripper):
 
     @abstractmethod
     def true_width(self) -> float:
-        """The opening, in [m]."""
+        """Return the opening, in [m]."""
 
     @override
     def command(self) -> float:

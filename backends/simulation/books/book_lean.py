@@ -40,7 +40,9 @@ def lean_in_row(
 
 
 def _until_met(book: SimulatedBook, middle: float, row: Sequence[Member], side: float) -> float:
-    """The angle at which a book that tips over to a side (1: left) meets something, at most a right angle."""
+    """Return the angle at which a book that tips over to a side (1: left) meets something, at most a right
+    angle.
+    """
     beside = [(_gap(each, middle, side) - book.thickness / 2, each.top) for each in row]
     gap, top = min((each for each in beside if each[0] > -book.thickness / 2), default=(math.inf, 0.0))
     gap = max(0.0, gap)

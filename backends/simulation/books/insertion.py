@@ -59,7 +59,7 @@ class Entrance:
         edge: tuple[float, float, float],
         thickness: float,
     ) -> Entry | None:
-        """The entry after a motion; `edge` is (x, y, yaw) in S of the leading edge's middle."""
+        """Return the entry after a motion; `edge` is (x, y, yaw) in S of the leading edge's middle."""
         x, y, yaw = edge
         if entry is not None:
             return None if x < entry.slot.front - _OUT else entry

@@ -101,7 +101,7 @@ def _to_row(lateral: float, thickness: float, eye: float) -> float:
 
 
 def _held_inside(books: BooksThere, shelf: SimulatedShelf) -> SimulatedBook | None:
-    """The held book, if it reaches into the shelf: its neighbours may hide it."""
+    """Return the held book, if it reaches into the shelf: its neighbours may hide it."""
     held = books.scene.held
     return held if isinstance(held, SimulatedBook) and _reaches_in(held, shelf) else None
 

@@ -71,7 +71,7 @@ class Push(NamedTuple):
 
 
 def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> list[Member]:
-    """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
+    """Return the row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
         Member(*each.sides, each.front, each.book.height, each.book)

@@ -45,7 +45,7 @@ class SimulatedShelf:
         """y in S of the book end's left face, in [m]; it reaches to the right panel."""
 
     def standing(self) -> Iterator[tuple[BookSpec, float]]:
-        """The books of the file, each with y in S of its middle, in [m]."""
+        """Yield the books of the file, each with y in S of its middle, in [m]."""
         left = self.half_width
         for entry in self.spec.books:
             if isinstance(entry, GapSpec):
@@ -55,7 +55,7 @@ class SimulatedShelf:
                 left -= entry.thickness_mm / 1e3
 
     def parts(self) -> dict[str, Box]:
-        """All that is solid but the books, posed in the world, by the part's name."""
+        """Return all that is solid but the books, posed in the world, by the part's name."""
         half, outer = self.half_width, self.half_width + PANEL_THICKNESS_M
         low = min(self.spec.closed_from_m - self.spec.board_m, -BOARD_THICKNESS_M - BACK_THICKNESS_M)
         bounds = {

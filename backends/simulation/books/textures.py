@@ -62,9 +62,9 @@ def draw_spine(
     """A spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm` pixels a
     mm.
 
-    `font` is the path of a TTF or the name of one of matplotlib's. `smear` makes the tag unreadable. `seed`
-    decides the cover's grain, bands and title, `family` which tag it is; `label_mm` and `lines` are of the
-    label. Raises ValueError where tag or label don't fit the spine.
+    `font` is the path of a TTF or the name of one of matplotlib's. `smear` makes the tag unreadable.
+    `seed` decides the cover's grain, bands and title, `family` which tag it is; `label_mm` and `lines` are
+    of the label. Raises ValueError where tag or label don't fit the spine.
     """
     tag_room = TAG_SIZE_MM + 2 * TAG_QUIET_MM if tag_id is not None else 0.0
     if width_mm < max(tag_room, label_mm) or height_mm < 2 * LABEL_LENGTHS_MM[1]:

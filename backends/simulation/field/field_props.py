@@ -74,7 +74,7 @@ class FieldProps(Props[FieldSection]):
         self._seat(self.sensors[name])
 
     def waiting(self) -> Sensor | None:
-        """The sensor that the magazine holds between the fingers."""
+        """Return the sensor that the magazine holds between the fingers."""
         sensor = self.sensors.get(str(self.loaded))
         return sensor if sensor is not None and sensor.rest is Rest.TRAY else None
 

@@ -54,6 +54,8 @@ def _branch(seed: int, purpose: str, period: int) -> int:
 
 @lru_cache(maxsize=64)
 def _stream(seed: int, purpose: str) -> tuple[np.random.Generator, dict[str, Any]]:
-    """A generator, and its state before anything is drawn: setting it is faster than making another."""
+    """Return a generator, and its state before anything is drawn: setting it is faster than making
+    another.
+    """
     rng = keyed(seed, purpose)
     return rng, dict(rng.bit_generator.state)

@@ -51,7 +51,7 @@ class Painted(NamedTuple):
 
 
 def paint_thing(thing: Thing) -> Painted:
-    """A box in its grey, with what is printed on its sides."""
+    """Return a box in its grey, with what is printed on its sides."""
     return Painted(thing.box().pose[:3, 3], partial(_thing, thing=thing))
 
 

@@ -41,7 +41,7 @@ class Contact(NamedTuple):
 
 
 def level(x: float, y: float) -> float:
-    """The height of a floor."""
+    """Return the height of a floor."""
     return 0.0
 
 
@@ -162,7 +162,7 @@ class Scene:
         return kind.none_in(self) if found is None else found
 
     def things(self) -> list[Thing]:
-        """All that hands can carry."""
+        """Return all that hands can carry."""
         return [thing for props in self.props.values() for thing in props.things()]
 
     def props_of(self, thing: Thing) -> SceneProps:

@@ -60,7 +60,7 @@ def room_of(world: WorldFile) -> list[Solid]:
 
 
 def of_wall(wall: Wall, index: int) -> Solid:
-    """A wall, ends included."""
+    """Return a wall, ends included."""
     (ax, ay), (bx, by) = wall.from_m, wall.to_m
     pose = Pose2((ax + bx) / 2, (ay + by) / 2, math.atan2(by - ay, bx - ax)).lift(WALL_HEIGHT / 2)
     length = math.hypot(bx - ax, by - ay) + wall.thickness_m
@@ -68,7 +68,7 @@ def of_wall(wall: Wall, index: int) -> Solid:
 
 
 def of_furniture(piece: Furniture) -> Solid:
-    """A piece of furniture, or a surprise with its times."""
+    """Return a piece of furniture, or a surprise with its times."""
     middle = piece.above_m + piece.size_m[2] / 2
     pose = Pose2(piece.x_m, piece.y_m, math.radians(piece.heading_deg)).lift(middle)
     box = Box(pose, piece.size_m, piece.name)
@@ -79,7 +79,7 @@ def of_furniture(piece: Furniture) -> Solid:
 
 
 def of_table(table: TableSpec) -> tuple[Solid, Solid]:
-    """A table's pedestal and slab."""
+    """Return a table's pedestal and slab."""
     pose = Pose2(table.x_m, table.y_m, math.radians(table.heading_deg))
     length, width, top = table.size_m
     under = top - table.slab_m

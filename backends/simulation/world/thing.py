@@ -98,7 +98,7 @@ class Thing(ABC):
         return {}
 
     def box(self) -> Box:
-        """The solid, posed in the world."""
+        """Return the solid, posed in the world."""
         return Box(self.pose @ self.thing_T_middle, self.size, self.name)
 
     def tilt(self) -> float:

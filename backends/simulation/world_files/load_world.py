@@ -42,7 +42,9 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
-    """The file as it is, with the place of each value, and what `load_world` gives; raises `FileError`."""
+    """Return the file as it is, with the place of each value, and what `load_world` gives; raises
+    `FileError`.
+    """
     loaded = load_document(read_document(path), world_model())
     world = loaded.value
     if world.map is None:

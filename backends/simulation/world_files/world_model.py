@@ -24,7 +24,7 @@ def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
 
 
 def world_model() -> type[WorldFile]:
-    """The model of a world's file; it is one of each domain's `Props.section` as well.
+    """Return the model of a world's file; it is one of each domain's `Props.section` as well.
 
     Raises:
         ValueError: two domains want the same key, or name a validator alike; or a key has no default.

@@ -63,7 +63,7 @@ class Batch:
         return f"faults in action {self.action}, part {self.part + 1} of {self.parts}"
 
     def __call__(self) -> list[FaultTrial]:
-        """All trials."""
+        """Return all trials."""
         return list(self.trials())
 
     def trials(self) -> Iterator[FaultTrial]:

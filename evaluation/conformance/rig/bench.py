@@ -31,7 +31,7 @@ class KitBench:
         return load_robot(self.robot)
 
     def rig(self, seed: int = 0) -> Rig:
-        """A robot in the world, at its start."""
+        """Return a robot in the world, at its start."""
         rig = build_rig(self.files, self.robot, self.backend, seed)
         if self.liar is None:
             return rig
@@ -44,7 +44,7 @@ class KitBench:
 
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:
-    """The liar with that name around a backend."""
+    """Return the liar with that name around a backend."""
     from .backend_liars import BACKEND_LIARS
 
     return BACKEND_LIARS[name](backend, spec)

@@ -47,7 +47,7 @@ class TooFewPlacements(Untrackable):
 
 
 def fewest_placements(scores: PlacementScores) -> int:
-    """The smallest number of placements that track the whole path.
+    """Return the smallest number of placements that track the whole path.
 
     Raises:
         Untrackable: none does; the first bad point is named.

@@ -350,7 +350,9 @@ class Placer:
 
 
 def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost: float) -> Division:
-    """The division with the greatest score less `cost` for each placement; raises as `best_division`."""
+    """Return the division with the greatest score less `cost` for each placement; raises as
+    `best_division`.
+    """
     fewest = fewest_placements(scores)
     most = fewest if count is None else count
     if most <= fewest or cost == 0.0:

@@ -241,6 +241,6 @@ def _without(
 
 
 def _joined(goals: Sequence[Goal]) -> ToolPath:
-    """The motions at all goals, one after the other, as far as places around them are asked for."""
+    """Return the motions at all goals, one after the other, as far as places around them are asked for."""
     works = [goal.work for goal in goals]
     return ToolPath(*(np.concatenate(field) for field in zip(*works, strict=True)))

@@ -82,7 +82,7 @@ def fit_spots(ahead: Sequence[SpotShift], left: Sequence[SpotShift], distance: f
 
 
 def _slope(name: str, pairs: Sequence[tuple[float, float]]) -> float:
-    """The slope of a line through the origin."""
+    """Return the slope of a line through the origin."""
     over, value = np.array(pairs, dtype=float).reshape(-1, 2).T
     if float(over @ over) < _LEAST_MOVED**2:
         raise ValueError(f"the spots can't determine {name}: move the hand further, or swing it more often")

@@ -31,7 +31,7 @@ class _Leg:
         )
 
     def seen(self, pose: Pose2) -> Pose2:
-        """The car as the pursuit sees it: backwards, its rear is in front."""
+        """Return the car as the pursuit sees it: backwards, its rear is in front."""
         return Pose2(pose.x, pose.y, wrap(pose.theta + math.pi)) if self.reverse else pose
 
 

@@ -34,7 +34,9 @@ class DriveLimits(NamedTuple):
 
 
 def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
-    """The speed with which to cover `rest` and stop there; works for metres and for radians, with sign."""
+    """Return the speed with which to cover `rest` and stop there; works for metres and for radians, with
+    sign.
+    """
     size = min(most, math.sqrt(2.0 * BRAKING_SHARE * acceleration * abs(rest)), END_APPROACH_RATE * abs(rest))
     return math.copysign(size, rest)
 

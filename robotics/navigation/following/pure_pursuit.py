@@ -75,7 +75,7 @@ class PurePursuit:
         return min(self._speed, speed + self._acceleration * dt, stopping, left / dt)
 
     def _steer(self, pose: Pose2) -> float:
-        """The arc that ends on the path's continuation, by how it differs from the path's own arc."""
+        """Return the arc that ends on the path's continuation, by how it differs from the path's own arc."""
         target = int(np.searchsorted(self._along, self._along[self._at] + self._ahead))
         beyond = self._along[self._at] + self._ahead - self._along[-1]
         point = self._poses[min(target, len(self._poses) - 1)]

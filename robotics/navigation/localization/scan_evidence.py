@@ -254,7 +254,9 @@ def _cost(square: float, scale: float) -> float:
 
 
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
-    """The evidence if the scan before said so too: grain is taken for more than that only now and then."""
+    """Return the evidence if the scan before said so too: grain is taken for more than that only now and
+    then.
+    """
     if before is None or before.share > 0.0:
         return seen
     return (

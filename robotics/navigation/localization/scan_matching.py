@@ -104,7 +104,7 @@ def match_scan(
     map_error: FloatArray | None = None,
     before: ScanEvidence | None = None,
 ) -> ScanMatch:
-    """The pose from which the scan looks like the map.
+    """Return the pose from which the scan looks like the map.
 
     Args:
         field: of the map.
@@ -112,7 +112,8 @@ def match_scan(
         prior: map_T_base as odometry has it.
         prior_covariance: (3, 3) of the prior, in [m, m, rad].
         sigma: noise of a range, in [m].
-        anneal: start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks slowly and
+        anneal: start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks slowly
+            and
             the prior counts only at the end.
         map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; zero if None.
         before: evidence of the scan before, at about the same place, which has to confirm this one's.

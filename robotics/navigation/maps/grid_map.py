@@ -91,7 +91,7 @@ def from_ros(
     free_thresh: float,
     negate: bool = False,
 ) -> GridMap:
-    """A map from a ROS map picture by nav2's trinary rule.
+    """Return a map from a ROS map picture by nav2's trinary rule.
 
     Args:
         image: (h, w) grey, row 0 on top, as in the file.
@@ -129,7 +129,7 @@ def from_boxes(
     origin: tuple[float, float],
     size: tuple[float, float],
 ) -> GridMap:
-    """A map on which every cell that a box overlaps is occupied and all others are free.
+    """Return a map on which every cell that a box overlaps is occupied and all others are free.
 
     Overlap, not "centre inside": a surface then lies in its cell, on average at its centre, which is where
     scan matching and planning read it.

@@ -137,7 +137,7 @@ class FieldKalman:
         return self._origin.relative_pose(self.belief)
 
     def smoothed(self) -> list[Belief]:
-        """The marked moments by all that was seen so far; none without a record."""
+        """Return the marked moments by all that was seen so far; none without a record."""
         return [] if self._record is None else self._record.smoothed()
 
     @property

@@ -182,7 +182,7 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _estimate(self) -> Pose2:
-        """The filter's pose at its last step."""
+        """Return the filter's pose at its last step."""
 
     @abstractmethod
     def _advance(self, advance: Advance) -> None:

@@ -159,7 +159,7 @@ class GpsFilter(FieldLocalizer):
         return self._mixed([each.mark() for each in self.filters])
 
     def smoothed(self) -> list[Belief]:
-        """The marked moments by all that was seen so far; none without a record."""
+        """Return the marked moments by all that was seen so far; none without a record."""
         each = [one.smoothed() for one in self.filters]
         return [self._mixed(list(moment)) for moment in zip(*each, strict=True)]
 

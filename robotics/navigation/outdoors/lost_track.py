@@ -57,7 +57,8 @@ class LostTrack:
                 count -= 1
 
     def found(self, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
-        """A pose that explains the refused fixes, of `sigma` [m] an axis, better than `estimate`, or None.
+        """Return a pose that explains the refused fixes, of `sigma` [m] an axis, better than `estimate`, or
+        None.
 
         `heading_sigma` of the estimate, in [rad].
         """

@@ -34,7 +34,7 @@ class Sky(NamedTuple):
         variance: float,
         log_share: float,
     ) -> Sky:
-        """The likelihood by a change whose share has that logarithm.
+        """Return the likelihood by a change whose share has that logarithm.
 
         `rows` (2, 13) is how a fix depends on the states, `variance` its own an axis, in [m²].
         """

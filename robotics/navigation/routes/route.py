@@ -83,24 +83,27 @@ def plan_route(
     least: float = 0.0,
     rounding: float = 1.0,
 ) -> Route | None:
-    """A short way that keeps away from obstacles.
+    """Return a short way that keeps away from obstacles.
 
-    Start and goal join the graph where they see it (or by a shortest path where they don't), Dijkstra finds
-    the way between, shortcuts straighten it and its corners are rounded. Every line is followed from cell to
-    cell and its distance to blocked squares is exact, so what the route says of its clearance holds.
+    Start and goal join the graph where they see it (or by a shortest path where they don't), Dijkstra
+    finds the way between, shortcuts straighten it and its corners are rounded. Every line is followed from
+    cell to cell and its distance to blocked squares is exact, so what the route says of its clearance
+    holds.
 
     Args:
         graph: of the map and the robot.
         start: only x and y count, in [m].
         goal: only x and y count, in [m].
-        reach: how far outside the graph's free component start and goal may be, in [m], rounded up to whole
+        reach: how far outside the graph's free component start and goal may be, in [m], rounded up to
+            whole
             cells: localisation noise, a place close to furniture.
         least: clearance without which a route is refused, in [m]: the footprint's radius, say, where the
             graph was grown by more.
         rounding: length of corners, as a multiple of the usual one; more for faster robots.
 
     Returns:
-        None if start or goal is farther than `reach` from the free component or cut off from it, if they are
+        None if start or goal is farther than `reach` from the free component or cut off from it, if they
+            are
         cut off from each other, or if the way needs less clearance than `least`.
     """
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
@@ -239,7 +242,9 @@ def _node_costs(graph: VoronoiGraph, end: _End, haste: float) -> tuple[FloatArra
 
 
 def _on_one_edge(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> tuple[float, int, int]:
-    """The cheapest way that leaves an edge before reaching a node: cost and which joins; inf if none."""
+    """Return the cheapest way that leaves an edge before reaching a node: cost and which joins; inf if
+    none.
+    """
     table = graph.edges
     best = (math.inf, 0, 0)
     for a, i in enumerate(start.joins.tolist()):

@@ -130,7 +130,7 @@ def shortest_detour(start: FloatArray, goal: FloatArray, discs: FloatArray) -> f
 
 
 def _turning(pose: Pose2, radius: float) -> list[_Circle]:
-    """The two circles that a car at a pose can drive."""
+    """Return the two circles that a car at a pose can drive."""
     left = -math.sin(pose.theta), math.cos(pose.theta)
     return [
         _Circle(pose.x + s * radius * left[0], pose.y + s * radius * left[1], radius, s) for s in (1.0, -1.0)

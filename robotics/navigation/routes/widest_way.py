@@ -11,10 +11,10 @@ from handcart.robotics.numerics.compiled import compiled
 def narrowest_spot(
     clearance: SingleArray, start: tuple[int, int], goal: tuple[int, int]
 ) -> tuple[int, int] | None:
-    """The cell (row, column) at which the way with the most room everywhere is narrowest.
+    """Return the cell (row, column) at which the way with the most room everywhere is narrowest.
 
-    Cells are let in from the roomiest on until start and goal are connected (over corners too); the last one
-    is it (a maximum spanning tree's bottleneck; Hu, 1961).
+    Cells are let in from the roomiest on until start and goal are connected (over corners too); the last
+    one is it (a maximum spanning tree's bottleneck; Hu, 1961).
 
     Args:
         clearance: (h, w) of each cell; not above zero where nothing can pass.

@@ -51,11 +51,11 @@ class _Edges(NamedTuple):
 
 
 def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> Pose2 | None:
-    """The bright rectangle of `size` [m] near a guess in the plane, at most 2 mm and 0.04 rad off.
+    """Return the bright rectangle of `size` [m] near a guess in the plane, at most 2 mm and 0.04 rad off.
 
-    The edges are lines in the plane, through points to a fraction of a pixel: lens and perspective are undone
-    by where the image is sampled, not by warping it. None if fewer than three edges are there, if they aren't
-    those of a rectangle of that size within 2 mm, or if what they enclose isn't of one shade.
+    The edges are lines in the plane, through points to a fraction of a pixel: lens and perspective are
+    undone by where the image is sampled, not by warping it. None if fewer than three edges are there, if
+    they aren't those of a rectangle of that size within 2 mm, or if what they enclose isn't of one shade.
     """
     rough = rough_rectangle(view, size, guess, _SIZE_WITHIN, _LEAST_DROP)
     if rough is None:

@@ -18,7 +18,7 @@ _SLOPES: FloatArray = np.arange(-0.045, 0.0451, 0.01)
 def rough_rectangle(
     view: PlaneView, size: tuple[float, float], guess: Pose2, within: float, least: float
 ) -> Rectangle | None:
-    """The rectangle near a guess that is at most 2 mm and 0.04 rad off.
+    """Return the rectangle near a guess that is at most 2 mm and 0.04 rad off.
 
     On each side the innermost step down of `least` grey levels is taken, all sides turned alike. None if
     fewer than three are there, or if opposite ones are not `size` apart, within `within` [m].
@@ -68,7 +68,7 @@ def _top(sharp: FloatArray) -> float:
 def _moved(
     guess: Pose2, half: FloatArray, seen: BoolArray, out: FloatArray, turn: float, within: float
 ) -> Rectangle | None:
-    """The rectangle at a guess, turned, with its edges `out` (4,) [m] further out."""
+    """Return the rectangle at a guess, turned, with its edges `out` (4,) [m] further out."""
     if seen.sum() < 3:
         return None
     out = np.where(seen, out, -np.roll(out, 2))

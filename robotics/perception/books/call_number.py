@@ -43,7 +43,9 @@ class CallNumber:
 
 
 def parse(text: str) -> CallNumber | None:
-    """The call number written in `text`, or None. Spaces and case are forgiven, anything else is not."""
+    """Return the call number written in `text`, or None. Spaces and case are forgiven, anything else is
+    not.
+    """
     match = _PATTERN.fullmatch(text.upper())
     return CallNumber(match[1], match[2] or "", match[3]) if match else None
 

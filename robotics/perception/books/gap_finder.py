@@ -119,7 +119,7 @@ def _at(reading: ShelfReading, place: int) -> float | None:
 
 
 def _best_places(numbers: Sequence[CallNumber | None], wanted: CallNumber) -> list[int]:
-    """The insertion places (0 to n) that leave the most books in order."""
+    """Return the insertion places (0 to n) that leave the most books in order."""
     scores = [
         len(ordered(_only(numbers[:place], below=wanted)))
         + len(ordered(_only(numbers[place:], above=wanted)))
@@ -129,7 +129,7 @@ def _best_places(numbers: Sequence[CallNumber | None], wanted: CallNumber) -> li
 
 
 def _naive_places(numbers: Sequence[CallNumber | None], wanted: CallNumber) -> list[int]:
-    """The places whose next reads on both sides enclose the wanted one."""
+    """Return the places whose next reads on both sides enclose the wanted one."""
     places = []
     for place in range(len(numbers) + 1):
         left = next((n for n in reversed(numbers[:place]) if n is not None), None)
@@ -150,7 +150,7 @@ def _only(
 
 
 def ordered(numbers: Sequence[CallNumber]) -> list[CallNumber]:
-    """A longest non-decreasing subsequence (patience sorting)."""
+    """Return a longest non-decreasing subsequence (patience sorting)."""
     tops: list[CallNumber] = []
     chains: list[tuple[CallNumber, ...]] = []
     for number in numbers:
@@ -172,7 +172,7 @@ def _neighbours(
 def _misplaced(
     numbers: Sequence[CallNumber | None], wanted: CallNumber, place: int
 ) -> tuple[CallNumber, ...]:
-    """The reads that are in no longest order around the place."""
+    """Return the reads that are in no longest order around the place."""
     in_order = [
         *ordered(_only(numbers[:place], below=wanted)),
         *ordered(_only(numbers[place:], above=wanted)),

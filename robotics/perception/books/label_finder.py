@@ -22,8 +22,9 @@ _SQUARE = 8  # the weight of being square against that of being large
 def find_labels(
     image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, mask: BoolArray | None = None
 ) -> list[LabelBox]:
-    """The labels wholly in view, from left to right. Arguments as for flat_view; `camera_T_shelf` may be a
-    few millimetres and degrees off. On a cover as bright as paper no label shows: any print there counts.
+    """Return the labels wholly in view, from left to right. Arguments as for flat_view; `camera_T_shelf` may
+    be a few millimetres and degrees off. On a cover as bright as paper no label shows: any print there
+    counts.
     """
     view = flat_view(image, camera, camera_T_shelf, mask)
     best: dict[tuple[int, int], tuple[float, LabelBox]] = {}

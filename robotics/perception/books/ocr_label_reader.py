@@ -69,7 +69,9 @@ def _session(threads: int) -> onnxruntime.InferenceSession:
 
 
 def _model_file() -> Path:
-    """The recogniser inside the installed rapidocr. Importing rapidocr itself would set up its loggers."""
+    """Return the recogniser inside the installed rapidocr. Importing rapidocr itself would set up its
+    loggers.
+    """
     spec = find_spec("rapidocr")
     assert spec is not None
     assert spec.origin is not None

@@ -86,7 +86,7 @@ def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
 
 
 def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
-    """The call number that several readings of one label speak for, and its share of their confidence.
+    """Return the call number that several readings of one label speak for, and its share of their confidence.
 
     None when nothing was read, or when the best has no more than half of what was.
     """

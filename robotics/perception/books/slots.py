@@ -114,7 +114,9 @@ class OffsetView(NamedTuple):
 def _best_pair(
     views: Sequence[SpineView], offsets: Sequence[float], interval: Gap
 ) -> tuple[OffsetView, OffsetView] | None:
-    """The two views of an interval from nearest before it, neither from the same place nor from far apart."""
+    """Return the two views of an interval from nearest before it, neither from the same place nor from far
+    apart.
+    """
     middle = (interval.left + interval.right) / 2
     placed = [OffsetView(view, offset) for view, offset in zip(views, offsets, strict=True)]
     seeing = [each for each in placed if each.shows(interval)]

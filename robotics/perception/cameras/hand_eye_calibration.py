@@ -107,7 +107,7 @@ def _check(views: Sequence[HandEyeView]) -> None:
 def _best_start(
     views: Sequence[HandEyeView], boards: Sequence[PosedBoard]
 ) -> tuple[str, tuple[Transform, Transform]]:
-    """The closed form from which the views put the board most alike, with where that is."""
+    """Return the closed form from which the views put the board most alike, with where that is."""
     starts = []
     for method in HAND_EYE_METHODS:
         hand_T_camera = closed_form(
@@ -144,7 +144,7 @@ def _off(
 def _arm_error(
     views: Sequence[HandEyeView], boards: Sequence[PosedBoard], poses: tuple[Transform, Transform]
 ) -> float:
-    """A first guess, in [m]."""
+    """Return a first guess, in [m]."""
     return max(_LEAST_ARM_ERROR, float(np.sqrt(np.mean(_off(views, boards, poses)[:, :3] ** 2))))
 
 

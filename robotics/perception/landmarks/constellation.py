@@ -103,7 +103,7 @@ def explain(
 
 
 def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
-    """The best one, then those which have the base elsewhere and are hardly less likely."""
+    """Return the best one, then those which have the base elsewhere and are hardly less likely."""
     best = explanations[0]
     close = [each for each in explanations if each.score > best.score - MIN_LOG_RATIO]
     return [best, *(each for each in close if each.rivals(best))]

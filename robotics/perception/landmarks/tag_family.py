@@ -46,7 +46,7 @@ CORRECTING_FAMILIES: tuple[TagFamily, ...] = (
 
 @cache
 def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
-    """The tags of a family. Raises ValueError for none."""
+    """Return the tags of a family. Raises ValueError for none."""
     if family not in get_args(TagFamily):
         raise ValueError(f"there is no family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{family.upper()}"))
