@@ -51,7 +51,7 @@ class Patient(Pace):
 
 
 def on_bus(channel: str, period: float) -> RobotFile:
-    """The librarian with its drives on a virtual bus of that name."""
+    """Return the librarian with its drives on a virtual bus of that name."""
     robot = load_robot("librarian")
     assert robot.can is not None
     spec = robot.can.model_copy(update={"interface": "virtual", "channel": channel})

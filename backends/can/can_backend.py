@@ -221,7 +221,7 @@ class CanBackend(Backend):
                 self._pace.begin()
 
     def watch(self, beat: bool = True) -> None:
-        """A period without commands and checks: to see how enabled drives stop by themselves.
+        """Let a period pass without commands and checks, to see how enabled drives stop by themselves.
 
         Args:
             beat: whether our heartbeat is sent.
@@ -305,7 +305,7 @@ class CanBackend(Backend):
             raise
 
     def _stop_for_good(self) -> None:
-        """Nothing that is queued may move the robot any more; an interface that fails can't be asked.
+        """Stop all axes for good: drop queued frames; an interface that fails is not asked.
 
         Each step is done whatever the one before it has raised.
         """

@@ -45,7 +45,7 @@ class CanParts:
         return tuple(each for each in (self.base, self.arm, self.gripper) if each is not None)
 
     def begin(self) -> None:
-        """The drives are about to be enabled."""
+        """Prepare for the drives being enabled."""
         for each in (self.arm, self.gripper):
             if each is not None:
                 each.begin()

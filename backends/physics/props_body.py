@@ -33,10 +33,10 @@ class PropsBody:
         self.props, self.pieces = props, pieces
 
     def step(self) -> None:
-        """A period begins; `Props.step` was asked before."""
+        """Begin a period, after `Props.step`."""
 
     def act(self) -> None:
-        """A chunk of the period begins."""
+        """Begin a chunk of the period."""
 
     def end(self) -> None:
         """Act at the end of a period, before things are located."""

@@ -85,7 +85,7 @@ def share_walked(words: str, trials: WalkedTrials) -> float:
 
 
 def exact_and_many(folder: Path) -> None:
-    """The network alone."""
+    """Compare exact and sampled values of the network alone."""
     path = walk(folder)
     share, exact = share_walked("walks through a network", network_trials(path, {})), exact_goal(path, {})
     assert isinstance(exact, float)

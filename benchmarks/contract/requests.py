@@ -89,7 +89,7 @@ class Asked:
         return any(not isinstance(each.outcome, Success) for each in ended)
 
     def look(self, robot: Any, end: RunEnd | None) -> None:
-        """A period has passed, or the run has ended."""
+        """Update after a period, or after the end of the run."""
         self.periods += 1
         {
             Request.STOP: self._stop,

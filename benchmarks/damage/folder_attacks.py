@@ -68,12 +68,12 @@ def nothing(scene: Scene) -> None:
 
 
 def flip_journal(scene: Scene) -> None:
-    """A few bits of the journal are others."""
+    """Flip a few bits of the journal."""
     _flip(scene, JOURNAL_FILE)
 
 
 def flip_checkpoint(scene: Scene) -> None:
-    """A few bits of the checkpoint are others."""
+    """Flip a few bits of the checkpoint."""
     _flip(scene, CHECKPOINT_FILE)
 
 
@@ -96,7 +96,7 @@ def flip_newline(scene: Scene) -> None:
 
 
 def truncate(scene: Scene) -> None:
-    """A file ends too soon."""
+    """Cut a file short."""
     name = scene.rng.choice((JOURNAL_FILE, JOURNAL_FILE, CHECKPOINT_FILE, "telemetry.npz", "summary.json"))
     content = scene.bytes_of(name)
     if content:
@@ -104,7 +104,7 @@ def truncate(scene: Scene) -> None:
 
 
 def cut(scene: Scene) -> None:
-    """The journal's last records are missing, its checkpoint is still there."""
+    """Remove the journal's last records, and keep its checkpoint."""
     lines = bytes(scene.bytes_of(JOURNAL_FILE)).splitlines(keepends=True)
     (scene.folder / JOURNAL_FILE).write_bytes(b"".join(lines[: scene.rng.randrange(len(lines))]))
 
@@ -118,7 +118,7 @@ def tail(scene: Scene) -> None:
 
 
 def swap(scene: Scene) -> None:
-    """A file of another run, or of another action, lies there."""
+    """Replace a file by that of another run or of another action."""
     name = scene.rng.choice((CHECKPOINT_FILE, CHECKPOINT_FILE, CHECKPOINT_FILE, JOURNAL_FILE))
     other = scene.other(name)
     if other is not None:
@@ -162,7 +162,7 @@ def pickled(scene: Scene) -> None:
 
 
 def link(scene: Scene) -> None:
-    """A name in the folder leads out of it."""
+    """Let a name in the folder lead out of it."""
     name = scene.rng.choice(
         (*_FILES, *_ALSO, f"{JOURNAL_FILE}.torn-{len(scene.bytes_of(JOURNAL_FILE))}", "evidence/x.npz")
     )
@@ -197,7 +197,7 @@ def special(scene: Scene) -> None:
 
 
 def huge(scene: Scene) -> None:
-    """A file of many gigabytes, or one that unpacks to them; lists in lists in lists."""
+    """Write a file of many gigabytes, or one that unpacks to them, or deeply nested lists."""
     kind = scene.rng.randrange(4)
     if kind == 0:
         with (scene.folder / scene.rng.choice((JOURNAL_FILE, CHECKPOINT_FILE))).open(
@@ -250,7 +250,7 @@ def forged_order(scene: Scene) -> None:
 
 
 def forged_header(scene: Scene) -> None:
-    """The journal is of another version, task, robot or backend, and its chain whole."""
+    """Forge a journal of another version, task, robot or backend with a valid chain of checksums."""
     keys = ("schema", "handcart", "task_path", "settings", "backend", "bench", "seed", "errors", "start")
     key = scene.rng.choice((*keys, "network", "robot_sha256", "simulated", "plan_on", "robot"))
     odd = (
@@ -287,7 +287,7 @@ def forged_state(scene: Scene) -> None:
 
 
 def forged_engine(scene: Scene) -> None:
-    """The engine's own part of the checkpoint isn't what the engine wrote."""
+    """Forge the engine's own part of the checkpoint."""
     if not (scene.folder / CHECKPOINT_FILE).is_file():
         return
 

@@ -105,7 +105,7 @@ def _doubled(content: bytes, rng: random.Random) -> bytes:
 
 
 def _renumbered(content: bytes, rng: random.Random) -> bytes:
-    """A number in a text is another one."""
+    """Replace a number in a text by another one."""
     found = [each.span() for each in re.finditer(rb"-?[0-9][0-9.]*", content[:20_000])]
     if not found:
         return content

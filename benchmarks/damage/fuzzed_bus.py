@@ -57,7 +57,7 @@ class Noise:
         self._heard: deque[can.Message] = deque(maxlen=_KEPT)
 
     def note(self, frame: can.Message) -> None:
-        """A real frame has passed."""
+        """Note a real frame."""
         self._heard.append(frame)
 
     def frame(self) -> can.Message:

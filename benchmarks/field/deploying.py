@@ -84,7 +84,7 @@ class Watcher(RunObserver):
         self.met = 0
 
     def period(self, robot: Robot) -> None:
-        """A period has passed."""
+        """Update after a period."""
         scene = self._scene
         speed, turn = robot.driven
         steering = round(math.atan(WHEELBASE_M * turn / speed) / STEERING_STEP_RAD) if speed else 0

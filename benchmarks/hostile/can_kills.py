@@ -61,7 +61,7 @@ class Kill:
 
 
 def reachable(robot: RobotFile) -> RobotFile:
-    """The robot with its drives on the bench's bus."""
+    """Return the robot with its drives on the bench's bus."""
     assert robot.can is not None
     spec = robot.can.model_copy(update={"interface": "udp_multicast", "channel": MULTICAST_CHANNEL})
     return robot.model_copy(update={"can": spec})
@@ -74,7 +74,7 @@ def motion(seed: int) -> tuple[float, float]:
 
 
 def drive_until_killed(moving: Event, seed: int) -> None:
-    """The program: drives to and fro until it is killed."""
+    """Drive to and fro until the process is killed."""
     robot = reachable(load_robot(ROBOT_NAME))
     backend = CanBackend.build(robot, None, 0)
     base = backend.get(Base)  # type: ignore[type-abstract]
@@ -93,7 +93,7 @@ def drive_until_killed(moving: Event, seed: int) -> None:
 
 @contextmanager
 def bench(log: Path) -> Iterator[None]:
-    """The drives, as a process of their own."""
+    """Run the drives as a process of their own."""
     words = [ROBOT_NAME, "--channel", MULTICAST_CHANNEL, "--log", str(log)]
     with subprocess.Popen(
         [sys.executable, "-m", "handcart", "bench", *words], stdout=subprocess.PIPE

@@ -15,7 +15,7 @@ from .wall_planning import WallPlan
 
 
 def draw_wall(plan: WallPlan, radius: float, target: Path) -> None:
-    """The floor from above with the stops, and the wall from its front with the blocks' numbers.
+    """Draw the floor from above with the stops, and the front of the wall with the numbers of the blocks.
 
     Args:
         plan: of the wall.

@@ -25,7 +25,9 @@ TRIED_TILTS_RAD = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.
 
 
 def tag(bench: KitBench, finding: CheckResult) -> None:
-    """The tag on a book's spine is seen where it projects, by the true joints and the camera's model."""
+    """Check that the tag on a book's spine is seen where the true joints and the camera's model project
+    it.
+    """
     errors = np.vstack([_tag_errors(bench, seed) for seed in TRIED_SEEDS])
     if not len(errors):
         raise Skipped("no tag could be read")

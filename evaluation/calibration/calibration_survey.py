@@ -56,7 +56,7 @@ class CalibrationSurvey(FiguresSurvey):
         return []
 
     def _take(self, do: str, found: Mapping[str, Calibrated]) -> None:
-        """The figures of a calibration that has succeeded."""
+        """Record the figures of a successful calibration."""
         spec = self.run.spec
         if do == CAMERA and spec.hand_camera is not None:
             self._figures |= camera_figures(spec, spec.hand_camera, self.run.seed, found)

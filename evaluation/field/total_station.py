@@ -48,7 +48,7 @@ class TotalStation:
         """Number of readings at which the reflector was hidden."""
 
     def look(self) -> None:
-        """A period has passed."""
+        """Update after a period."""
         if (count := self._due()) <= self._count:
             return
         self._count = count

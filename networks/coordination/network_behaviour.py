@@ -25,7 +25,7 @@ class NetworkBehaviour(Behaviour):
     """
 
     def __init__(self, name: str, robot: Robot, make: Callable[[], Coordinator]) -> None:
-        """A behaviour that hasn't started.
+        """Create a behaviour that has not started.
 
         Args:
             name: in the tree.

@@ -88,7 +88,7 @@ class Supervision:
     def __init__(
         self, robot: Robot, life: RunLife, on_stop: Callable[[str, float], None] = lambda cause, asked: None
     ) -> None:
-        """Nothing is asked for yet; `on_stop` hears of each stop: why, and when it was asked for, in [s]."""
+        """Begin without a request; `on_stop` is called with the reason and the time in [s] of each stop."""
         self._requests: deque[PendingRequest] = deque()
         self._stop: tuple[Request, float] | None = None  # waits in no queue
         self._robot = robot

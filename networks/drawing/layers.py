@@ -125,7 +125,7 @@ def _ranks(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) ->
 
 
 def _chain(number: int, edge: LayerEdge, rank: Mapping[Key, int]) -> list[Key]:
-    """The edge's ends, and between them the columns that it passes: back those of its ends as well."""
+    """Return the ends of an edge, and between them the columns that it passes, those of its ends included."""
     a, b = rank[edge.source], rank[edge.target]
     passed = range(a + 1, b) if b > a else range(a, b - 1, -1)
     return [edge.source, *(_Lane(number, column) for column in passed), edge.target]

@@ -51,7 +51,7 @@ class FlightRecorder(RunObserver):
     """
 
     def __init__(self, run_dir: Path, robot: Robot, seconds: float = KEPT_TIME_S) -> None:
-        """Nothing is read yet; the last `seconds` of the robot's time are kept."""
+        """Begin without readings; the last `seconds` of robot time are kept."""
         self._folder = run_dir / EVIDENCE_FOLDER
         self._rows: deque[Row] = deque(maxlen=max(1, round(seconds / robot.period)))
         self._decided: list[Row] = []

@@ -123,7 +123,7 @@ class PickUpBlock(ActionPrimitive):
         self.found(width_mm=round(1e3 * robot.gripper.width(), 2))
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """A block that slips out of the hand."""
+        """Raise a Discrepancy if the block slips out of the hand."""
         if self._held and not robot.gripper.closed_on_something():
             raise Discrepancy(
                 "the block slipped out of the hand",
@@ -132,7 +132,7 @@ class PickUpBlock(ActionPrimitive):
             )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The fingers press on something as long as a block."""
+        """Return whether the fingers press on something as long as a block."""
         return _grips(robot, building(model))
         yield
 

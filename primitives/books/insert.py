@@ -171,7 +171,7 @@ class Insert(HeldBookPrimitive):
         return pushed
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """A book that slips out of the hand."""
+        """Raise a Discrepancy if the book slips out of the hand."""
         if self._base_T_end is not None and not robot.gripper.closed_on_something():
             raise Discrepancy(
                 "the book slipped out of the hand",

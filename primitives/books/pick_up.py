@@ -170,7 +170,7 @@ class PickUp(TreePrimitive):
         yield
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """A book that slips out of the hand."""
+        """Raise a Discrepancy if the book slips out of the hand."""
         if self._held and not robot.gripper.closed_on_something():
             raise Discrepancy(
                 "the book slipped out of the hand",
@@ -179,7 +179,7 @@ class PickUp(TreePrimitive):
             )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The fingers press on something as thick as the book."""
+        """Return whether the fingers press on something as thick as the book."""
         books = model.of(Books)
         return books.book is not None and holds(robot, books.book)
         yield

@@ -155,7 +155,9 @@ class Release(HeldBookPrimitive):
         yield from move_straight(robot, self._shelf @ goal)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The book's label is read in its slot, between the right neighbours; then the arm is put away."""
+        """Return whether the book's label is read in its slot, between the right neighbours; then put the arm
+        away.
+        """
         if model.of(Books).book is None:
             return False
         yield

@@ -272,7 +272,7 @@ class Search(ActionPrimitive):
         )
 
     def _decided_by(self, found: NoGap) -> None:
-        """The view that shows most nearly in its middle where the book belongs decided."""
+        """Choose as decisive the view that has the book's place nearest to its middle."""
         if found.at is not None:
             middles = [abs((view.left + view.right) / 2 - found.at) for view in self._views]
             self.evidence.decisive = f"view_{1 + int(np.argmin(middles))}"

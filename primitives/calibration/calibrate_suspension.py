@@ -101,7 +101,7 @@ class CalibrateSuspension(ActionPrimitive):
         self._tell(yaw, fit, len(sightings) + headings.size)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """A block that slips out of the hand."""
+        """Raise a Discrepancy if the block slips out of the hand."""
         if not robot.gripper.closed_on_something():
             width = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
             raise Discrepancy("the block slipped out of the hand", measured=width, cause=causes.SLIPPED)
@@ -115,7 +115,7 @@ class CalibrateSuspension(ActionPrimitive):
         )
 
     def _look_around(self, robot: Robot, scene: HandSurroundings) -> Generator[None, None, list[Sighting]]:
-        """Each landmark from each height, again and again."""
+        """Look at each landmark from each height, repeatedly."""
         reference = robot.base_T("hand")
         sheet_T_map = inverse(scene.marks[0].pose)
         sightings, swings = [], 0

@@ -143,7 +143,7 @@ def _not_begun(primitive: ActionPrimitive, robot: Robot, rests: bool) -> GiveUp:
 
 
 def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Generator[None, None, Outcome]:
-    """A primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
+    """Attempt a primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
     try:
         if unmet := find_unmet(primitive, robot, model):
             raise Discrepancy(unmet, check="precondition", cause=causes.PRECONDITION)

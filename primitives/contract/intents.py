@@ -10,10 +10,10 @@ class Intents:
     """
 
     def intends(self, effect: str) -> None:
-        """An effect is about to begin, such as the fingers closing on something."""
+        """Announce an effect that is about to begin, such as the fingers closing on something."""
 
     def passed(self, what: str) -> None:
-        """A point of no return is passed."""
+        """Announce that a point of no return is passed."""
 
     @property
     def kept(self) -> bool:

@@ -358,7 +358,7 @@ class MoveTo(ActionPrimitive):
         return "the way back" if self._restores else f"the path to {self.place}"
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Nothing but what the arm takes meanwhile."""
+        """Return the contacts of the arm's motion during the drive; the drive itself has none."""
         return model.contacts_on_the_way(self.place) if self.together else ()
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

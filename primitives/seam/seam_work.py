@@ -58,7 +58,7 @@ class SeamWork(NamedTuple):
         return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:
-        """The next part is tracked."""
+        """Note that the next part has been tracked."""
         if self.next is None:
             return self
         end = self.next._replace(first=self.next.last, score=0.0, end=None)

@@ -141,7 +141,7 @@ class Track(ActionPrimitive):
             )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """A base that has driven goes back with the arm folded: the tool would touch what the seam is on."""
+        """Drive a displaced base back with the arm folded, because the tool would touch the work piece."""
         self._at = None
         if self._driven is None:
             yield from retrace(robot, start, trace)

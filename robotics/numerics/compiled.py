@@ -28,7 +28,7 @@ class Kernel:
     """
 
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
-        """Nothing is compiled yet; `options` are numba's."""
+        """Prepare a function for numba without compiling it; `options` are numba's."""
         update_wrapper(self, function)
         self._function, self._options = function, dict(options or {})
 

@@ -91,7 +91,7 @@ def _send(can_id: Callable[[int], int], data: Callable[[int], bytes], times: int
 
 
 def _replay(bench: Bench, drive: DriveNode) -> None:
-    """Its answers of now are sent again in every period, in the place of its own."""
+    """Send the answers of the present period again in every later one, in place of the drive's own."""
     drive.wrong.frozen = True
 
 

@@ -57,7 +57,7 @@ def open_bus(spec: CanSpec) -> can.BusABC:
 
 
 def open_interface(interface: str, channel: str, bitrate: int) -> can.BusABC:
-    """An interface of python-can, its bit rate in [bit/s].
+    """Open an interface of python-can; the bit rate is in [bit/s].
 
     Raises:
         NoInterface: it is missing, down, or of another bit rate.

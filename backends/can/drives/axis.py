@@ -259,12 +259,12 @@ class Axis(canopen.RemoteNode):
     # Its answers
 
     def ask(self) -> None:
-        """A SYNC is about to go out: answers before it don't count any more."""
+        """Prepare for a SYNC: answers that arrived before it no longer count."""
         self._fresh.clear()
         self._asked += 1
 
     def advance(self) -> None:
-        """A period has passed."""
+        """Update after a period."""
         self.expected.advance(self._target, self._top, self.period)
 
     @property

@@ -48,7 +48,7 @@ class PositionJumps:
         return moved - min(max(float(moved), lowest), highest)
 
     def forget(self) -> None:
-        """The axis is at another position, at rest."""
+        """Begin again from another position, at rest."""
         self._speeds.clear()
 
 

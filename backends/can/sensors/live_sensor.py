@@ -19,7 +19,7 @@ class LiveSensor(ABC):
     """
 
     def __init__(self, name: str, stale: float, clock: Clock = time.monotonic) -> None:
-        """Nothing has come yet.
+        """Begin without a reading.
 
         Args:
             name: how people call it.
@@ -37,7 +37,7 @@ class LiveSensor(ABC):
         """Why what comes is not used just now; "" while it is."""
 
     def advance(self) -> None:
-        """A period has passed: take in what has come."""
+        """Read what arrived in the period that has passed."""
         self._now = self._clock()
         self._take_in()
 
@@ -61,5 +61,5 @@ class LiveSensor(ABC):
             raise StaleSensor(self.name, age, self._stale, self.trouble or self.doubt)
 
     def _good(self) -> None:
-        """A good reading has come in this period."""
+        """Note that a good reading arrived in this period."""
         self._came = self._now

@@ -19,7 +19,7 @@ class UtcOrder:
     """
 
     def __init__(self, late: float) -> None:
-        """Nothing has come yet; `late` is how much later than usual a time may come, in [s]."""
+        """Begin without a time; `late` is how much later than usual a time may arrive, in [s]."""
         self._late = late
         self._last: tuple[float, float] | None = None
         """UTC and clock of the last time that counted [s]."""

@@ -74,11 +74,11 @@ class DriveLife:
         self._go("_disable")
 
     def fail(self) -> None:
-        """A fault: its reaction begins."""
+        """Begin the reaction to a fault."""
         self._go("_fail")
 
     def settle(self) -> None:
-        """The motion has come to rest: a reaction to a fault, or a quick stop, may be over."""
+        """End a fault reaction or a quick stop when the motion has come to rest."""
         self._go("_settle")
         if self._state == QUICK_STOP and not self._stays():
             self._go("_disable")

@@ -41,15 +41,15 @@ class DriveMode(ABC):
         self.objects, self.demand = objects, demand
 
     def begin(self) -> None:
-        """The drive is enabled in this mode, or changes to it: it holds."""
+        """Hold the position: the drive was enabled in this mode, or changed to it."""
         return
 
     def control(self, controlword: int, rising: int) -> None:
-        """A controlword has come, with the bits that were not set in the last."""
+        """Handle a controlword, given the bits that were not set in the last one."""
         return
 
     def latch(self) -> None:
-        """A SYNC has come."""
+        """Handle a SYNC."""
         return
 
     @abstractmethod

@@ -56,7 +56,7 @@ class DriveNode(canopen.LocalNode):
     """
 
     def __init__(self, node: int, dictionary: ObjectDictionary | None = None) -> None:
-        """A drive with that node ID, standing at 0; its objects by a maker's EDS, or by our own."""
+        """Create a drive with a node ID, at position 0; its objects are by a maker's EDS, or by our own."""
         self.objects = DriveObjects(node, dictionary)
         super().__init__(node, self.objects.dictionary)
         self.number = node
@@ -115,7 +115,7 @@ class DriveNode(canopen.LocalNode):
         self.position = self.driven = self.demand.position = position
 
     def fail(self, code: int) -> None:
-        """A fault occurs: an EMCY with this error code, and the fault reaction begins."""
+        """Raise a fault: send an EMCY with this error code, and begin the fault reaction."""
         self.objects[0x603F] = code
         self.life.fail()
         self.emcy.send(code, register=1)
@@ -221,7 +221,7 @@ class DriveNode(canopen.LocalNode):
         self.driven = self.demand.position + self.wrong.astray(self.demand.position - before)
 
     def moved(self, position: float, seconds: float, torque: int) -> None:
-        """Its motor has moved to a position, in [counts], in so many [s]."""
+        """Set the position of the motor in [counts], reached in a time in [s]."""
         self.velocity = (position - self.position) / seconds
         self.position, self.torque = position, torque
         off = abs(self.demand.position - position) > self.objects(0x6065)
@@ -256,7 +256,7 @@ class DriveNode(canopen.LocalNode):
                 self._lost(RPDO_LATE)
 
     def _lost(self, code: int) -> None:
-        """The master isn't heard any more: react as 6007h and 1029h:1 say."""
+        """React to a missing master as 6007h and 1029h:1 state."""
         self.emcy.send(code, register=0x11)
         match self.objects(0x6007):
             case 1:

@@ -45,7 +45,7 @@ class BusGuard:
         line.listen(self._hear)
 
     def begin(self) -> None:
-        """The drives are enabled."""
+        """Begin to watch: the drives are enabled."""
         now = self._clock()
         for watch in self._watches:
             watch.begin(now)

@@ -89,7 +89,7 @@ class MujocoEngine(Engine):
         return self._bodies[number, link]
 
     def name_links(self, number: int, bodies: dict[str, int]) -> None:
-        """A body is made of MuJoCo's bodies of these names, each with its number as a link."""
+        """Declare the bodies of MuJoCo that are one body's links, each with its number."""
         model = self.model
         self._links = {model.body(name).id: (number, link) for name, link in bodies.items()}
         self._bodies = {owner: body for body, owner in self._links.items()}

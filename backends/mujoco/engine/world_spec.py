@@ -69,13 +69,13 @@ class WorldSpec:
         self._floor = ""
 
     def floor(self, number: int, friction: float) -> None:
-        """A plane through the origin."""
+        """Add a plane through the origin."""
         kind = mujoco().mjtGeom.mjGEOM_PLANE
         self._floor = f"{number}"
         self.solid(self.spec.worldbody, self._floor, friction, type=kind, size=(0.0, 0.0, 1.0))
 
     def box(self, number: int, box: Box, friction: float, moves: bool) -> None:
-        """A box that nothing moves; one that is put elsewhere is a body of its own."""
+        """Add a box that nothing moves; a box that is moved later is a body of its own."""
         kind, half = mujoco().mjtGeom.mjGEOM_BOX, [size / 2 for size in box.size]
         body, placed = self.spec.worldbody, where(box.pose)
         if moves:

@@ -46,7 +46,7 @@ class Window:
         camera.azimuth = heading + _FROM["azimuth"] - 180.0
 
     def show(self, world_T_base: Transform, period: float) -> None:
-        """A period has passed, in [s]: show where all is, once it has passed here as well."""
+        """Show the present poses, once a period in [s] has passed on the wall clock, too."""
         if not self._handle.is_running():
             return
         if self._stage.count != self._engine.looks.count:

@@ -59,7 +59,7 @@ class PhysicsCar(CommandedBase):
         self.drives.speeds = rims / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """A car's wheels give nothing to a swing of its arm."""
+        """Do nothing: the wheels of a car do not give when its arm swings."""
 
     def act(self) -> None:
         """Command the drives for the next chunk of the period."""

@@ -58,7 +58,7 @@ class PhysicsGripper(SimulatedGripper):
         return self._command > self._target + PRESSING_LEAD_M
 
     def begin(self, period: int) -> None:
-        """A period begins."""
+        """Begin a period."""
         self._now = period
 
     def act(self, share: float) -> None:
@@ -69,7 +69,7 @@ class PhysicsGripper(SimulatedGripper):
         self._joints.stand(np.array([goal, goal]), self._most, FINGER_STEP_RATIO, np.array([rate, rate]))
 
     def end(self) -> None:
-        """A period has ended."""
+        """End a period."""
         self._target += max(-self._step, min(self._step, self._command - self._target))
         width = self.true_width()
         self._target = max(self._target, width - MAX_SET_POINT_LEAD_M)

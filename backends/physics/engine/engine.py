@@ -126,7 +126,7 @@ class Engine(ABC):
 
     @abstractmethod
     def add_sheet(self, sheet: Sheet) -> None:
-        """A printed sheet that can be seen and not touched."""
+        """Add a printed sheet that is visible but cannot be touched."""
 
     @abstractmethod
     def add_thing(self, form: ThingForm) -> int:

@@ -24,7 +24,7 @@ class PhysicsImu(SimulatedImu):
         self._sped = np.zeros(3)
 
     def advance(self, period: int) -> None:
-        """A period has passed."""
+        """Update after a period."""
         super().advance(period)
         place = self._scene.world_T_base[:3, 3].copy()
         speed = (place - self._place) / self._period

@@ -28,7 +28,7 @@ class Terrain:
     """
 
     def __init__(self, engine: Engine, ground: GroundSpec, seed: int) -> None:
-        """Nothing is there yet; see `reach`."""
+        """Create an empty terrain; see `reach`."""
         self._engine = engine
         rng = keyed(seed, "terrain")
         low, high = (math.log(length * ground.roughness_length_m) for length in WAVE_LENGTH_RATIOS)

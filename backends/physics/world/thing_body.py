@@ -88,7 +88,7 @@ class ThingBody:
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:
-        """A period begins: see that it weighs what the thing weighs."""
+        """Begin a period: give the body the mass of the thing."""
         if self.thing.mass != self._mass:
             self._mass = self.thing.mass
             self.engine.weigh(self.id, self._mass)

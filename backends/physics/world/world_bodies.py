@@ -77,7 +77,7 @@ class WorldBodies:
         self.keep_time()
 
     def add(self, thing: Thing) -> None:
-        """A thing as a body where it is."""
+        """Add a body for a thing, at the thing's pose."""
         kind: type[ThingBody] = self.kinds.of(thing, ThingBody)
         made = self.things[thing.name] = kind(self._engine, thing)
         self.bodies[thing.name] = made.id
@@ -87,7 +87,7 @@ class WorldBodies:
             self._weighed.append(made)
 
     def keep_things(self) -> None:
-        """A period begins: things that are new get a body, and all weigh what they weigh."""
+        """Begin a period: add bodies for new things, and give all the mass of their things."""
         for thing in self._scene.things():
             if thing.name not in self.things:
                 self.add(thing)

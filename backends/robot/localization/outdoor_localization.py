@@ -172,7 +172,7 @@ class OutdoorLocalization(Localization):
             self._filter.ranges(distances)
 
     def _correct(self) -> None:
-        """A fix is taken when it comes."""
+        """Correct by a fix if one arrived."""
 
     @override
     def set_state(self, state: object) -> None:

@@ -64,7 +64,7 @@ class Fingers:
         )
 
     def _slide(self, thing: Thing, width: float) -> None:
-        """The finger that meets a thing first slides it before itself."""
+        """Let the finger that meets a thing first push it."""
         scene, pads = self._scene, self._pads()
         aside = aside_at_pads(thing, pads)
         over = abs(aside) + (self._thickness(thing) - width) / 2

@@ -38,7 +38,7 @@ class SimulatedHand:
         """Rules by the domain's name."""
 
     def forget_derived(self) -> None:
-        """The scene was put elsewhere: forget what was derived from it."""
+        """Forget values derived from the scene, which was moved."""
         self.contact = ArmContact(self.scene, self.arm)
 
     # Motion

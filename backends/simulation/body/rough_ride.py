@@ -71,7 +71,7 @@ class RoughRide:
         return Pose2(level * math.cos(course), level * math.sin(course), way * bend)
 
     def _change(self, way: float, period: int) -> None:
-        """The ground `way` [m] farther on."""
+        """Advance by `way` [m] on the ground."""
         draws, ground = keyed_normal(self._seed, "ground", period, 4), self._ground
         share = way / ground.roughness_length_m
         keep, new = _drift(share, math.sqrt(2.0) * self._rough)

@@ -134,7 +134,7 @@ class SimulatedArm(Arm):
         return swing_yaw(self._errors, self._seed, self._motions)
 
     def _begin(self, period: int, loaded: bool) -> bool:
-        """A period begins; gives whether the arm moves in it. `loaded`: the hand holds something."""
+        """Begin a period, and return whether the arm moves in it. `loaded`: the hand holds something."""
         self._now = period
         changed = bool((self._command != self._from).any())
         if changed and not self._moving:

@@ -69,7 +69,7 @@ class BooksThere(Props[BooksSection]):
             self.set_on_tray(self.spec.tray)
 
     def set_on_tray(self, spec: BookSpec, number: int = 0) -> None:
-        """A person puts the book with this number down on the tray, not quite in its place."""
+        """Put the book with this number down on the tray as a person does, slightly off its place."""
         scene, errors = self.scene, self.scene.robot.errors
         dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)
         place = errors.book_place_mm / 1e3

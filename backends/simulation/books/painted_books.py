@@ -192,7 +192,7 @@ _SPINE_FACE = np.array(
 
 
 def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light: float) -> None:
-    """The book from one depth to another, in one shade."""
+    """Draw the part of a book between two depths, in one shade."""
     middle = book.pose @ transform(((span[0] + span[1]) / 2, 0.0, book.height / 2))
     size = np.array([span[1] - span[0], book.thickness, book.height])
     normals = SIDE_NORMALS @ middle[:3, :3].T

@@ -54,7 +54,7 @@ class FieldImu(SimulatedImu):
         return np.asarray(self._turn.T @ self._carried() + self._felt + self._felt_bias + noise)
 
     def advance(self, period: int) -> None:
-        """A period has passed."""
+        """Update after a period."""
         self._wander(period)
         now = self._scene.base
         if now == self._place and self._speed == 0.0:
@@ -69,7 +69,7 @@ class FieldImu(SimulatedImu):
         self._place = now
 
     def _wander(self, period: int) -> None:
-        """The gyros' bias, a period later."""
+        """Advance the bias of the gyros by a period."""
         wander = np.radians(self._spec.rate_random_walk_deg_s_rt_s) * math.sqrt(self._period)
         self._walk = self._walk + wander * keyed_normal(self._seed, "gyros' walk", period, 3)
 

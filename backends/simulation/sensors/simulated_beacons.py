@@ -50,7 +50,7 @@ class SimulatedBeacons(Beacons, SimulatedSensor):
         return self._ranges
 
     def advance(self, period: int) -> None:
-        """A period has passed."""
+        """Update after a period."""
         self._ranges = None
         if period % self._every:
             return

@@ -78,7 +78,7 @@ class SimulatedCamera(Camera, SimulatedSensor):
         return self._known.carrier_T_camera.copy()
 
     def advance(self, period: int) -> None:
-        """A new period begins."""
+        """Begin a new period."""
         self._now = period
 
 

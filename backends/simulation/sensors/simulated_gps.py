@@ -61,7 +61,7 @@ class SimulatedGps(Gps, SimulatedSensor):
         return self._fix
 
     def advance(self, period: int) -> None:
-        """A period has passed."""
+        """Update after a period."""
         self._fix = None
         if period % self._every:
             return
@@ -78,7 +78,7 @@ class SimulatedGps(Gps, SimulatedSensor):
         self._fix = Fix(place + (self._sky.outlier_m * draws[2] if odd else 0.0), self._spec.white_m)
 
     def _reflect(self) -> None:
-        """A reflection begins or ends; spells with odd numbers are reflections."""
+        """Begin or end a reflection; spells with odd numbers are reflections."""
         while self._scene.time >= self._until:
             self._spell += 1
             reflected = self._spell % 2 == 1

@@ -64,7 +64,7 @@ class SimulatedImu(Imu, SimulatedSensor):
         return np.asarray(self._turn.T @ self._carried() + noise)
 
     def advance(self, period: int) -> None:
-        """A period has passed."""
+        """Update after a period."""
         turn = self._scene.world_T_base[:3, :3]
         self._turned = pin.log3(self._turn.T @ turn)
         self._turn, self._now = turn, period

@@ -55,7 +55,7 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         return PoseReading(number, pose, self._now * self._period - when)
 
     def advance(self, period: int) -> None:
-        """A new period begins."""
+        """Begin a new period."""
         self._now = period
         self._take()
 

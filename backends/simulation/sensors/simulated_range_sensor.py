@@ -53,7 +53,7 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
         return self._last[1]
 
     def advance(self, period: int) -> None:
-        """A new period begins."""
+        """Begin a new period."""
         self._now = period
 
     def _noisy(self, true: FloatArray, period: int) -> Scan:

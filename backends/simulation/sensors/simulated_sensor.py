@@ -68,7 +68,7 @@ class SimulatedSensor(ABC):
 
     @abstractmethod
     def advance(self, period: int) -> None:
-        """A period has passed; `period` is the number of those that have."""
+        """Update after a period; `period` is the number of periods so far."""
 
     def close(self) -> None:
         """Let go of everything; a second call does nothing."""

@@ -57,11 +57,11 @@ class Canvas:
     def texture(
         self, levels: Sequence[tuple[ByteArray, float]], face: Transform, shade: Shade | None = None
     ) -> None:
-        """A printed face.
+        """Draw a printed face.
 
         `face` (4, 4): origin at the picture's upper left corner, x along its rows, y down its columns, in
-        [m]. `levels` are the same picture in falling resolution, each with its metres a pixel; `shade` makes
-        of the one that is shown how it looks in its light.
+        [m]. `levels` are the same picture in falling resolution, each with its metres a pixel; `shade`
+        makes of the one that is shown how it looks in its light.
         """
         size = np.array([levels[0][0].shape[1], levels[0][0].shape[0]]) * levels[0][1]
         corners = face[:3, 3] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size @ face[:3, :2].T

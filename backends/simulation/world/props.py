@@ -58,7 +58,7 @@ class Props(SceneProps, Generic[FileModelT]):
         yield from ()
 
     def set_up(self) -> None:
-        """A person sets everything up. Draws from `keyed` with `self.seed` alone."""
+        """Set everything up as a person does. Draws from `keyed` with `self.seed` alone."""
 
     @override
     def let_go(self, thing: Thing) -> None:

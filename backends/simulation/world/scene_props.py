@@ -48,11 +48,11 @@ class SceneProps(ABC):
     # What happens
 
     def taken(self, thing: Thing) -> None:
-        """The hand has a thing: nothing else carries it."""
+        """Mark a thing as carried by the hand alone."""
         thing.rest = Rest.HAND
 
     def step(self) -> None:
-        """A period begins: let happen what happens of itself."""
+        """Begin a period: let things change by themselves."""
 
     def hand_force(self) -> FloatArray:
         """Return the force (3,) in [N] that the props add to the hand's reading, in the hand's frame."""
@@ -78,7 +78,7 @@ class SceneProps(ABC):
 
     @abstractmethod
     def let_go(self, thing: Thing) -> None:
-        """The fingers let go: set its pose and what carries it."""
+        """Release a thing from the fingers: set its pose and its support."""
 
     # In physics
 

@@ -53,7 +53,7 @@ def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
 
 
 def on_the_map(world: WorldFile, grid: GridMap) -> WorldFile:
-    """A world with what is occupied on a map among its furniture."""
+    """Return a world whose furniture includes the occupied cells of its map."""
     return world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
 
 

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
-    """The classes of what domains have in simulated worlds, by the domain's name, in a fixed order."""
+    """Return the classes of the domains' objects in simulated worlds, by name of the domain, in a fixed
+    order.
+    """
     declared = domain.domains()
     return {each.name: domain.imported(each.props) for each in declared if each.props is not None}
 

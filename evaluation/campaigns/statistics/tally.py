@@ -109,7 +109,7 @@ class Tally:
         self._rank(at, trial)
 
     def _rank(self, at: int, trial: Trial) -> None:
-        """Return the rank of a trial: false outcomes first, then trials without Success, then those with most
+        """Rank a trial among those to look at first: false outcomes, then trials without Success, then most
         Fails.
         """
         fails = float(trial.summary["fails"])

@@ -45,7 +45,7 @@ SIGN_TEST_MOVE_RAD = 0.02  # [rad] that a joint is moved for its sign
 
 
 def declared(bench: KitBench, finding: CheckResult) -> None:
-    """The capabilities that the robot's file promises are there, and no others of these kinds."""
+    """Check that the robot has exactly the capabilities that its file promises."""
     spec = bench.spec()
     with bench.rig() as rig:
         for kind in all_capabilities():

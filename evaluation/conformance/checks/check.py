@@ -35,7 +35,7 @@ class CheckResult:
             self.wrong.append(words)
 
     def at_most(self, what: str, size: float, most: float, unit: str = "") -> None:
-        """A size, in `unit`, must be at most `most`; NaN is not."""
+        """Check that a size, in `unit`, is at most `most`; NaN is not."""
         words = f"{what} {size:.3g}{unit and ' '}{unit}"
         self.measured.append(words)
         self.expect(size <= most, f"{words}; at most {most:.3g} is allowed")

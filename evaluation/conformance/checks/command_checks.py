@@ -74,7 +74,7 @@ def _bad_commands(bench: KitBench, backend: Backend) -> list[tuple[str, Callable
 
 
 def after_a_step(bench: KitBench, finding: CheckResult) -> None:
-    """A command changes nothing before the next step, and something with it."""
+    """Check that a command changes nothing before the next step, and something with it."""
     with bench.rig() as rig:
         backend = rig.backend
         steps(backend, 1)

@@ -60,7 +60,7 @@ def _true_ranges(rig: Rig, reach: float) -> FloatArray:
 
 
 def frames(bench: KitBench, finding: CheckResult) -> None:
-    """The hand is where the URDF's kinematics put it."""
+    """Check that the hand is where the URDF's kinematics put it."""
     with bench.rig() as rig:
         backend, spec = rig.backend, rig.robot.spec
         scene, arm = simulated_world(backend), needed(backend, Arm)

@@ -86,7 +86,7 @@ class Reach(ActionPrimitive):
             yield
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """The base has gone ahead, by the estimate of its pose."""
+        """Return whether the base has moved ahead, by the estimate of its pose."""
         return (
             self._pose is not None and robot.pose.relative_to(self._pose).x > MIN_REACHED_RATIO * self.ahead_m
         )

@@ -17,7 +17,7 @@ class StraightWay:
     """
 
     def __init__(self, start: Pose2, limits: DriveLimits) -> None:
-        """The way leads straight ahead from `start`, world_T_base, and straight back."""
+        """Plan a straight way ahead from `start`, world_T_base, and back."""
         self._start, self._ramp = start, Ramp(limits)
 
     def command(self, pose: Pose2, along: float, speed: float, dt: float) -> tuple[float, float]:

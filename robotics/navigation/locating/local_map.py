@@ -38,7 +38,7 @@ class LocalMap:
     """Scans drawn where odometry and matching say that they were taken."""
 
     def __init__(self) -> None:
-        """Nothing is seen yet."""
+        """Create an empty map."""
         self._views: list[_View] = []
         self._poses: list[Pose2] = []
         self._grid: GridMap | None = None

@@ -93,7 +93,9 @@ def _envelope(
     begin: FloatArray,
     between: FloatArray,
 ) -> None:
-    """The least (x - i)² + base[i] at each x = 0.5, 1.5, ... into `between`; the others are for scratch."""
+    """Compute the least (x - i)² + base[i] at each x = 0.5, 1.5, ... into `between`; the others are for
+    scratch.
+    """
     last = 0
     apex[0], begin[0], begin[1] = 0, -np.inf, np.inf
     for i in range(1, len(base)):

@@ -160,7 +160,7 @@ class FieldLocalizer(ABC):
         return []
 
     def forget_derived(self) -> None:
-        """Its state was set from outside: forget what was derived from it."""
+        """Forget values derived from the state, which was set from outside."""
 
     def _flush(self) -> None:
         if self._odometry.pending > 0.0:
@@ -172,7 +172,7 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _set_origin(self) -> None:
-        """The filter's last step is where `_relative_pose` is measured from."""
+        """Measure `_relative_pose` from the filter's last step on."""
 
     @abstractmethod
     def _relative_pose(self) -> Belief:

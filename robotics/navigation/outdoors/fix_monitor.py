@@ -76,7 +76,7 @@ class FixMonitor:
         return True
 
     def reset(self) -> None:
-        """The filter starts again."""
+        """Begin again with the filter."""
         self.doubting = False
         self._sums, self._doubted = [], []
 

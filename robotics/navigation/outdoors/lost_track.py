@@ -50,7 +50,7 @@ class LostTrack:
         del self._tracks[:-MAX_REVIEWED_FIXES]
 
     def doubt(self, count: int) -> None:
-        """The last `count` believed fixes aren't any more."""
+        """Mark the last `count` believed fixes as doubtful."""
         for k in range(len(self._tracks) - 1, -1, -1):
             if count > 0 and self._tracks[k][5]:
                 self._tracks[k] = (*self._tracks[k][:5], 0.0)

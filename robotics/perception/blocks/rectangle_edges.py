@@ -92,7 +92,7 @@ def _settled(view: PlaneView, wanted: FloatArray, last: Rectangle) -> Rectangle 
 
 
 def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
-    """A step is fitted to each edge's usual profile, then that to the profiles of all its segments."""
+    """Fit a step to each edge's usual profile, and that step to the profiles of all its segments."""
     share, scale = shares(_ROWS), _m_per_px(view, rectangle)
     ends = across(rectangle.half, share, scale * SAMPLE_POSITIONS_PX[0], scale * SAMPLE_POSITIONS_PX[-1])
     greys = view.profiles(rectangle.pose, *ends, len(SAMPLE_POSITIONS_PX))

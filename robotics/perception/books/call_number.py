@@ -51,7 +51,7 @@ def parse(text: str) -> CallNumber | None:
 
 
 def snap(text: str, catalogue: Sequence[CallNumber], distance: int = 2) -> CallNumber | None:
-    """The known call number nearest to what was read, at most `distance` edits away; None where two tie."""
+    """Return the known call number nearest to a text, at most `distance` edits away; None for a tie."""
     read = text.replace(" ", "").upper()
     exact = {known for known in catalogue if str(known).replace(" ", "") == read}
     if exact:

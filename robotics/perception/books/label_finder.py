@@ -114,7 +114,7 @@ def _box(corners: SingleArray, view: FlatView) -> LabelBox:
 
 
 def _printed(view: FlatView, box: LabelBox) -> bool:
-    """A label has print on it; a bare band or a paper spine has none."""
+    """Return whether a label has print on it; a bare band or a paper spine has none."""
     column, row = (view.left - box.centre[0]) / view.m_per_px, (view.top - box.centre[1]) / view.m_per_px
     half_w, half_h = 0.3 * box.width / view.m_per_px, 0.4 * box.length / view.m_per_px
     top, left = max(0, round(row - half_h)), max(0, round(column - half_w))
