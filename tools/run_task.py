@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from handcart.tools.terminal.progress import Progress
 
 Permit = Literal["ask", "always", "never"]
+PolicyName = Literal["rule", "expected_cost", "goal_probability"]
 
 
 def run(
@@ -22,6 +23,9 @@ def run(
     backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
     robot: Annotated[
         str | None, typer.Option(help="another robot than the task names, or the path of its file")
+    ] = None,
+    policy: Annotated[
+        PolicyName | None, typer.Option(help="another policy than the task names; all but `rule` need p")
     ] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
     settings: Annotated[
@@ -74,6 +78,7 @@ def run(
     situation = None if situation is None else composed(situation)
     breaks = [composed(name) for name in breaks or ()]
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
+    settings += [f"policy={policy}"] if policy else []
     if dry_run or script is not None:
         sys.exit(_dry_run(task, backend, settings, seed, situation, script, as_json))
     from handcart.evaluation.trials.running import run_task

@@ -54,7 +54,7 @@ class ChainRows:
         action = step.action
         if action is None:
             self._row(-1, 0.0)
-            self.ends.append((row, ChainEnd.NO_WAY, 1.0, False))
+            self.ends.append((row, ChainEnd.GIVE_UP if step.person else ChainEnd.NO_WAY, 1.0, False))
             return
         if action.binding is None:
             self._row(-1, 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from handcart.networks.graph.network import Action, ActionNetwork
@@ -97,14 +97,33 @@ def explored(
 ) -> Policy:
     """Return what `policy` does, as far as the budget suffices."""
     begin = start or State(network.start, ())
+    try:
+        maker = StepMaker(network, for_good, effort or Effort(budget_of(network)), chances)
+    except TooMuch:
+        return Policy(network, begin, {}, is_complete=False)
+    return visited(network, begin, maker.step)
+
+
+def visited(
+    network: ActionNetwork,
+    begin: State,
+    step: Callable[[State], Step | None],
+) -> Policy:
+    """Return the decisions in all states that runs can come to.
+
+    Args:
+        network: the network.
+        begin: the first state.
+        step: makes a decision, or returns None for a state that is left out; raises `TooMuch` if its budget
+            is spent.
+    """
     steps: dict[State, Step] = {}
     visit = _Visit(network, steps)
     try:
-        maker = StepMaker(network, for_good, effort or Effort(budget_of(network)), chances)
-        visit.all_from(begin, maker)
+        visit.all_from(begin, step)
     except TooMuch:
         return Policy(network, begin, visit.made, visit.circles, is_complete=False)
-    return Policy(network, begin, steps, visit.circles)
+    return Policy(network, begin, steps, visit.circles, not visit.left_out)
 
 
 class _Visit:
@@ -113,9 +132,10 @@ class _Visit:
     def __init__(self, network: ActionNetwork, steps: dict[State, Step]) -> None:
         self.made: dict[State, Step] = {}
         self.circles = False
+        self.left_out = set[State]()
         self._goal, self._steps = network.goal, steps
 
-    def all_from(self, start: State, maker: StepMaker) -> None:
+    def all_from(self, start: State, decide: Callable[[State], Step | None]) -> None:
         made, steps, active = self.made, self._steps, set[State]()
         ahead = [] if start.situation == self._goal else [start]
         while ahead:
@@ -125,11 +145,15 @@ class _Visit:
                 active.discard(state)
                 steps.setdefault(state, made[state])
                 continue
-            made[state] = maker.step(state)
+            step = decide(state)
+            if step is None:
+                self.left_out.add(ahead.pop())
+                continue
+            made[state] = step
             active.add(state)
-            for each in made[state].following():
+            for each in step.following():
                 self.circles |= each in active
-                if each not in made and each.situation != self._goal:
+                if each.situation != self._goal and each not in made and each not in self.left_out:
                     ahead.append(each)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -33,15 +33,26 @@ class Stage:
                 a.cost_s,
                 a.attempts,
                 a.binding is None,
+                *self._more(a, place),
             )
             for a in self.network.actions
         )
         return place[self.network.start], place[self.network.goal], rows
 
+    def _more(self, a: Action, place: Mapping[str, int]) -> tuple[object, ...]:
+        """Return what planning depends on besides: results, shared attempts and renewals."""
+        others = tuple((place[each.target], each.p) for each in a.others)
+        p = a.p if a.others else None
+        return a.counter, a.unlimited, a.renewals, self.network.renewed_by.get(a.index, ()), others, p
+
     def with_one_more(self, numbers: Collection[int]) -> Stage:
         """Return the stage with one more attempt of those actions, given by their numbers in the whole."""
+        pairs = zip(self.network.actions, self.numbers, strict=True)
+        counters = {action.counter for action, number in pairs if number in numbers}
         actions = [
-            replace(action, attempts=min(MAX_ATTEMPTS, action.attempts + 1)) if number in numbers else action
+            replace(action, attempts=min(MAX_ATTEMPTS, action.attempts + 1))
+            if number in numbers or action.counter in counters
+            else action
             for action, number in zip(self.network.actions, self.numbers, strict=True)
         ]
         return self._with(actions, self.numbers)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import networkx as nx
 
@@ -19,7 +19,8 @@ def stages(network: ActionNetwork) -> list[Stage]:
     above = dict(nx.immediate_dominators(ways, network.start))
     chain = _chain(above, network.start, network.goal)
     level = _levels(above, chain)
-    opened = _open(chain, [(level[a], level[b]) for a, b in ways.edges if a in level])
+    steps = [(level[a], level[b]) for a, b in ways.edges if a in level]
+    opened = _open(chain, [*steps, *_shared(network, level)])
     planned = {network.goal, *nx.ancestors(network.graph, network.goal)}
     cuts = [number for number in opened if number == 0 or chain[number] in planned]
     return _cut(network, level, cuts, [chain[number] for number in cuts])
@@ -61,6 +62,15 @@ def _open(chain: Sequence[str], steps: Sequence[tuple[int, int]]) -> list[int]:
         if depth == 0:
             cuts.append(number)
     return cuts
+
+
+def _shared(network: ActionNetwork, level: Mapping[str, int]) -> Iterator[tuple[int, int]]:
+    """Yield a step back for each counter of Fails that several levels share: they can't be cut apart."""
+    for actions in network.shared.values():
+        if len(actions) > 1:
+            levels = [level[each.source] for each in actions if each.source in level]
+            if levels:
+                yield max(levels), min(levels)
 
 
 def _cut(

@@ -41,6 +41,8 @@ class Step(NamedTuple):
     """State after its Fail; None if it never fails."""
     for_good: State | None = None
     """State after its Fail for good; None if that is not considered."""
+    person: bool = False
+    """True if there is no action because calling a person is better."""
 
     def following(self) -> Iterator[State]:
         """Yield the states that may follow."""

@@ -143,7 +143,9 @@ class Coordinator:
                 if isinstance(plan, GiveUp):
                     return self._end("GiveUp", plan.reason)
                 if isinstance(plan, NoWay):
-                    return self._end("Fail", plan.explanation)
+                    return self._end("GiveUp" if plan.calls_person else "Fail", plan.explanation)
+                if self._route.arrived:
+                    break
             action, left = self._route.next, self.situation
             outcome = yield from self._carry_out(action)
             if isinstance(outcome, Fail | GiveUp):
@@ -156,6 +158,9 @@ class Coordinator:
             self._watch.arrived(self.situation)
             self._forget(left)
         self._supervision.between_actions()
+        if self._route.lost is not None:
+            reason = f"{self._route.lost.explanation}; otherwise: {self.situation} is reached"
+            return self._end("Fail", reason, self.situation)
         skipped = self._log.skipped
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")
@@ -280,9 +285,9 @@ class Coordinator:
             self._log.ended(end, measure(self._robot))
         return end
 
-    def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
+    def _end(self, outcome: RunOutcome, reason: str, otherwise: str = "") -> RunEnd:
         log = self._log
         replans = max(0, log.plans - 1)
         counts = log.started, log.fails, replans, tuple(log.skipped)
         cause = "" if outcome == "Success" else self._cause
-        return RunEnd(outcome, self.situation, reason, *counts, cause)
+        return RunEnd(outcome, self.situation, reason, *counts, cause, otherwise)

@@ -19,12 +19,21 @@ from handcart.primitives.outcomes.outcome import Success
 Word = Literal["Success", "Fail", "FailForGood", "GiveUp"]
 
 
+class WithResult(FileModel):
+    """A Success with one of the primitive's results."""
+
+    success: Annotated[str, Field(alias="Success")]
+    """The result, as an entry of `then` names it."""
+
+
 class Script(FileModel):
     """Outcomes for the actions of a run, one after the other; when they are used up, all succeed."""
 
     format: Literal["handcart-script/1"]
-    outcomes: Annotated[list[Word], Field(max_length=10_000)]
-    """Outcomes in order; `FailForGood` uses up all attempts of its action."""
+    outcomes: Annotated[list[Word | WithResult], Field(max_length=10_000)]
+    """Outcomes in order; `FailForGood` uses up all attempts of its action, `{Success: RESULT}` has one of
+    several results.
+    """
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,7 @@ def load_script(path: Path) -> Script:
     return load(path, Script)
 
 
-def follow(network: ActionNetwork, outcomes: Iterable[Word]) -> Imagined:
+def follow(network: ActionNetwork, outcomes: Iterable[Word | WithResult]) -> Imagined:
     """Follow a network as the coordinator would if its actions had these outcomes."""
     route, words, cost = RunDecisions(network), iter(outcomes), 0.0
     lines: list[str] = []
@@ -64,16 +73,24 @@ def follow(network: ActionNetwork, outcomes: Iterable[Word]) -> Imagined:
         if not route.planned:
             plan = route.plan()
             if isinstance(plan, NoWay):
-                return Imagined("Fail", route.situation, plan.explanation, cost, tuple(lines))
+                ended: Literal["Fail", "GiveUp"] = "GiveUp" if plan.calls_person else "Fail"
+                return Imagined(ended, route.situation, plan.explanation, cost, tuple(lines))
+            if route.arrived:
+                break
         action = route.next
-        word: Word = "Success" if action.binding is None else next(words, "Success")
+        given = "Success" if action.binding is None else next(words, "Success")
+        word, result = ("Success", given.success) if isinstance(given, WithResult) else (given, "")
         cost += 0.0 if action.binding is None else action.cost_s
-        lines.append(f"{len(lines) + 1}. {action}: {word}, {action.cost_s:g} s")
+        said = f"{word} ({result})" if result else word
+        lines.append(f"{len(lines) + 1}. {action}: {said}, {action.cost_s:g} s")
         if word == "GiveUp":
             reason = f"{action}: as the script says"
             return Imagined("GiveUp", route.situation, reason, cost, tuple(lines))
         if word == "Success":
-            route.took(Success({}))
+            route.took(Success({}, result))
         else:
             route.failed("as the script says", word == "FailForGood")
+    if route.lost is not None:
+        reason = f"{route.lost.explanation}; otherwise: {route.situation} is reached"
+        return Imagined("Fail", route.situation, reason, cost, tuple(lines))
     return Imagined("Success", route.situation, "", cost, tuple(lines))

@@ -29,6 +29,8 @@ class RunEnd:
     """Elements of a `repeat` that were left undone."""
     cause: str = ""
     """Kind of cause of the last action that did not succeed, unless the run did; empty if unknown."""
+    otherwise: str = ""
+    """Situation of the task's `otherwise` that was reached instead of the goal; empty for none."""
 
     @property
     def exit_status(self) -> int:

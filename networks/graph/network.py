@@ -195,6 +195,10 @@ class ActionNetwork:
     goal: str
     otherwise: tuple[str, ...] = ()
     """Situations to be reached, in order of preference, when no route to the goal is left."""
+    policy: str = "rule"
+    """How actions are chosen: `rule`, `expected_cost` or `goal_probability`."""
+    person_s: float = 600.0
+    """Price of each end short of the goal, in [s]."""
 
     @classmethod
     def build(
@@ -256,7 +260,7 @@ class ActionNetwork:
         counters = (actions[0] for actions in self.shared.values())
         attempts = sum(each.allowance.most * (1 + each.renewals) for each in counters)
         most = (attempts + 1) * (len(self.situations) - 1) + attempts
-        return most * (MAX_ROUNDS if self.may_circle else 1)
+        return most * (MAX_ROUNDS if self.may_circle or self.policy != "rule" else 1)
 
     @cached_property
     def may_circle(self) -> bool:
@@ -265,7 +269,8 @@ class ActionNetwork:
 
     def fingerprint(self) -> str:
         """Return a checksum of everything that planning depends on, in hexadecimal."""
-        digest = hashlib.sha256(repr((self.start, self.goal, self.otherwise)).encode())
+        aims = self.start, self.goal, self.otherwise, self.policy, self.person_s
+        digest = hashlib.sha256(repr(aims).encode())
         for each in self.situations.values():
             digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())
         for action in self.actions:

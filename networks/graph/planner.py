@@ -35,6 +35,8 @@ class NoWay:
     blocking: tuple[Action, ...]
     """The actions that would lead on, had they not been used up."""
     explanation: str
+    calls_person: bool = False
+    """True if actions are left, and calling a person costs less than any of them."""
 
 
 class Planner:

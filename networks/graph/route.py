@@ -35,11 +35,11 @@ class RunDecisions:
 
         Args:
             network: the network.
-            planner: planner of the network; None: the rule.
+            planner: planner of the network; None: that of its policy.
         """
         self.network = network
         self.situation = network.start
-        self.planner = planner or Planner(network)
+        self.planner = planner or _planner_of(network)
         self.taken = 0
         """Number of actions that have ended."""
         self.lost: NoWay | None = None
@@ -67,7 +67,7 @@ class RunDecisions:
     def plan(self) -> Plan | NoWay:
         """Plan the route from here to the goal, or to the first of `otherwise` that can be reached."""
         plan = self._plan()
-        while isinstance(plan, NoWay) and len(self._goals) > 1:
+        while isinstance(plan, NoWay) and not plan.calls_person and len(self._goals) > 1:
             self.lost = self.lost or plan
             self._goals.pop(0)
             plan = self._plan()
@@ -122,3 +122,11 @@ class RunDecisions:
         self.planner.failed(action, reason, permanent=permanent)
         self._ahead = []
         self.situation = action.on_fail or self.situation
+
+
+def _planner_of(network: ActionNetwork) -> Planner:
+    if network.policy == "rule":
+        return Planner(network)
+    from handcart.networks.deciding.best_planner import planner_of  # late: few tasks have probabilities
+
+    return planner_of(network)

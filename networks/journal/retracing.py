@@ -129,7 +129,7 @@ def _take(found: RunPosition, record: Record) -> None:
         return
     _stands(found, record)
     if record["outcome"] == "Success":
-        found.route.took(Success({}))
+        found.route.took(Success({}, record.get("result", "")))
     else:
         found.fails += 1
         found.route.failed(record["reason"], record["permanent"])

@@ -199,8 +199,10 @@ class RunLog(Intents):
 def outcome_record(number: int, outcome: Outcome) -> records.Result:
     """Return the outcome of the action with that number, as the journal holds it."""
     match outcome:
-        case Success(evidence):
+        case Success(evidence, result):
             succeeded = records.Succeeded(n=number, outcome="Success")
+            if result:
+                succeeded["result"] = result
             if evidence:
                 succeeded["evidence"] = dict(evidence)
             return succeeded

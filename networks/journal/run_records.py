@@ -108,6 +108,8 @@ class Succeeded(_Result):
     """An action ended in Success."""
 
     outcome: Literal["Success"]
+    result: NotRequired[str]
+    """Which of the primitive's `results` was measured; missing for the usual one."""
 
 
 class Failed(_Result):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 from typing_extensions import override
 
-from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 
@@ -57,10 +57,21 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
             row["on_fail"],
             permit=row["permit"],
             time_out_s=row["time_out_s"],
+            p=row.get("p"),
+            p_give_up=row.get("p_give_up", 0.0),
+            others=tuple(Ending(*each) for each in row.get("others", ())),
+            unlimited=row.get("unlimited", False),
+            renewals=row.get("renewals", 0),
+            fresh_after=tuple(row.get("fresh_after", ())),
+            budget=row.get("budget", ""),
         )
         for row in rows
     ]
     elements = fields["elements"]
     situations = [Situation(name, facts, elements.get(name)) for name, facts in fields["situations"].items()]
-    network = ActionNetwork.build(situations, actions, fields["start"], fields["goal"])
+    otherwise = tuple(fields.get("otherwise", ()))
+    network = ActionNetwork.build(situations, actions, fields["start"], fields["goal"], otherwise)
+    network = replace(
+        network, policy=fields.get("policy", "rule"), person_s=float(fields.get("person_s", 600.0))
+    )
     return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))

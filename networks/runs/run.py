@@ -201,6 +201,7 @@ def summary(
         "replans": end.replans,
         "cause": end.cause,
         "skipped": list(end.skipped),
+        **({"otherwise": end.otherwise or None} if prepared.task.network.otherwise else {}),
         "sim_time_s": round(prepared.robot.time, 3),
         "wall_time_s": round(wall_time_s, 3),
         "seed": prepared.seed,

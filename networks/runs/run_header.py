@@ -15,6 +15,8 @@ from handcart.networks.journal.journal import JOURNAL_SCHEMA
 from handcart.networks.task.preparing import Prepared
 
 _KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
+_CHANCE_KEYS = ("p", "p_give_up", "others", "unlimited", "renewals", "fresh_after", "budget")
+"""Columns of networks with probabilities, several results or shared attempts."""
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -52,11 +54,15 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
     `keys` names the columns of `actions`; among them `uses` are the entries of the world model that a
     primitive may read. A skip has no `do`. `elements` names those of a `repeat`.
     """
+    more = any(
+        action.p is not None or action.others or _counts_otherwise(action) for action in network.actions
+    )
     rows = [
         (
             a.binding and a.do,
             *(a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a), a.permit, a.time_out_s),
             a.binding.given() if a.binding else {},
+            *(_chance_fields(a) if more else ()),
         )
         for a in network.actions
     ]
@@ -66,9 +72,28 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
         "goal": network.goal,
         "situations": facts,
         "elements": {s.name: s.element for s in network.situations.values() if s.element is not None},
-        "keys": _KEYS,
+        "keys": (*_KEYS, *_CHANCE_KEYS) if more else _KEYS,
         "actions": rows,
+        **_aims(network),
     }
+
+
+def _counts_otherwise(action: Action) -> bool:
+    return action.unlimited or bool(action.fresh_after) or bool(action.budget)
+
+
+def _chance_fields(action: Action) -> tuple[Any, ...]:
+    others = [[each.target, each.result, each.p] for each in action.others]
+    counted = action.unlimited, action.renewals, action.fresh_after, action.budget
+    return action.p, action.p_give_up, others, *counted
+
+
+def _aims(network: ActionNetwork) -> dict[str, Any]:
+    """Return the fields of a network that is not decided by the rule, or has further goals."""
+    aims: dict[str, Any] = {}
+    if network.policy != "rule":
+        aims = {"policy": network.policy, "person_s": network.person_s}
+    return {**aims, "otherwise": network.otherwise} if network.otherwise else aims
 
 
 def _uses(action: Action) -> list[str]:

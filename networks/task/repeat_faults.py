@@ -59,7 +59,8 @@ def _entered_elsewhere(part: Repetition, entries: Mapping[int, ActionEntry]) -> 
     inside = part.inner - {part.repeat.start}
     allowed = f"allowed: {part.repeat.start}, where the part begins"
     for number, entry in entries.items():
-        for key, name in (("to", entry.target), ("on_fail", entry.on_fail)):
+        keys = ["to" if entry.then is None else "then"] * len(entry.endings) + ["on_fail"]
+        for key, name in zip(keys, entry.leads_to, strict=False):
             if entry.source not in part.inner and name in inside:
                 yield ("actions", number, key), f"leads into the middle of the repeated part; {allowed}"
 

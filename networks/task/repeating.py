@@ -23,6 +23,8 @@ class Copied:
     """Number of the action in the file; None: a skip."""
     element: Element | None = None
     """Element that the copy belongs to; None: it is outside the repeated parts."""
+    others: tuple[str, ...] = ()
+    """Further situations that Success may lead to."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def repeated(
         NotRepeated: a part iterates over a list of the element around it, which has none; or there would be
             more actions than `MAX_ACTIONS`.
     """
-    actions = (Copied(entry.source, entry.target, entry.on_fail, number) for number, entry in entries.items())
+    actions = (_plain(number, entry) for number, entry in entries.items())
     network = Copies({name: (name, None) for name in situations}, tuple(actions), start)
     level = nested(parts)
     while level:
@@ -65,6 +67,12 @@ def repeated(
         network = copier.copies()
         level = [within for each in level for within in copier.within(each)]
     return network
+
+
+def _plain(number: int, entry: ActionEntry) -> Copied:
+    usual, *others = entry.endings
+    targets = tuple(each.target for each in others)
+    return Copied(entry.source, usual.target, entry.on_fail, number, None, targets)
 
 
 class _Copier:
@@ -121,14 +129,17 @@ class _Copier:
     def _action(self, action: Copied) -> Iterator[Copied]:
         part, fail = self._around.get(action.source), action.on_fail
         if not part:
-            yield replace(action, target=self._entered(action.target), on_fail=fail and self._entered(fail))
+            others = tuple(map(self._entered, action.others))
+            target, failed = self._entered(action.target), fail and self._entered(fail)
+            yield replace(action, target=target, on_fail=failed, others=others)
             return
         for each in self._elements[part]:
             source, target = part.of(action.source, each.number), self._after(action.target, part, each)
             # Where start and goal are one, a Fail leads back to the element's own start.
             back = fail in part.inner
             on_fail = fail and (part.of(fail, each.number) if back else self._after(fail, part, each))
-            yield Copied(source, target, on_fail, action.entry, each)
+            others = tuple(self._after(other, part, each) for other in action.others)
+            yield Copied(source, target, on_fail, action.entry, each, others)
 
     def _skips(self, part: Repetition) -> Iterator[Copied]:
         """Yield skips to the next element, from each situation with the same facts as the part's start."""

@@ -173,7 +173,7 @@ def _shown(value: object) -> str:
 def _reached(repeat: Repeat, entries: Iterable[ActionEntry]) -> frozenset[str]:
     ways: dict[str, list[str]] = {}
     for entry in entries:
-        ways.setdefault(entry.source, []).extend(filter(None, (entry.target, entry.on_fail)))
+        ways.setdefault(entry.source, []).extend(entry.leads_to)
     found, ahead = {repeat.start}, [repeat.start]
     while ahead:
         for name in ways.get(ahead.pop(), ()):

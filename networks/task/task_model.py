@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, create_model
+from pydantic import Field, create_model, model_validator
 
 from handcart.files.models.model import FileModel
 from handcart.networks.graph.network import MAX_ATTEMPTS, MAX_COST_S, Fact
@@ -47,6 +47,36 @@ else:
     KnowledgeFiles = _with_domains()
 
 
+Probability = Annotated[float, Field(ge=0.0, le=1.0)]
+Count = Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] | Literal["unlimited"]
+
+
+class ThenEntry(FileModel):
+    """A situation that Success may lead to."""
+
+    target: Annotated[str, Field(alias="to")]
+    """The situation."""
+    p: Probability | None = None
+    """Probability that an attempt ends so."""
+    result: str = ""
+    """Result by which the primitive reports it (default: the usual one)."""
+
+
+class AttemptsEntry(FileModel):
+    """Limit on the Fails of an action."""
+
+    most: Count = 3
+    """Maximum number of Fails, or `unlimited`."""
+    budget: str | None = None
+    """Name of one of the task's `budgets`, shared with all actions that name it."""
+    shared: bool = False
+    """True if the copies of the action in a repeat share its attempts."""
+    fresh_after: str | list[str] = Field(default_factory=list)
+    """Primitives after whose Success the Fails are forgotten, in a repeat for the same element."""
+    renewals: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
+    """How often they are forgotten, at most."""
+
+
 class ActionEntry(FileModel):
     """One action of the network."""
 
@@ -54,14 +84,16 @@ class ActionEntry(FileModel):
     """Name of the primitive."""
     source: Annotated[str, Field(alias="from")]
     """The situation in which it can be done."""
-    target: Annotated[str, Field(alias="to")]
-    """The situation that Success leads to."""
+    to: str = ""
+    """The situation that Success leads to; `then` if there are several."""
+    then: Annotated[list[ThenEntry], Field(min_length=1)] | None = None
+    """The situations that Success may lead to, the usual one first."""
     on_fail: str | None = None
     """The situation that Fail leads to: same facts, other knowledge (default: Fail changes nothing)."""
     cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
     """Expected duration; each Fail doubles its weight in planning."""
-    attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
-    """Maximum number of Fails, after which it is excluded."""
+    attempts: Count | AttemptsEntry = 3
+    """Maximum number of Fails, after which it is excluded; or how they are counted."""
     p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
     """Probability that an attempt ends in Success; `handcart check` then reports how runs end."""
     p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
@@ -74,10 +106,45 @@ class ActionEntry(FileModel):
     """The primitive's parameters; `{model: cup.size}` is looked up when the action starts, `{each: slot}`
     is the element of a repeat."""
 
+    @model_validator(mode="after")
+    def _leads_somewhere(self) -> Self:
+        if self.then is None and not self.to:
+            raise ValueError("the key 'to' is missing; needed: the situation that Success leads to")
+        if self.then is not None and self.to:
+            raise ValueError("has both `to` and `then`; allowed: one of them")
+        if self.then is not None and self.p is not None:
+            raise ValueError("has both `p` and `then`; allowed: p in each entry of `then`")
+        return self
+
+    @property
+    def target(self) -> str:
+        """The situation that Success usually leads to."""
+        return self.then[0].target if self.then else self.to
+
+    @property
+    def endings(self) -> list[ThenEntry]:
+        """The situations that Success may lead to, the usual one first."""
+        return self.then or [ThenEntry.model_construct(target=self.to, p=self.p, result="")]
+
+    @property
+    def leads_to(self) -> list[str]:
+        """All situations that it may lead to, that of a Fail last."""
+        return [*(each.target for each in self.endings), *([self.on_fail] if self.on_fail else [])]
+
     @property
     def p_success(self) -> float | None:
         """Probability of Success, whatever situation it leads to; None: not given."""
-        return self.p
+        every = [each.p for each in self.endings]
+        return None if None in every else sum(p or 0.0 for p in every)
+
+    @property
+    def limit(self) -> AttemptsEntry:
+        """The limit on its Fails."""
+        if isinstance(self.attempts, AttemptsEntry):
+            return self.attempts
+        return AttemptsEntry.model_construct(
+            most=self.attempts, budget=None, shared=False, fresh_after=[], renewals=3
+        )
 
 
 class Each(FileModel):
@@ -131,6 +198,18 @@ class TaskFile(FileModel):
     """The situation at the start."""
     goal: str
     """The situation to be reached."""
+    otherwise: str | list[str] | None = None
+    """Situations to be reached when no route to the goal is left, in order of preference; the run then ends
+    with status 3 all the same.
+    """
+    policy: Literal["rule", "expected_cost", "goal_probability"] = "rule"
+    """How actions are chosen: the cheapest route with doubled weights, or by the probabilities `p` the least
+    expected cost or the largest probability of the goal.
+    """
+    person_s: Annotated[float, Field(gt=0.0, le=1e6)] = 600.0
+    """Price of each end short of the goal, in seconds of a person's time."""
+    budgets: Annotated[dict[str, Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)]], Field(default_factory=dict)]
+    """Attempts that several actions share, by name; `attempts: {budget: NAME}` refers to them."""
     situations: dict[str, dict[str, GivenFact] | None]
     """Situations by name, each with the physical facts that hold in it.
 

@@ -43,6 +43,8 @@ class ActionPrimitive(FileModel, ABC):
     """Entries of the world model that it may read."""
     writes: ClassVar[tuple[str, ...]] = ()
     """Entries of the world model that it may write (and read)."""
+    results: ClassVar[tuple[str, ...]] = ()
+    """Names of results that Success may have besides the usual one; `evidence.result` is set to one."""
     only_knowledge: ClassVar[bool] = False
     """It doesn't move anything, so nothing has to settle and nothing is restored."""
     hand: ClassVar[HandUse | None] = None

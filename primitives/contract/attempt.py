@@ -99,7 +99,7 @@ def attempt(
         note_hand(primitive, model)
         robot.localization.look_again()
         _check_not_pushed(robot, displaced)
-        return Success(dict(primitive.facts))
+        return Success(dict(primitive.facts), primitive.evidence.result)
     except NeedsPerson as need:
         primitive.evidence.blame(need)
         yield from halt(robot)
@@ -148,7 +148,7 @@ def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Gener
         if unmet := find_unmet(primitive, robot, model):
             raise Discrepancy(unmet, check="precondition", cause=causes.PRECONDITION)
         yield from primitive.motion(robot, model.view(primitive))
-        return Success(dict(primitive.facts))
+        return Success(dict(primitive.facts), primitive.evidence.result)
     except NeedsPerson as need:
         primitive.evidence.blame(need)
         return GiveUp(need.reason, cause=need.cause)

@@ -24,6 +24,8 @@ class Evidence:
     """Name of the picture that decided the outcome; empty for the last one."""
     calibrated: dict[str, Calibrated] = field(default_factory=dict)
     """Proposed changes of the robot's file, by key: `camera.calibrated.focal_px`."""
+    result: str = ""
+    """Which of the primitive's `results` was measured; empty for the usual one."""
     causes: list[Cause] = field(default_factory=list)
     """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from .policy_table import comparison_lines
+
 if TYPE_CHECKING:
+    from handcart.networks.analysis.comparison import Comparison
     from handcart.networks.analysis.figures import Figures, Influence
     from handcart.networks.analysis.forecast import Forecast
     from handcart.networks.analysis.worst_cases import WorstCases
@@ -46,9 +49,13 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     cases = worst_cases(network, Effort(budget_of(network), lambda share: watch(share / 3.0)))
     if cases.too_large:
         facts["worst cases"] = _looked_at(cases)
-    warnings += unused_findings(task, cases)
-    short = list(map(str, short_findings(task, cases)))
     figures, lines = _figures(task, watch)
+    compared = _compared(task)
+    warnings += unused_findings(task, cases, compared.used if compared else None)
+    if compared is not None:
+        figures["policies"] = compared.for_programs()
+        lines += comparison_lines(compared, network.person_s)
+    short = list(map(str, short_findings(task, cases)))
     return {
         **facts,
         "longest run": _longest(cases),
@@ -58,6 +65,19 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         **figures,
         "lines": [*([SHORT_HEADING] if short else []), *_first([f"  {each}" for each in short]), *lines],
     }
+
+
+def _compared(task: Task) -> Comparison | None:
+    """Return the rule and the best policy side by side; None if a probability is missing."""
+    from handcart.networks.analysis.comparison import comparison
+    from handcart.networks.analysis.figures import missing_chances, network_chances
+
+    if missing_chances(task):
+        return None
+    chances = network_chances(task)
+    if task.network.policy == "goal_probability":
+        return comparison(task.network, chances, "goal_probability")
+    return comparison(task.network, chances)
 
 
 def _longest(cases: WorstCases) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import typer
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from handcart.files.errors import FileError, Finding, InputError
     from handcart.networks.task.task_file import Task
 
+PolicyName = Literal["rule", "expected_cost", "goal_probability"]
 MAX_FINDING_LINES = 12  # more are grouped by kind
 
 
@@ -44,6 +45,7 @@ def check(
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
     ] = None,
+    policy: Annotated[PolicyName | None, typer.Option(help="of a task: another policy than it names")] = None,
     picture: Annotated[
         Path | None, typer.Option(help="draw a robot, from the side and from above, into this file")
     ] = None,
@@ -67,6 +69,7 @@ def check(
 
     try:
         given = dict(split_setting(each) for each in settings or [])
+        given |= {"policy": policy} if policy else {}
         with announced(f"checking {file}"):
             facts = file_facts(file, given, CheckOptions(picture, every, allow, draft, backend=backend))
     except InputError as error:
@@ -94,7 +97,7 @@ def check(
         print(f"  warning: {warning}")
     for line in facts.pop("lines", ()):
         print(f"  {line}")
-    for key in ("figures", "robot", "short", "places"):
+    for key in ("figures", "policies", "robot", "short", "places"):
         facts.pop(key, None)
     for name, value in facts.items():
         print(f"  {name}: {value}")

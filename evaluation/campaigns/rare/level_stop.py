@@ -56,7 +56,7 @@ class LevelStop(RunObserver):
         self.steps += 1
         if isinstance(event.outcome, Fail):
             action = event.action
-            left = action.attempts - self.used[action.index]
+            left = action.allowance.most - self.used[action.index]
             self.used[action.index] += left if self._for_good(event.outcome) else 1
             if self.near:
                 self._heard.stop()

@@ -29,7 +29,7 @@ class WalkedRuns:
             draws: random generator for the outcomes.
         """
         self._walker, self._event, self._draws = walker, event, draws
-        self._attempts = np.array([action.attempts for action in network.actions], dtype=np.int32)
+        self._attempts = np.array([action.allowance.most for action in network.actions], dtype=np.int32)
         self._at = self._importance = np.zeros(0, dtype=np.int32)
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 

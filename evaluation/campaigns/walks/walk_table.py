@@ -50,6 +50,8 @@ class WalkTable:
         if several is not None:
             words = f"{several} has several results; allowed with --level network: one for each action"
             raise NotWalked(words)
+        if network.policy != "rule":
+            raise NotWalked(f"the policy is {network.policy}; allowed with --level network: rule")
         self._network = network
         self._maker = StepMaker(network, True, Effort(math.inf))
         self._states: list[State] = []

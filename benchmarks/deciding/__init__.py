@@ -1,0 +1,1 @@
+"""Benchmarks of decisions under uncertainty."""

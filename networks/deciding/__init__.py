@@ -1,0 +1,1 @@
+"""The best decisions in a network whose outcomes have probabilities."""

@@ -1,0 +1,80 @@
+"""Planner that follows the best policy, by the probabilities in the task's file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from typing_extensions import override
+
+from handcart.networks.chains.chance import Chance
+from handcart.networks.chains.policy import Chances
+from handcart.networks.chains.step_maker import State
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.graph.planner import NoWay, Plan, Planner
+
+from .best_policy import BestPolicy, PolicyName
+
+
+def chances_of(network: ActionNetwork) -> list[Chance | None]:
+    """Return the outcome probabilities of a network's actions; None for skips, certain where none is known."""
+    return [
+        None
+        if action.binding is None
+        else Chance(1.0 if action.p_success is None else action.p_success, action.p_give_up)
+        for action in network.actions
+    ]
+
+
+def planner_of(network: ActionNetwork, chances: Chances | None = None) -> Planner:
+    """Return the planner of a network's policy.
+
+    Args:
+        network: the network.
+        chances: outcome probabilities; None: those of its actions.
+    """
+    if network.policy == "rule":
+        return Planner(network)
+    known = chances_of(network) if chances is None else chances
+    name: PolicyName = "goal_probability" if network.policy == "goal_probability" else "expected_cost"
+    return BestPlanner(BestPolicy(network, known, name, network.person_s))
+
+
+class BestPlanner(Planner):
+    """Plans by the best policy; a decision that was made before is looked up.
+
+    A plan follows the usual result of each action. To another goal than the network's the rule plans.
+    """
+
+    def __init__(self, best: BestPolicy) -> None:
+        """Create a planner in whose network nothing has failed."""
+        super().__init__(best.network)
+        self.best = best
+
+    @override
+    def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
+        excluded = list(without)
+        if goal not in (None, self.network.goal) or excluded:
+            return super().plan(situation, goal, excluded)
+        state = self.best.state(situation, self.counts)
+        first = self.best.decision(state)
+        if first.action is None:
+            rule = super().plan(situation)
+            return rule if isinstance(rule, NoWay) else self._call(situation)
+        return Plan(self._usual(state), first.cost, self._excluded())
+
+    def _usual(self, state: State) -> tuple[Action, ...]:
+        """Return the actions from a state on if each has its usual result."""
+        found, seen = list[Action](), set[State]()
+        while state.situation != self.network.goal and state not in seen:
+            seen.add(state)
+            step = self.best.step(state)
+            if step.action is None or step.succeeded[0] is None:
+                break
+            found.append(step.action)
+            state = step.succeeded[0]
+        return tuple(found)
+
+    def _call(self, situation: str) -> NoWay:
+        price = self.network.person_s
+        reason = f"in {situation} every action costs more than a person ({price:g} s)"
+        return NoWay(situation, (), f"{reason}: help is better than another attempt", calls_person=True)

@@ -1,0 +1,82 @@
+"""The best policy of a network, as decisions by state."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.policy import Chances, Policy, budget_of, visited
+from handcart.networks.chains.step_maker import State, Step
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.plan_search import PlanSearch
+
+from .best_values import BestValues, Decision
+from .process import Process
+
+PolicyName = Literal["rule", "expected_cost", "goal_probability"]
+GOAL_PRICE_S = 1e10
+"""Price of an end short of the goal if P(goal) decides: time then only breaks ties."""
+
+
+class BestPolicy:
+    """Decisions with the least expected cost, or with the largest probability of the goal.
+
+    States are settled when they are first asked for, and looked up from then on.
+    """
+
+    def __init__(
+        self,
+        network: ActionNetwork,
+        chances: Chances,
+        name: PolicyName = "expected_cost",
+        person_s: float = 600.0,
+        effort: Effort | None = None,
+    ) -> None:
+        """Prepare the search; nothing is settled yet.
+
+        Args:
+            network: the network.
+            chances: outcome probabilities of each action; None for a skip.
+            name: what is best: `expected_cost` or `goal_probability`.
+            person_s: price of each end short of the goal, in [s].
+            effort: budget; None: four times `budget_of`.
+        """
+        price = GOAL_PRICE_S if name == "goal_probability" else person_s
+        self.name, self._process = name, Process(network, chances, price)
+        self.values = BestValues(self._process, effort or Effort(4.0 * budget_of(network)))
+        self._search = PlanSearch(network)
+
+    @property
+    def network(self) -> ActionNetwork:
+        """The network that it decides in."""
+        return self._process.network
+
+    def state(self, situation: str, counts: dict[int, int]) -> State:
+        """Return the state in a situation with these counts of Fails."""
+        return self._process.after.at(situation, counts)
+
+    def decision(self, state: State) -> Decision:
+        """Return the best decision in a state."""
+        return self.values.decision(state)
+
+    def step(self, state: State) -> Step:
+        """Return the best decision in a state, with the states that may follow."""
+        return self._step(state, self.decision(state))
+
+    def policy(self, start: State | None = None) -> Policy:
+        """Return the decisions that runs are likely to come to, from the network's start or another state.
+
+        What is too unlikely to matter is left out.
+        """
+        begin = start or State(self.network.start, ())
+        self.decision(begin)
+        return visited(self.network, begin, self._known)
+
+    def _known(self, state: State) -> Step | None:
+        return self._step(state, self.values.known(state)) if self.values.is_known(state) else None
+
+    def _step(self, state: State, decision: Decision) -> Step:
+        if decision.action is not None:
+            return self._process.step(state, decision.action)
+        # No action is worth its cost: is there one at all?
+        return Step(None, person=self._search.segment(state.situation, dict(state.fails)) is not None)

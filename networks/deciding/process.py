@@ -1,0 +1,95 @@
+"""A network as a Markov decision process: states, options, and what they cost."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import networkx as nx
+
+from handcart.networks.chains.chance import Chance
+from handcart.networks.chains.policy import Chances, success_shares
+from handcart.networks.chains.step_maker import Aftermath, State, Step
+from handcart.networks.graph.ahead import ways_of
+from handcart.networks.graph.network import Action, ActionNetwork
+
+NEVER = 1e-12
+"""Probability below which something does not happen; sums of decimals are rounded."""
+
+
+class Option(NamedTuple):
+    """An action that can be started in a state."""
+
+    action: Action
+    cost: float
+    """Its cost, with the share of a person's price for GiveUp, in [s]."""
+    stays: float
+    """Probability that the state remains as it is."""
+    leads: tuple[tuple[float, State], ...]
+    """Other states that may follow, short of the goal, each with its probability."""
+
+
+class Process:
+    """States and options of one network; a state is a situation with the Fails that still matter."""
+
+    def __init__(self, network: ActionNetwork, chances: Chances, person_s: float) -> None:
+        """Prepare the options.
+
+        Args:
+            network: the network.
+            chances: outcome probabilities of each action; None for a skip.
+            person_s: price of each end short of the goal, and of each element left undone, in [s].
+        """
+        self.network, self.chances, self.person_s = network, chances, person_s
+        self.after = Aftermath(network)
+        self.out: dict[str, list[Action]] = {name: [] for name in network.situations}
+        """Actions out of each situation."""
+        for action in network.actions:
+            self.out[action.source].append(action)
+        self.part: dict[str, int] = {}
+        """Number of the strongly connected component of each situation; what follows comes first."""
+        self.parts: list[list[str]] = []
+        """Situations of each component."""
+        order = {name: number for number, name in enumerate(network.situations)}
+        for number, names in enumerate(nx.strongly_connected_components(ways_of(network))):
+            self.parts.append(sorted(names, key=lambda name: order[name]))
+            self.part |= dict.fromkeys(names, number)
+
+    def price(self, action: Action) -> float:
+        """Return the cost of starting an action, with a person's price for GiveUp and for a skip."""
+        if action.binding is None:
+            return self.person_s
+        chance = self.chances[action.index] or Chance(1.0)
+        return action.cost_s + chance.give_up * self.person_s
+
+    def endings(self, action: Action) -> list[tuple[float, str]]:
+        """Return the situations that an action may lead to, each with its probability; Fail is the last."""
+        chance = Chance(1.0) if action.binding is None else self.chances[action.index] or Chance(1.0)
+        targets = [action.target, *(each.target for each in action.others)]
+        found = [(chance.success * p, to) for p, to in zip(success_shares(action), targets, strict=True)]
+        return [*found, (chance.fail, action.on_fail or action.source)]
+
+    def options(self, state: State) -> list[Option]:
+        """Return the actions that can be started in a state."""
+        fails = dict(state.fails)
+        return [
+            self._option(state, action, fails)
+            for action in self.out[state.situation]
+            if not action.allowance.is_out(fails.get(action.counter, 0))
+        ]
+
+    def step(self, state: State, action: Action) -> Step:
+        """Return the decision for an action as a step of a policy."""
+        fails = dict(state.fails)
+        succeeded = self.after.successes(action, fails)
+        chance = None if action.binding is None else self.chances[action.index]
+        failed = None if chance is None or chance.fail <= NEVER else self.after.fail(action, fails)
+        return Step(action, succeeded, failed)
+
+    def _option(self, state: State, action: Action, fails: dict[int, int]) -> Option:
+        step, chances = self.step(state, action), self.endings(action)
+        leads: dict[State, float] = {}
+        for (p, _), after in zip(chances, (*step.succeeded, step.failed), strict=True):
+            if after is not None and p > 0.0 and after.situation != self.network.goal:
+                leads[after] = leads.get(after, 0.0) + p
+        stays = leads.pop(state, 0.0)
+        return Option(action, self.price(action), stays, tuple((p, each) for each, p in leads.items()))

@@ -1,0 +1,120 @@
+"""Least expected cost from each situation if attempts are not counted: a lower bound that is often close."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+from scipy.sparse import csc_array, eye_array
+
+from handcart.networks.graph.network import Action
+
+from .process import Process
+
+MAX_ROUNDS = 200
+"""Rounds of policy iteration; some five are usual."""
+DENSE_MAX_SITUATIONS = 60
+_BETTER = 1e-12
+"""Relative improvement for which an action is changed."""
+
+
+class SituationValues:
+    """Values over situations: V(s) = min over actions of (cost + g K + sum of p V(t)), and at most K.
+
+    A Fail that leads back to the same situation is tried again without limit, so that V is at most the
+    expected cost with limited attempts. Components are solved in the order of what follows: one step where
+    no loop is (Knuth 1977), policy iteration where there is (Howard 1960).
+    """
+
+    def __init__(self, process: Process) -> None:
+        """Solve all components."""
+        self._process = process
+        self.value: dict[str, float] = {process.network.goal: 0.0}
+        """Value of each situation, in [s]."""
+        self._without: dict[tuple[int, frozenset[int]], Mapping[str, float]] = {}
+        for number in range(len(process.parts)):
+            self.value |= self._solved(number, ())
+
+    def without(self, situation: str, out: frozenset[int]) -> float:
+        """Return the value of a situation if further actions of its component are excluded.
+
+        Args:
+            situation: the situation.
+            out: numbers of the excluded actions.
+        """
+        number = self._process.part[situation]
+        if not out:
+            return self.value[situation]
+        known = self._without.get((number, out))
+        if known is None:
+            known = self._without[number, out] = self._solved(number, out)
+        return known[situation]
+
+    def _solved(self, number: int, out: Collection[int]) -> dict[str, float]:
+        process, price = self._process, self._process.person_s
+        names = [name for name in process.parts[number] if name != process.network.goal]
+        rows = [[each for each in process.out[name] if each.index not in out] for name in names]
+        inside = {name: place for place, name in enumerate(names)}
+        options = [[self._row(action, inside) for action in actions] for actions in rows]
+        values = np.full(len(names), price)
+        chosen = [-1] * len(names)
+        for _ in range(MAX_ROUNDS):
+            if not self._improve(options, values, chosen):
+                break
+            if len(names) > 1:
+                values = self._evaluated(options, chosen)
+        return dict(zip(names, values.tolist(), strict=True))
+
+    def _row(self, action: Action, inside: Mapping[str, int]) -> tuple[float, list[tuple[float, int]]]:
+        """Return cost and transitions within the component; a Fail that stays is tried again."""
+        process = self._process
+        cost, stays, here = process.price(action), 0.0, inside[action.source]
+        links: dict[int, float] = {}
+        for p, to in process.endings(action):
+            if to == action.source:
+                stays += p
+            elif to in inside:
+                links[inside[to]] = links.get(inside[to], 0.0) + p
+            elif p > 0.0:
+                cost += p * self.value[to]
+        left = 1.0 - stays
+        if left <= 0.0:
+            return cost, [(1.0, here)]
+        return cost / left, [(p / left, to) for to, p in links.items()]
+
+    def _improve(
+        self,
+        options: Sequence[Sequence[tuple[float, list[tuple[float, int]]]]],
+        values: np.ndarray[tuple[int], np.dtype[np.float64]],
+        chosen: list[int],
+    ) -> bool:
+        known, changed = values.tolist(), False
+        for place, actions in enumerate(options):
+            best = known[place] - _BETTER * max(1.0, known[place])
+            for number, (cost, links) in enumerate(actions):
+                found = cost + sum(p * known[to] for p, to in links)
+                if found < best:
+                    best, chosen[place], values[place], changed = found, number, found, True
+        return changed
+
+    def _evaluated(
+        self, options: Sequence[Sequence[tuple[float, list[tuple[float, int]]]]], chosen: Sequence[int]
+    ) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        count, price = len(chosen), self._process.person_s
+        cost = np.full(count, price)
+        rows, to, p = list[int](), list[int](), list[float]()
+        for place, number in enumerate(chosen):
+            if number >= 0:
+                cost[place], links = options[place][number]
+                for share, other in links:
+                    rows.append(place)
+                    to.append(other)
+                    p.append(share)
+        if count <= DENSE_MAX_SITUATIONS:
+            whole = np.eye(count)
+            np.subtract.at(whole, (rows, to), p)
+            return np.asarray(np.linalg.solve(whole, cost))
+        from scipy.sparse.linalg import spsolve  # late: most networks are small
+
+        follows = csc_array((p, (rows, to)), shape=(count, count))
+        return np.asarray(spsolve((eye_array(count) - follows).tocsc(), cost))
