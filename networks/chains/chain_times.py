@@ -30,7 +30,7 @@ def time_quantile(rows: ChainRows, share: float = 0.95, seed: int = 0) -> Quanti
     """
     if rows.start < 0:
         return Quantile(0.0, 0.0)
-    limits, targets = _outcomes(rows)
+    limits, nexts = _outcomes(rows)
     cost = np.array(rows.cost)
     draws = np.random.default_rng([23, seed])
     count = WALKS
@@ -43,7 +43,7 @@ def time_quantile(rows: ChainRows, share: float = 0.95, seed: int = 0) -> Quanti
             break
         here = at[left]
         spent[left] += cost[here]
-        at[left] = targets[np.searchsorted(limits, here + draws.random(left.size), side="right")]
+        at[left] = nexts[np.searchsorted(limits, here + draws.random(left.size), side="right")]
     lost = at == _LOST
     low = float(np.quantile(spent, share))
     high = float(np.quantile(np.where(lost, math.inf, spent), share, method="higher")) if lost.any() else low
@@ -51,7 +51,7 @@ def time_quantile(rows: ChainRows, share: float = 0.95, seed: int = 0) -> Quanti
 
 
 def _outcomes(rows: ChainRows) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return what may follow each row: upper limits of a number drawn from [row, row + 1), and targets."""
+    """Return what may follow each row: upper limits of a number drawn from [row, row + 1), and nexts."""
     links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]
     links += [(row, _LOST if end is End.UNKNOWN else _ENDED, p) for row, end, p, _ in rows.ends]
     links += [(row, _ENDED, 1.0) for row in rows.skipped_to_goal]

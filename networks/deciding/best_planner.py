@@ -17,12 +17,11 @@ from .best_policy import BestPolicy, PolicyName
 
 def chances_of(network: ActionNetwork) -> list[Chance | None]:
     """Return the outcome probabilities of a network's actions; None for skips, certain where none is known."""
-    return [
-        None
-        if action.binding is None
-        else Chance(1.0 if action.p_success is None else action.p_success, action.p_give_up)
-        for action in network.actions
-    ]
+    return [None if action.binding is None else _chance(action) for action in network.actions]
+
+
+def _chance(action: Action) -> Chance:
+    return Chance(1.0 if action.p_success is None else action.p_success, action.p_give_up)
 
 
 def planner_of(network: ActionNetwork, chances: Chances | None = None) -> Planner:

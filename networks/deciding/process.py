@@ -64,8 +64,8 @@ class Process:
     def endings(self, action: Action) -> list[tuple[float, str]]:
         """Return the situations that an action may lead to, each with its probability; Fail is the last."""
         chance = Chance(1.0) if action.binding is None else self.chances[action.index] or Chance(1.0)
-        targets = [action.target, *(each.target for each in action.others)]
-        found = [(chance.success * p, to) for p, to in zip(success_shares(action), targets, strict=True)]
+        nexts = [action.target, *(each.target for each in action.others)]
+        found = [(chance.success * p, to) for p, to in zip(success_shares(action), nexts, strict=True)]
         return [*found, (chance.fail, action.on_fail or action.source)]
 
     def options(self, state: State) -> list[Option]:

@@ -71,8 +71,8 @@ def repeated(
 
 def _plain(number: int, entry: ActionEntry) -> Copied:
     usual, *others = entry.endings
-    targets = tuple(each.target for each in others)
-    return Copied(entry.source, usual.target, entry.on_fail, number, None, targets)
+    nexts = tuple(each.target for each in others)
+    return Copied(entry.source, usual.target, entry.on_fail, number, None, nexts)
 
 
 class _Copier:
