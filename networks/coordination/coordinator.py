@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
 from handcart.backends.robot.robot import Robot
+from handcart.networks.deciding.best_planner import planner_of
 from handcart.networks.events.events import Event
 from handcart.networks.events.run_end import RunEnd, RunOutcome
 from handcart.networks.graph.network import Action, ActionNetwork, NotBound
@@ -65,7 +66,7 @@ class Coordinator:
         """
         self.network = network
         self._left = "" if standing is None else standing.left
-        self._route = RunDecisions(network) if standing is None else standing.route
+        self._route = RunDecisions(network, planner_of(network)) if standing is None else standing.route
         self.life = RunLife()
         self.asks: Action | None = None
         """The action that waits for permission."""

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
+from handcart.networks.deciding.best_planner import planner_of
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import RunDecisions
@@ -67,7 +68,7 @@ def load_script(path: Path) -> Script:
 
 def follow(network: ActionNetwork, outcomes: Iterable[Word | WithResult]) -> Imagined:
     """Follow a network as the coordinator would if its actions had these outcomes."""
-    route, words, cost = RunDecisions(network), iter(outcomes), 0.0
+    route, words, cost = RunDecisions(network, planner_of(network)), iter(outcomes), 0.0
     lines: list[str] = []
     while not route.arrived:
         if not route.planned:

@@ -16,7 +16,7 @@ from .best_policy import BestPolicy, PolicyName
 
 
 def chances_of(network: ActionNetwork) -> list[Chance | None]:
-    """Return the outcome probabilities of a network's actions; None for skips, certain where none is known."""
+    """Return the outcome probabilities of a network's actions; None for a skip, 1 where it has none."""
     return [None if action.binding is None else _chance(action) for action in network.actions]
 
 

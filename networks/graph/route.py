@@ -35,11 +35,11 @@ class RunDecisions:
 
         Args:
             network: the network.
-            planner: planner of the network; None: that of its policy.
+            planner: planner of the network; None: the rule.
         """
         self.network = network
         self.situation = network.start
-        self.planner = planner or _planner_of(network)
+        self.planner = planner or Planner(network)
         self.taken = 0
         """Number of actions that have ended."""
         self.lost: NoWay | None = None
@@ -122,11 +122,3 @@ class RunDecisions:
         self.planner.failed(action, reason, permanent=permanent)
         self._ahead = []
         self.situation = action.on_fail or self.situation
-
-
-def _planner_of(network: ActionNetwork) -> Planner:
-    if network.policy == "rule":
-        return Planner(network)
-    from handcart.networks.deciding.best_planner import planner_of  # late: few tasks have probabilities
-
-    return planner_of(network)

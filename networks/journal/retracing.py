@@ -8,6 +8,7 @@ from typing import Any
 
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
+from handcart.networks.deciding.best_planner import planner_of
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.route import Elsewhere, RunDecisions
 from handcart.primitives.outcomes.outcome import Success
@@ -70,7 +71,7 @@ def standing(network: ActionNetwork, records: Sequence[Record]) -> RunPosition:
     """
     if not records or records[0].get("network") != network.fingerprint():
         raise NeedsOperator("the task is not the one that was run: its network is another one")
-    return RunPosition(RunDecisions(network)).followed(records[1:])
+    return RunPosition(RunDecisions(network, planner_of(network))).followed(records[1:])
 
 
 def _follow(found: RunPosition, record: Record) -> None:
