@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain_rows import ChainRows, End
+from .chain_rows import ChainEnd, ChainRows
 
 WALKS = 10_000
 MAX_WALK_STEPS = 4_000_000
@@ -53,7 +53,7 @@ def time_quantile(rows: ChainRows, share: float = 0.95, seed: int = 0) -> Quanti
 def _outcomes(rows: ChainRows) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return what may follow each row: upper limits of a number drawn from [row, row + 1), and nexts."""
     links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]
-    links += [(row, _LOST if end is End.UNKNOWN else _ENDED, p) for row, end, p, _ in rows.ends]
+    links += [(row, _LOST if end is ChainEnd.UNKNOWN else _ENDED, p) for row, end, p, _ in rows.ends]
     links += [(row, _ENDED, 1.0) for row in rows.skipped_to_goal]
     links.sort()
     row = np.array([link[0] for link in links])
