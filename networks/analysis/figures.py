@@ -73,18 +73,23 @@ def missing_chances(task: Task) -> list[int]:
     return [number for number, entry in enumerate(task.file.actions) if entry.p_success is None]
 
 
-def figures(task: Task, effort: Effort | None = None, more: Effort | None = None) -> Figures:
+def figures(
+    task: Task,
+    effort: Effort | None = None,
+    more: Effort | None = None,
+    forecaster: Forecaster | None = None,
+) -> Figures:
     """Return the figures of a task whose actions all have a probability `p`.
 
     Args:
         task: the task.
         effort: budget of the forecast; None: `budget_of`.
         more: budget of the forecasts with more attempts; None: `budget_of`.
+        forecaster: forecaster of the task's network, which has its budget already; None: a new one.
     """
     known = dict(enumerate(entry_chances(task)))
-    chances = network_chances(task)
-    budget = budget_of(task.network)
-    forecaster = Forecaster(task.network, chances, effort or Effort(budget))
+    budget = effort or Effort(budget_of(task.network))
+    forecaster = forecaster or Forecaster(task.network, network_chances(task), budget)
     now = forecaster.forecast()
     starts, slopes = forecaster.starts(), forecaster.slopes()
     changed = _Changes(forecaster, more or Effort(DEFAULT_MAX_STEPS))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from itertools import accumulate
 
@@ -75,6 +75,7 @@ class Forecaster:
         """
         self._chances = chances
         self._network = network
+        self._dearest = max((a.cost_s for a in network.actions if a.binding), default=MAX_COST_S)
         self._effort = effort or Effort(budget_of(network))
         self._stages = stages(network)
         self._stage_of = {number: at for at, each in enumerate(self._stages) for number in each.numbers}
@@ -113,6 +114,10 @@ class Forecaster:
         self._before = list(accumulate(ends, Ends.then, initial=AT_GOAL))
         behind = accumulate(reversed(ends), lambda rest, each: each.then(rest), initial=AT_GOAL)
         self._behind = list(behind)[::-1]
+
+    def chains(self) -> Iterator[tuple[Stage, Chain]]:
+        """Yield the stages in the order in which runs pass them, each with its chain."""
+        yield from ((each, self._chain(each)) for each in self._stages)
 
     def starts(self) -> list[float]:
         """Return for each action the average number of times that a run starts it."""
@@ -158,8 +163,7 @@ class Forecaster:
         total, unknown = ends.total(), ends.unknown.p
         sigma = math.sqrt(max(0.0, total.second - total.first**2))
         short = ends.no_way.p, ends.give_up.p
-        dearest = max((a.cost_s for a in self._network.actions if a.binding), default=MAX_COST_S)
-        high = total.first + (unknown * self._network.bound() * dearest if unknown else 0.0)
+        high = total.first + (unknown * self._network.bound() * self._dearest if unknown else 0.0)
         return Forecast(ends.goal.p, ends.skipped.p, *short, total.first, sigma, unknown, high)
 
 

@@ -37,6 +37,8 @@ class ChainRows:
         """The action that starts in each row; -1 for none and for skips."""
         self.cost: list[float] = []
         """Its cost in [s]; 0 for none and for skips."""
+        self.places: list[int] = []
+        """Number of each row's situation in the network."""
         self.succeeds: list[ChainLink] = []
         self.fails: list[ChainLink] = []
         self.skips: list[ChainLink] = []
@@ -46,7 +48,9 @@ class ChainRows:
         """Rows whose skip leads to the goal."""
         self._policy, self._chances = policy, chances
         self._number = {state: number for number, state in enumerate(policy.steps)}
-        for row, step in enumerate(policy.steps.values()):
+        place = {name: number for number, name in enumerate(policy.network.situations)}
+        for row, (state, step) in enumerate(policy.steps.items()):
+            self.places.append(place[state.situation])
             self._add(row, step)
         self.start = self._number.get(policy.start, -1)
 

@@ -1,8 +1,9 @@
-"""Time of the runs of a Markov chain: quantiles from seeded walks."""
+"""Time of the runs of Markov chains that follow each other: quantiles from seeded walks."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +13,8 @@ from .chain_rows import ChainEnd, ChainRows
 
 WALKS = 10_000
 MAX_WALK_STEPS = 4_000_000
-"""Actions of all walks together; large networks have fewer walks."""
-_ENDED, _LOST = -1, -2
+"""Actions of all walks together; long runs have fewer walks."""
+_GOAL, _ENDED, _LOST = -1, -2, -3
 
 
 class Quantile(NamedTuple):
@@ -23,38 +24,71 @@ class Quantile(NamedTuple):
     high_s: float
 
 
-def time_quantile(rows: ChainRows, share: float = 0.95, seed: int = 0) -> Quantile:
+def time_quantile(
+    chains: Sequence[ChainRows],
+    mean_actions: float,
+    share: float = 0.95,
+    seed: int = 0,
+    calls: bool = False,
+) -> Quantile:
     """Estimate the time within which a share of the runs ends, from walks: the same for the same seed.
 
     With `WALKS` walks the share has a standard error of 0.002.
+
+    Args:
+        chains: rows of the consecutive parts of a run; each begins where the one before reaches its goal.
+        mean_actions: average number of actions of a run.
+        share: share of the runs.
+        seed: seed of the walks.
+        calls: True if a run ends in states that were not looked at.
     """
-    if rows.start < 0:
-        return Quantile(0.0, 0.0)
-    limits, nexts = _outcomes(rows)
-    cost = np.array(rows.cost)
-    draws = np.random.default_rng([23, seed])
-    count = WALKS
-    at, spent = np.full(count, rows.start), np.zeros(count)
-    taken = 0
-    while (left := np.flatnonzero(at >= 0)).size:
-        taken += left.size
-        if taken > MAX_WALK_STEPS:
-            at[left] = _LOST
-            break
-        here = at[left]
-        spent[left] += cost[here]
-        at[left] = nexts[np.searchsorted(limits, here + draws.random(left.size), side="right")]
-    lost = at == _LOST
+    count = int(min(WALKS, max(100.0, MAX_WALK_STEPS / max(1.0, mean_actions))))
+    walks = _Walks(count, np.random.default_rng([23, seed]))
+    for rows in chains:
+        walks.through(rows)
+    spent, lost = walks.spent, walks.lost & (not calls)
     low = float(np.quantile(spent, share))
     high = float(np.quantile(np.where(lost, math.inf, spent), share, method="higher")) if lost.any() else low
     return Quantile(low, high)
 
 
+class _Walks:
+    """Runs that are drawn side by side."""
+
+    def __init__(self, count: int, draws: np.random.Generator) -> None:
+        self.spent = np.zeros(count)
+        self.lost = np.zeros(count, dtype=bool)
+        """Walks that came to a state that was not looked at, or took too many steps."""
+        self._goes_on = np.ones(count, dtype=bool)
+        self._draws, self._left = draws, 4 * MAX_WALK_STEPS
+        self._known: dict[int, tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = {}
+
+    def through(self, rows: ChainRows) -> None:
+        """Walk from the start of a chain until each walk has reached its goal or ended."""
+        if rows.start < 0:
+            return
+        if id(rows) not in self._known:
+            self._known[id(rows)] = (*_outcomes(rows), np.array(rows.cost))
+        limits, nexts, cost = self._known[id(rows)]
+        walks = np.flatnonzero(self._goes_on)
+        at = np.full(walks.size, rows.start)
+        while walks.size:
+            self._left -= walks.size
+            self.spent[walks] += cost[at]
+            at = nexts[np.searchsorted(limits, at + self._draws.random(walks.size), side="right")]
+            if self._left < 0:
+                at[at >= 0] = _LOST
+            self._goes_on[walks[(at == _ENDED) | (at == _LOST)]] = False
+            self.lost[walks[at == _LOST]] = True
+            walks, at = walks[at >= 0], at[at >= 0]
+
+
 def _outcomes(rows: ChainRows) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return what may follow each row: upper limits of a number drawn from [row, row + 1), and nexts."""
+    after = {ChainEnd.GOAL: _GOAL, ChainEnd.UNKNOWN: _LOST}
     links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]
-    links += [(row, _LOST if end is ChainEnd.UNKNOWN else _ENDED, p) for row, end, p, _ in rows.ends]
-    links += [(row, _ENDED, 1.0) for row in rows.skipped_to_goal]
+    links += [(row, after.get(end, _ENDED), p) for row, end, p, _ in rows.ends]
+    links += [(row, _GOAL, 1.0) for row in rows.skipped_to_goal]
     links.sort()
     row = np.array([link[0] for link in links])
     p = np.array([link[2] for link in links])

@@ -47,6 +47,11 @@ class Effort:
             self._next = self._spent + _EVERY
             self._watch(self._spent / self._most)
 
+    @property
+    def left(self) -> float:
+        """Steps that are not spent."""
+        return self._most - self._spent
+
     def half(self) -> Effort:
         """Return a budget of at most half of the rest, so that later computations have some, too."""
         return self.part(0.5)

@@ -26,6 +26,9 @@ class Chain:
     """Average number of starts of each action."""
     slopes: tuple[float, ...]
     """Derivative of P(goal) by each action's probability of Success, with the Fails becoming fewer."""
+    rows: ChainRows
+    visits: Floats
+    """Average number of times that a run comes to each row."""
 
 
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
@@ -36,9 +39,10 @@ def policy_chain(policy: Policy, chances: Chances) -> Chain:
     inverse comes of a few sparse solutions.
     """
     count = len(policy.network.actions)
+    rows = ChainRows(policy, chances)
     if policy.start not in policy.steps:
-        return Chain(AT_GOAL, (0.0,) * count, (0.0,) * count)
-    return _Solution(ChainRows(policy, chances), policy.circles).chain(count)
+        return Chain(AT_GOAL, (0.0,) * count, (0.0,) * count, rows, np.zeros(len(rows.action)))
+    return _Solution(rows, policy.circles).chain(count)
 
 
 class _Solution:
@@ -65,9 +69,10 @@ class _Solution:
         known = Ends(at[0], skipped if has_skips else Moments(0.0), at[2], at[3], at[4])
         begins = np.zeros(self._size)
         begins[rows.start] = 1.0
-        starts = self._by_action(count, self._every.solve(begins, True))
+        visits = self._every.solve(begins, True)
+        starts = self._by_action(count, visits)
         slopes = self._by_action(count, self._plain.solve(begins, True) * self._gain(complete[:, 0, 0]))
-        return Chain(known, starts, slopes)
+        return Chain(known, starts, slopes, rows, visits)
 
     def _by_action(self, count: int, values: FloatArray) -> tuple[float, ...]:
         found, actions = np.zeros(count), np.array(self._rows.action)

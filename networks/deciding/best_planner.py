@@ -13,6 +13,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 
 from .best_policy import BestPolicy, PolicyName
+from .best_values import Decision
 
 
 def chances_of(network: ActionNetwork) -> list[Chance | None]:
@@ -52,13 +53,13 @@ class BestPlanner(Planner):
     @override
     def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
         excluded = list(without)
-        if goal not in (None, self.network.goal) or excluded:
+        if goal not in (None, self.network.goal) or excluded or self.best.is_rule_better():
             return super().plan(situation, goal, excluded)
         state = self.best.state(situation, self.counts)
         first = self.best.decision(state)
         if first.action is None:
             rule = super().plan(situation)
-            return rule if isinstance(rule, NoWay) else self._call(situation)
+            return rule if isinstance(rule, NoWay) else self._call(situation, first)
         return Plan(self._usual(state), first.cost, self._excluded())
 
     def _usual(self, state: State) -> tuple[Action, ...]:
@@ -73,7 +74,6 @@ class BestPlanner(Planner):
             state = step.succeeded[0]
         return tuple(found)
 
-    def _call(self, situation: str) -> NoWay:
-        price = self.network.person_s
-        reason = f"in {situation} every action costs more than a person ({price:g} s)"
-        return NoWay(situation, (), f"{reason}: help is better than another attempt", calls_person=True)
+    def _call(self, situation: str, decision: Decision) -> NoWay:
+        reason = f"in {situation} every action costs more than a person ({decision.cost:g} s)"
+        return NoWay(situation, (), f"{reason}: a person is called", calls_person=True)

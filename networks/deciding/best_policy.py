@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from handcart.networks.analysis.forecast import Forecaster
 from handcart.networks.chains.effort import Effort
 from handcart.networks.chains.policy import Chances, Policy, budget_of, visited
 from handcart.networks.chains.step_maker import State, Step
@@ -12,8 +13,11 @@ from handcart.networks.graph.plan_search import PlanSearch
 
 from .best_values import BestValues, Decision
 from .process import Process
+from .run_figures import rule_price
 
 PolicyName = Literal["rule", "expected_cost", "goal_probability"]
+MAX_GAP = 1e-6
+"""Relative difference of a value's bounds up to which it counts as found."""
 GOAL_PRICE_S = 1e10
 """Price of an end short of the goal if P(goal) decides: time then only breaks ties."""
 
@@ -39,17 +43,39 @@ class BestPolicy:
             chances: outcome probabilities of each action; None for a skip.
             name: what is best: `expected_cost` or `goal_probability`.
             person_s: price of each end short of the goal, in [s].
-            effort: budget; None: four times `budget_of`.
+            effort: budget; None: twice `budget_of`.
         """
         price = GOAL_PRICE_S if name == "goal_probability" else person_s
         self.name, self._process = name, Process(network, chances, price)
-        self.values = BestValues(self._process, effort or Effort(4.0 * budget_of(network)))
+        self.values = BestValues(self._process, effort or Effort(2.0 * budget_of(network)))
         self._search = PlanSearch(network)
+        self._is_rule_better: bool | None = None
 
     @property
     def network(self) -> ActionNetwork:
         """The network that it decides in."""
         return self._process.network
+
+    @property
+    def process(self) -> Process:
+        """The network with its prices."""
+        return self._process
+
+    def is_rule_better(self) -> bool:
+        """Return whether the rule surely costs less than what was found within the budget.
+
+        Only a search that was not finished can find less than the rule.
+        """
+        if self._is_rule_better is None:
+            self._is_rule_better = self._rule_costs_less()
+        return self._is_rule_better
+
+    def _rule_costs_less(self) -> bool:
+        found = self.decision(State(self.network.start, ()))
+        if found.cost - found.low <= MAX_GAP * found.cost:
+            return False
+        forecaster = Forecaster(self.network, self._process.chances)
+        return rule_price(self._process, forecaster, forecaster.forecast())[1] < found.cost
 
     def state(self, situation: str, counts: dict[int, int]) -> State:
         """Return the state in a situation with these counts of Fails."""

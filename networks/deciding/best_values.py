@@ -16,8 +16,6 @@ from .situation_values import SituationValues
 
 GAPS = (0.1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9)
 """Differences of the bounds of a value, relative to it: reached one after the other, as the budget allows."""
-SURE = 1e-6
-"""Relative gain over a person's price for which an action is done that was not looked at any further."""
 ENOUGH = 1e-3
 """Gap that may cost the whole budget."""
 FINER_SHARE = 0.15
@@ -26,6 +24,10 @@ FIRST_SHARE, LAST_SHARE, SHARE_STEP = 1e-3, 1e-13, 0.1
 """Probabilities of states below which they are not looked at: of the first search, the last, and the factor
 between two searches.
 """
+LATER_STEPS = 60_000.0
+"""Budget of a decision when that of the first is spent: some 0.2 s."""
+OPENING_STEPS, VISIT_STEPS = 50.0, 4.0
+"""Effort of finding the options of a state, and of looking at them once."""
 MAX_SWEEPS = 1000
 MAX_TIGHT_SITUATIONS = 30
 """Situations of a component up to which excluded actions tighten the lower bound."""
@@ -65,9 +67,12 @@ class BestValues:
         self._options: dict[State, list[Option]] = {}
         self._settled: dict[State, int] = {}
         self._gap = 0
+        self._is_spent = False
 
     def decision(self, state: State) -> Decision:
         """Return the best decision in a state, as exactly as the budget allows."""
+        if self._is_spent and state not in self._settled:
+            self._effort = Effort(LATER_STEPS)
         for number in range(len(GAPS)):
             if self._settled.get(state, -1) >= number:
                 continue
@@ -79,6 +84,7 @@ class BestValues:
             except TooMuch:
                 self._settled[state] = len(GAPS)
             self._effort = whole
+        self._is_spent = self._effort.left < LATER_STEPS
         return self.known(state)
 
     def _settle_all(self, state: State) -> None:
@@ -93,16 +99,13 @@ class BestValues:
 
     def known(self, state: State) -> Decision:
         """Return what is known of the best decision in a state, without searching."""
-        price, goal = self.process.person_s, self.process.network.goal
-        if state.situation == goal:
+        if state.situation == self.process.network.goal:
             return Decision(None, 0.0, 0.0)
-        best, action, looks, likely = price, None, price, None
+        best, action = self.process.stop_price(state.situation), None
         for option in self._options.get(state) or self.process.options(state):
-            if (cost := self._expected(option, self._high, price)) < best:
+            if (cost := self._expected(option)) < best:
                 best, action = cost, option.action
-            if (low := self._expected_low(option)) < looks * (1.0 - SURE):
-                looks, likely = low, option.action
-        return Decision(action or likely, best, min(best, self._lower(state)))
+        return Decision(action, best, min(best, self._lower(state)))
 
     def is_known(self, state: State) -> bool:
         """Return whether a state was looked at."""
@@ -110,12 +113,11 @@ class BestValues:
 
     def costs(self, state: State) -> list[Decision]:
         """Return all actions that can be started in a state, each followed by the best; the best first."""
-        price = self.process.person_s
         found = []
         for option in self.process.options(state):
             for _, each in option.leads:
                 self.decision(each)
-            high, low = self._expected(option, self._high, price), self._expected_low(option)
+            high, low = self._expected(option), self._expected_low(option)
             found.append(Decision(option.action, high, min(high, low)))
         return sorted(found, key=lambda each: each.cost)
 
@@ -123,6 +125,8 @@ class BestValues:
         """Settle a state; return another one of a later component that has to be settled first, if any."""
         if self._is_settled(root) or root.situation == self.process.network.goal:
             return None
+        if self._is_acyclic(root.situation):
+            return self._settle_exactly(root)
         share = FIRST_SHARE
         while True:
             for _ in range(MAX_SWEEPS):
@@ -136,6 +140,33 @@ class BestValues:
                 break
             share *= SHARE_STEP
         self._settled[root] = self._gap
+        return None
+
+    def _is_acyclic(self, situation: str) -> bool:
+        """Return whether no run comes back to a state of a situation, short of staying in it."""
+        process = self.process
+        if len(process.parts[process.part[situation]]) > 1:
+            return False
+        network = process.network
+        return not any(each.index in network.renewed_by for each in process.out[situation])
+
+    def _settle_exactly(self, root: State) -> State | None:
+        """Settle a state from those that follow it, likely better actions first; or return one of these."""
+        settled, stop = self._settled, self.process.stop_price(root.situation)
+        best = stop
+        options = self._opened(root)
+        for low, number in sorted(
+            (self._expected_low(option), number) for number, option in enumerate(options)
+        ):
+            if low >= best:
+                break
+            for _, each in options[number].leads:
+                if settled.get(each, -1) < self._gap:
+                    return each
+            best = min(best, self._expected(options[number]))
+        self._improve(root)
+        exact = self._low[root] >= self._high[root] * (1.0 - GAPS[-1])
+        self._settled[root] = len(GAPS) if exact else self._gap
         return None
 
     def _is_settled(self, state: State) -> bool:
@@ -179,7 +210,7 @@ class BestValues:
         return order, None, grown
 
     def _looks_best_in(self, state: State) -> Option | None:
-        best, chosen = self.process.person_s, None
+        best, chosen = self.process.stop_price(state.situation), None
         for option in self._opened(state):
             if (cost := self._expected_low(option)) < best:
                 best, chosen = cost, option
@@ -187,26 +218,26 @@ class BestValues:
 
     def _improve(self, state: State) -> float:
         """Improve the bounds of a state; return by how much they came closer."""
-        price = self.process.person_s
-        low = high = price
+        low = high = price = self.process.stop_price(state.situation)
         for option in self._opened(state):
             low = min(low, self._expected_low(option))
-            high = min(high, self._expected(option, self._high, price))
+            high = min(high, self._expected(option))
         before = self._low.get(state, 0.0), self._high.get(state, price)
         self._low[state], self._high[state] = max(before[0], min(low, high)), min(before[1], high)
         return max(self._low[state] - before[0], before[1] - self._high[state])
 
     def _opened(self, state: State) -> list[Option]:
         if state not in self._options:
-            self._effort.spend(20)
+            self._effort.spend(OPENING_STEPS)
             self._options[state] = self.process.options(state)
-        self._effort.spend(1)
+        self._effort.spend(VISIT_STEPS)
         return self._options[state]
 
-    def _expected(self, option: Option, values: dict[State, float], otherwise: float) -> float:
-        cost, left = option.cost, 1.0 - option.stays
+    def _expected(self, option: Option) -> float:
+        cost, left, high = option.cost, 1.0 - option.stays, self._high
         for p, state in option.leads:
-            cost += p * values.get(state, otherwise)
+            value = high.get(state)
+            cost += p * (self.process.stop_price(state.situation) if value is None else value)
         return cost / left if left > 0.0 else math.inf
 
     def _expected_low(self, option: Option) -> float:

@@ -37,7 +37,8 @@ class Process:
         Args:
             network: the network.
             chances: outcome probabilities of each action; None for a skip.
-            person_s: price of each end short of the goal, and of each element left undone, in [s].
+            person_s: price of an end short of the goal for each element of a `repeat` that it leaves undone,
+                in [s]; without a `repeat`, that of an end.
         """
         self.network, self.chances, self.person_s = network, chances, person_s
         self.after = Aftermath(network)
@@ -53,13 +54,27 @@ class Process:
         for number, names in enumerate(nx.strongly_connected_components(ways_of(network))):
             self.parts.append(sorted(names, key=lambda name: order[name]))
             self.part |= dict.fromkeys(names, number)
+        self._undone = self._elements_left()
+
+    def stop_price(self, situation: str) -> float:
+        """Return the price of a run that ends in a situation short of the goal, in [s]."""
+        return self.person_s * self._undone[self.part[situation]]
 
     def price(self, action: Action) -> float:
         """Return the cost of starting an action, with a person's price for GiveUp and for a skip."""
         if action.binding is None:
             return self.person_s
         chance = self.chances[action.index] or Chance(1.0)
-        return action.cost_s + chance.give_up * self.person_s
+        return action.cost_s + chance.give_up * self.stop_price(action.source)
+
+    def _elements_left(self) -> list[int]:
+        """Return for each component how many elements an end in it leaves undone; at least 1."""
+        left: list[int] = []
+        for number, names in enumerate(self.parts):
+            actions = (action for name in names for action in self.out[name])
+            nexts = ((self.part[to], action.binding is None) for action in actions for to in action.leads_to)
+            left.append(max((left[to] + skips for to, skips in nexts if to != number), default=0))
+        return [max(1, count) for count in left]
 
     def endings(self, action: Action) -> list[tuple[float, str]]:
         """Return the situations that an action may lead to, each with its probability; Fail is the last."""

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from scipy.sparse import csc_array, eye_array
 
+from handcart.networks.chains.linear_solver import Floats
 from handcart.networks.graph.network import Action
 
 from .process import Process
@@ -14,6 +15,8 @@ from .process import Process
 MAX_ROUNDS = 200
 """Rounds of policy iteration; some five are usual."""
 DENSE_MAX_SITUATIONS = 60
+_Row = tuple[float, list[tuple[float, int]]]
+"""Cost of an action, and probability and place of each situation of its component that may follow."""
 _BETTER = 1e-12
 """Relative improvement for which an action is changed."""
 
@@ -51,21 +54,22 @@ class SituationValues:
         return known[situation]
 
     def _solved(self, number: int, out: Collection[int]) -> dict[str, float]:
-        process, price = self._process, self._process.person_s
+        process = self._process
         names = [name for name in process.parts[number] if name != process.network.goal]
         rows = [[each for each in process.out[name] if each.index not in out] for name in names]
         inside = {name: place for place, name in enumerate(names)}
         options = [[self._row(action, inside) for action in actions] for actions in rows]
-        values = np.full(len(names), price)
+        stops = np.array([process.stop_price(name) for name in names])
+        values = stops.copy()
         chosen = [-1] * len(names)
         for _ in range(MAX_ROUNDS):
             if not self._improve(options, values, chosen):
                 break
             if len(names) > 1:
-                values = self._evaluated(options, chosen)
+                values = _evaluated(options, chosen, stops)
         return dict(zip(names, values.tolist(), strict=True))
 
-    def _row(self, action: Action, inside: Mapping[str, int]) -> tuple[float, list[tuple[float, int]]]:
+    def _row(self, action: Action, inside: Mapping[str, int]) -> _Row:
         """Return cost and transitions within the component; a Fail that stays is tried again."""
         process = self._process
         cost, stays, here = process.price(action), 0.0, inside[action.source]
@@ -84,8 +88,8 @@ class SituationValues:
 
     def _improve(
         self,
-        options: Sequence[Sequence[tuple[float, list[tuple[float, int]]]]],
-        values: np.ndarray[tuple[int], np.dtype[np.float64]],
+        options: Sequence[Sequence[_Row]],
+        values: Floats,
         chosen: list[int],
     ) -> bool:
         known, changed = values.tolist(), False
@@ -97,24 +101,22 @@ class SituationValues:
                     best, chosen[place], values[place], changed = found, number, found, True
         return changed
 
-    def _evaluated(
-        self, options: Sequence[Sequence[tuple[float, list[tuple[float, int]]]]], chosen: Sequence[int]
-    ) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        count, price = len(chosen), self._process.person_s
-        cost = np.full(count, price)
-        rows, to, p = list[int](), list[int](), list[float]()
-        for place, number in enumerate(chosen):
-            if number >= 0:
-                cost[place], links = options[place][number]
-                for share, other in links:
-                    rows.append(place)
-                    to.append(other)
-                    p.append(share)
-        if count <= DENSE_MAX_SITUATIONS:
-            whole = np.eye(count)
-            np.subtract.at(whole, (rows, to), p)
-            return np.asarray(np.linalg.solve(whole, cost))
-        from scipy.sparse.linalg import spsolve  # late: most networks are small
 
-        follows = csc_array((p, (rows, to)), shape=(count, count))
-        return np.asarray(spsolve((eye_array(count) - follows).tocsc(), cost))
+def _evaluated(options: Sequence[Sequence[_Row]], chosen: Sequence[int], stops: Floats) -> Floats:
+    count, cost = len(chosen), stops.copy()
+    rows, to, p = list[int](), list[int](), list[float]()
+    for place, number in enumerate(chosen):
+        if number >= 0:
+            cost[place], links = options[place][number]
+            for share, other in links:
+                rows.append(place)
+                to.append(other)
+                p.append(share)
+    if count <= DENSE_MAX_SITUATIONS:
+        whole = np.eye(count)
+        np.subtract.at(whole, (rows, to), p)
+        return np.asarray(np.linalg.solve(whole, cost))
+    from scipy.sparse.linalg import spsolve  # late: most networks are small
+
+    follows = csc_array((p, (rows, to)), shape=(count, count))
+    return np.asarray(spsolve((eye_array(count) - follows).tocsc(), cost))

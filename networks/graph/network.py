@@ -168,6 +168,21 @@ class Action:
         """Probability of Success, whatever situation it leads to; None: not known."""
         return None if self.p is None else self.p + sum(each.p or 0.0 for each in self.others)
 
+    def further(self, with_chances: bool) -> tuple[object, ...]:
+        """Return what planning depends on besides the route and its cost; empty for a plain action.
+
+        Args:
+            with_chances: whether it depends on the probabilities of the outcomes.
+        """
+        found: tuple[object, ...] = ()
+        if with_chances:
+            found += "p", self.p, self.p_give_up
+        if self.others:
+            found += "then", self.p, self.others
+        if self.unlimited or self.renewals or self.budget:
+            found += "attempts", self.unlimited, self.renewals, self.fresh_after, self.counter
+        return found
+
     def target_of(self, result: str) -> str:
         """Return the situation after a Success with this result; the first for an unknown one."""
         return next((each.target for each in self.others if each.result == result), self.target)
@@ -268,17 +283,23 @@ class ActionNetwork:
         return any(action.others or action.unlimited for action in self.actions)
 
     def fingerprint(self) -> str:
-        """Return a checksum of everything that planning depends on, in hexadecimal."""
-        aims = self.start, self.goal, self.otherwise, self.policy, self.person_s
-        digest = hashlib.sha256(repr(aims).encode())
+        """Return a checksum of everything that planning depends on, in hexadecimal.
+
+        What a network does not use does not enter: runs of older versions then stay resumable.
+        """
+        digest = hashlib.sha256(repr((self.start, self.goal)).encode())
         for each in self.situations.values():
             digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())
         for action in self.actions:
             said = action.binding.said() if action.binding else {}
             row = (action.do, action.source, action.target, action.on_fail, action.cost_s, action.attempts)
             digest.update(repr((row, said, action.permit, action.time_out_s)).encode())
-            digest.update(repr((action.p, action.p_give_up, action.others, action.unlimited)).encode())
-            digest.update(repr((action.renewals, action.fresh_after, action.counter)).encode())
+            if further := action.further(self.policy != "rule"):
+                digest.update(repr(further).encode())
+        if self.otherwise:
+            digest.update(repr(("otherwise", self.otherwise)).encode())
+        if self.policy != "rule":
+            digest.update(repr((self.policy, self.person_s)).encode())
         return digest.hexdigest()
 
 

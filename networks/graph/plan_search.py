@@ -26,6 +26,8 @@ class Segment(NamedTuple):
     """True if the last action leads on by its Fail, or by another result than its first, and no route of
     Successes is left.
     """
+    renews: bool = False
+    """True if the last action gives attempts back that lead on, and no other route is left."""
 
 
 class PlanSearch:
@@ -49,6 +51,10 @@ class PlanSearch:
             for name in network.situations
         ]
         self._tree = CheapestTree(self._ways, self._base, self._goal)
+        self._doubled: dict[tuple[int, int], dict[int, float]] = {}
+        """Weights of the actions of a counter of Fails, by counter and count."""
+        self._searches: dict[str, PlanSearch] = {}
+        """Searches of routes to actions that give attempts back."""
         self._hopes: list[list[tuple[int, int, int]]] | None = None
         self.steps = 0
         """Number of situations that the last search visited."""
@@ -58,7 +64,8 @@ class PlanSearch:
     ) -> tuple[Action, ...] | None:
         """Return the cheapest route to the goal; None if no route leads there.
 
-        It ends early with an action that has to fail, where no route of Successes is left.
+        It ends early with an action that gives attempts back, or has to fail, where no route of Successes is
+        left.
 
         Args:
             situation: where the route begins.
@@ -69,47 +76,53 @@ class PlanSearch:
         weights = {**self._weights(fails), **dict.fromkeys(without, math.inf)}
         here, steps = self._place[situation], 0
         while here != self._goal:
-            segment = self._segment(here, weights)
+            segment = self._segment(here, weights, fails)
             steps += self.steps
             if segment is None:
                 self.steps = steps
                 return None
             found += segment.actions
             here = self._place[segment.end]
-            if segment.hopes:
+            if segment.hopes or segment.renews:
                 break
         self.steps = steps
         return tuple(found)
 
     def segment(self, situation: str, fails: Mapping[int, int]) -> Segment | None:
         """Return the first actions of `plan`; None if no route leads to the goal."""
-        return self._segment(self._place[situation], self._weights(fails))
+        return self._segment(self._place[situation], self._weights(fails), fails)
 
     def weight(self, action: Action, fails: Mapping[int, int]) -> float:
         """Return the weight of an action after these Fails, in [s]; infinite if it is excluded."""
         return self._weights(fails).get(action.index, self._base[action.index])
 
-    def _segment(self, start: int, weights: Mapping[int, float]) -> Segment | None:
+    def _segment(self, start: int, weights: Mapping[int, float], fails: Mapping[int, int]) -> Segment | None:
         self.steps = 0
         cost = self._cheapest(start, weights)
         if cost == math.inf:
-            return self._hoping(start, weights)
+            return self._renewing(start, weights, fails) or self._hoping(start, weights)
         nodes = self._way(start, weights, cost * (1.0 + _SLACK))
         pairs = itertools.pairwise(nodes)
         return Segment(tuple(self._best(*pair, weights) for pair in pairs), self._names[nodes[-1]])
 
     def _weights(self, fails: Mapping[int, int]) -> dict[int, float]:
         """Return the present weights of the actions that failed."""
-        shared, base = self._network.shared, self._base
-        found = {}
-        for counter, count in fails.items():
-            for action in shared[counter]:
-                allowed = action.allowance
-                out = allowed.is_out(count)
-                found[action.index] = (
-                    math.inf if out else math.ldexp(base[action.index], allowed.fails(count))
-                )
+        known, found = self._doubled, dict[int, float]()
+        for failed in fails.items():
+            if failed not in known:
+                known[failed] = self._doubled_weights(*failed)
+            found.update(known[failed])
         return found
+
+    def _doubled_weights(self, counter: int, count: int) -> dict[int, float]:
+        """Return the weights of the actions of one counter of Fails."""
+        shared, base = self._network.shared, self._base
+        return {
+            action.index: math.inf
+            if action.allowance.is_out(count)
+            else math.ldexp(base[action.index], action.allowance.fails(count))
+            for action in shared[counter]
+        }
 
     def _weight(self, edges: Iterable[int], weights: Mapping[int, float]) -> float:
         base = self._base
@@ -164,6 +177,38 @@ class PlanSearch:
     def _best(self, source: int, target: int, weights: Mapping[int, float]) -> Action:
         edges = next(edges for to, edges in self._ways[source] if to == target)
         return self._actions[min(edges, key=lambda index: (weights.get(index, self._base[index]), index))]
+
+    def _renewing(self, start: int, weights: Mapping[int, float], fails: Mapping[int, int]) -> Segment | None:
+        """Return the route up to an action that gives attempts back, where another leads on to the goal."""
+        found: list[tuple[float, int]] = []
+        for index, fresh in self.renewing(fails).items():
+            action = self._actions[index]
+            after = {**weights, **self._weights(fresh)}
+            cost = self._search_to(action.source)._cheapest(start, weights)
+            cost += weights.get(index, self._base[index]) + self._cheapest(self._place[action.target], after)
+            if cost < math.inf:
+                found.append((cost, index))
+        if not found:
+            return None
+        last = self._actions[min(found)[1]]
+        way = self._search_to(last.source).plan(self._names[start], fails)
+        assert way is not None
+        return Segment((*way, last), last.target, renews=True)
+
+    def renewing(self, fails: Mapping[int, int]) -> dict[int, dict[int, int]]:
+        """Return the actions that give used-up attempts back, each with the counts after it."""
+        found: dict[int, dict[int, int]] = {}
+        for index, counters in self._network.renewed_by.items():
+            for counter in counters:
+                allowed, count = self._actions[counter].allowance, fails.get(counter, 0)
+                if allowed.is_out(count) and not allowed.is_out(allowed.renewed(count)):
+                    found.setdefault(index, {})[counter] = allowed.renewed(count)
+        return found
+
+    def _search_to(self, situation: str) -> PlanSearch:
+        if situation not in self._searches:
+            self._searches[situation] = PlanSearch(self._network, situation)
+        return self._searches[situation]
 
     def _hoping(self, start: int, weights: Mapping[int, float]) -> Segment | None:
         """Return the route with the fewest Fails, or other results, that it needs; of these the cheapest."""

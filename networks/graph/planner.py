@@ -93,7 +93,8 @@ class Planner:
     def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
         """Return the cheapest route from `situation` to the goal.
 
-        It ends early with an action that has to fail, where no route of Successes is left.
+        It ends early with an action that gives attempts back, or has to fail, where no route of Successes is
+        left.
 
         Args:
             situation: where the route begins.
@@ -106,7 +107,8 @@ class Planner:
             return self._no_way(situation, goal or self.network.goal)
         weights = [search.weight(action, self.counts) for action in actions]
         there = goal or self.network.goal
-        hopes = bool(actions) and actions[-1].target != there
+        leads_on = not actions or actions[-1].target == there
+        hopes = not leads_on and actions[-1].index not in search.renewing(self.counts)
         return Plan(actions, sum(weights, 0.0), self._excluded(), hopes)
 
     def _excluded(self) -> tuple[Action, ...]:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 from .policy_table import comparison_lines
 
 if TYPE_CHECKING:
-    from handcart.networks.analysis.comparison import Comparison
     from handcart.networks.analysis.figures import Figures, Influence
-    from handcart.networks.analysis.forecast import Forecast
+    from handcart.networks.analysis.forecast import Forecast, Forecaster
     from handcart.networks.analysis.worst_cases import WorstCases
+    from handcart.networks.deciding.best_policy import PolicyName
+    from handcart.networks.deciding.comparison import Comparison
     from handcart.networks.task.task_file import Task
 
 Watch = Callable[[float], None]
@@ -49,8 +50,9 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     cases = worst_cases(network, Effort(budget_of(network), lambda share: watch(share / 3.0)))
     if cases.too_large:
         facts["worst cases"] = _looked_at(cases)
-    figures, lines = _figures(task, watch)
-    compared = _compared(task)
+    forecaster = _forecaster(task, watch)
+    figures, lines = _figures(task, watch, forecaster)
+    compared = _compared(task, forecaster)
     warnings += unused_findings(task, cases, compared.used if compared else None)
     if compared is not None:
         figures["policies"] = compared.for_programs()
@@ -67,17 +69,29 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     }
 
 
-def _compared(task: Task) -> Comparison | None:
-    """Return the rule and the best policy side by side; None if a probability is missing."""
-    from handcart.networks.analysis.comparison import comparison
+def _forecaster(task: Task, watch: Watch) -> Forecaster | None:
+    """Return the forecaster of how runs end; None if a probability is missing."""
     from handcart.networks.analysis.figures import missing_chances, network_chances
+    from handcart.networks.analysis.forecast import Forecaster
+    from handcart.networks.chains.effort import Effort
+    from handcart.networks.chains.policy import budget_of
 
     if missing_chances(task):
         return None
-    chances = network_chances(task)
-    if task.network.policy == "goal_probability":
-        return comparison(task.network, chances, "goal_probability")
-    return comparison(task.network, chances)
+    effort = Effort(budget_of(task.network), lambda share: watch((1.0 + share) / 3.0))
+    return Forecaster(task.network, network_chances(task), effort)
+
+
+def _compared(task: Task, forecaster: Forecaster | None) -> Comparison | None:
+    """Return the rule and the best policy side by side; None if a probability is missing."""
+    from handcart.networks.analysis.figures import network_chances
+    from handcart.networks.deciding.comparison import comparison
+
+    if forecaster is None:
+        return None
+    policy = task.network.policy
+    name: PolicyName = "goal_probability" if policy == "goal_probability" else "expected_cost"
+    return comparison(task.network, network_chances(task), name, forecaster)
 
 
 def _longest(cases: WorstCases) -> str:
@@ -97,11 +111,11 @@ def _first(lines: list[str]) -> list[str]:
     return [*lines[:MAX_PRINTED_LINES], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
 
 
-def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
+def _figures(task: Task, watch: Watch, forecaster: Forecaster | None) -> tuple[dict[str, Any], list[str]]:
     """Return how runs end, if the file gives all probabilities, as fields and as lines of text."""
     from handcart.networks.analysis.figures import figures, missing_chances
     from handcart.networks.chains.effort import Effort
-    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, budget_of
+    from handcart.networks.chains.policy import DEFAULT_MAX_STEPS
 
     missing = missing_chances(task)
     if len(missing) == len(task.file.actions):
@@ -113,12 +127,8 @@ def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
             for number, line in zip(missing, places, strict=True)
         )
         return {"how runs end": f"not known: `p` is missing in {which}"}, []
-    budget = budget_of(task.network)
-    found = figures(
-        task,
-        Effort(budget, lambda share: watch((1.0 + share) / 3.0)),
-        Effort(DEFAULT_MAX_STEPS, lambda share: watch((2.0 + share) / 3.0)),
-    )
+    more = Effort(DEFAULT_MAX_STEPS, lambda share: watch((2.0 + share) / 3.0))
+    found = figures(task, more=more, forecaster=forecaster)
     return {"figures": found.for_programs()}, _lines(found)
 
 

@@ -7,10 +7,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from handcart.networks.analysis.comparison import Comparison, Difference, PolicyFigures
+    from handcart.networks.deciding.comparison import Comparison, Difference
+    from handcart.networks.deciding.run_figures import PolicyFigures
 
-EQUAL_S = 1e-6
-"""Difference of prices, in [s], up to which policies count as equally good."""
+MAX_PERSON_S = 1e6
+"""Largest price of a person that a task's file accepts, in [s]."""
+FOUND_SHARE = 1e-3
+"""Relative difference of the best price and its lower bound from which the bound is printed."""
 
 
 def comparison_lines(found: Comparison, person_s: float) -> Iterator[str]:
@@ -18,11 +21,28 @@ def comparison_lines(found: Comparison, person_s: float) -> Iterator[str]:
     yield f"policies side by side (price: time, and {person_s:g} s for each end short of the goal):"
     yield f"  {'policy':<18}{'P(goal)':>20}{'mean':>12}{'95 %':>12}{'price':>20}"
     yield from (f"  {_row(each)}" for each in (found.rule, found.best))
+    if found.follows_rule:
+        yield "  no better policy than the rule was found within the budget: the rule is followed"
+        return
+    if not found.is_probability and found.best.price_s[1] - found.low_s > FOUND_SHARE * found.low_s:
+        yield f"  no policy costs less than {found.low_s:.1f} s; the search ended at its budget"
+    if found.call_limit_s is not None:
+        yield f"  {_call(found, person_s)}"
     if not found.differences:
         yield "  they decide alike wherever runs are likely to come"
         return
     yield "  where they differ (how often a run of the best policy comes there):"
     yield from (f"    {_difference(each, found)}" for each in found.differences)
+
+
+def _call(found: Comparison, person_s: float) -> str:
+    """Return why a person is called at the start, and what changes it."""
+    assert found.call_limit_s is not None
+    cost = f"a person ({person_s:g} s) costs less than the task by any policy"
+    if found.call_limit_s > MAX_PERSON_S:
+        return f"{found.best.name} calls a person at the start: {cost}, and the rule hardly reaches the goal"
+    limit = f"with person_s above {found.call_limit_s:.0f}, or policy: goal_probability, it is tried"
+    return f"{found.best.name} calls a person at the start: {cost}; {limit}"
 
 
 def _row(figures: PolicyFigures) -> str:

@@ -2,42 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from handcart.networks.analysis.forecast import Forecaster
 from handcart.networks.chains.chain_rows import ChainRows
-from handcart.networks.chains.chain_times import Quantile, time_quantile
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.ends import Ends
 from handcart.networks.chains.linear_solver import LinearSolver
-from handcart.networks.chains.policy import Chances, Policy, explored, likely_policy
-from handcart.networks.chains.policy_chain import policy_chain
+from handcart.networks.chains.policy import Chances, Policy
 from handcart.networks.chains.step_maker import State, StepMaker
-from handcart.networks.deciding.best_policy import BestPolicy, PolicyName
-from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.network import Action, ActionNetwork
 
-RULE_STEPS = 200_000
-"""Budget of the rule's states: one second."""
+from .best_policy import BestPolicy, PolicyName
+from .process import Process
+from .run_figures import PolicyFigures, best_figures, rule_figures
+
 MAX_DIFFERENCES = 10
+NO_CHANCE = 1e-9
+"""Share of runs that reach the goal below which no price of a person is named."""
 MIN_SHARE = 1e-4
 """Share of runs that come to a decision, below which it is not listed."""
-
-
-class PolicyFigures(NamedTuple):
-    """What runs of a policy come to; each is an interval if some states were not looked at."""
-
-    name: str
-    goal: tuple[float, float]
-    """Probability that the goal is reached with nothing left undone."""
-    mean_s: tuple[float, float]
-    """Expected time of a run, in [s]."""
-    time_95_s: Quantile
-    """Time within which 95 % of the runs end, in [s]."""
-    price_s: tuple[float, float]
-    """Expected time, with `person_s` for each end short of the goal, in [s]."""
 
 
 class Difference(NamedTuple):
@@ -63,6 +51,15 @@ class Comparison:
     """Numbers of the actions that runs of the best policy start."""
     low_s: float
     """Lower bound of the least price, in [s]; with `goal_probability` of no use."""
+    follows_rule: bool = False
+    """True if the search did not find anything better than the rule, which is then followed."""
+    call_limit_s: float | None = None
+    """If a person is called at the start: `person_s` above which the rule costs less than that, in [s]."""
+
+    @property
+    def is_probability(self) -> bool:
+        """True if the best policy is the one with the largest probability of the goal."""
+        return self.best.name == "goal_probability"
 
     def for_programs(self) -> dict[str, Any]:
         """Return the comparison as `handcart check --json` prints it."""
@@ -71,53 +68,48 @@ class Comparison:
             "best": _plain(self.best),
             "differences": [each._asdict() for each in self.differences],
             "least_price_low_s": self.low_s,
+            "follows_rule": self.follows_rule,
+            "calls_person_at_start": self.call_limit_s is not None,
         }
 
 
-def comparison(network: ActionNetwork, chances: Chances, name: PolicyName = "expected_cost") -> Comparison:
+def comparison(
+    network: ActionNetwork,
+    chances: Chances,
+    name: PolicyName = "expected_cost",
+    forecaster: Forecaster | None = None,
+) -> Comparison:
     """Compare the rule with the best policy.
 
     Args:
         network: the network.
         chances: outcome probabilities of each action; None for a skip.
         name: what is best: `expected_cost` or `goal_probability`.
+        forecaster: forecaster of the same network; None: a new one.
     """
-    start = State(network.start, ())
-    rule = explored(network, effort=Effort(RULE_STEPS), chances=chances)
-    if not rule.is_complete:
-        rule = likely_policy(network, chances, Effort(RULE_STEPS), start)
     best = BestPolicy(network, chances, name, network.person_s)
-    low = best.decision(start).low
+    first = best.decision(State(network.start, ()))
     policy = best.policy()
+    process = Process(network, chances, network.person_s)
+    rule = rule_figures(process, forecaster or Forecaster(network, chances))
+    if best.is_rule_better():
+        return Comparison(rule, rule._replace(name=name), (), frozenset(), first.low, True)
     rows = ChainRows(policy, chances)
     visits = _visits(rows, policy)
     used = frozenset(
         action for action, often in zip(rows.action, visits, strict=True) if often > 0.0 and action >= 0
     )
-    return Comparison(
-        _figures("rule", rule, chances),
-        _figures(best.name, policy, chances),
-        tuple(_differences(policy, visits, chances)),
-        used,
-        low,
-    )
+    differences = tuple(_differences(policy, visits, chances))
+    figures = best_figures(process, policy, name)
+    limit = _call_limit(process, rule) if first.action is None else None
+    return Comparison(rule, figures, differences, used, first.low, call_limit_s=limit)
 
 
-def _figures(name: str, policy: Policy, chances: Chances) -> PolicyFigures:
-    ends = policy_chain(policy, chances).ends
-    person, unknown = policy.network.person_s, ends.unknown.p
-    mean = ends.total().first
-    dearest = max((a.cost_s for a in policy.network.actions), default=0.0)
-    more = unknown * policy.network.bound() * dearest if unknown else 0.0
-    short = _short(ends)
-    quantile = time_quantile(ChainRows(policy, chances))
-    price = mean + person * short, mean + more + person * (short + unknown)
-    goal = ends.goal.p, min(1.0, ends.goal.p + unknown)
-    return PolicyFigures(name, goal, (mean, mean + more), quantile, price)
-
-
-def _short(ends: Ends) -> float:
-    return ends.skipped.p + ends.no_way.p + ends.give_up.p
+def _call_limit(process: Process, rule: PolicyFigures) -> float:
+    """Return the price of a person above which the rule costs less than calling one at the start."""
+    stop = process.stop_price(process.network.start) / process.person_s
+    ends = (rule.price_s[1] - rule.mean_s[1]) / process.person_s
+    return rule.mean_s[1] / (stop - ends) if stop - ends > NO_CHANCE else math.inf
 
 
 def _visits(rows: ChainRows, policy: Policy) -> Sequence[float]:
@@ -141,10 +133,16 @@ def _differences(policy: Policy, visits: Sequence[float], chances: Chances) -> l
             break
         rule = maker.step(state)
         if (rule.action and rule.action.index) != (step.action and step.action.index):
-            best = "calling a person" if step.person else str(step.action or "nothing")
-            fails = _fails_words(network, state)
-            found.append(Difference(state.situation, fails, str(rule.action or "nothing"), best, share))
+            words = _decision_words(rule.action), _decision_words(step.action)
+            if step.person:
+                words = words[0], "calling a person"
+            found.append(Difference(state.situation, _fails_words(network, state), *words, share))
     return found
+
+
+def _decision_words(action: Action | None) -> str:
+    """Return an action with its cost, which tells parallel ones apart."""
+    return "nothing" if action is None else f"{action}, {action.cost_s:g} s"
 
 
 def _fails_words(network: ActionNetwork, state: State) -> str:

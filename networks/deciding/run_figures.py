@@ -1,0 +1,102 @@
+"""Figures on the runs of a policy: probability of the goal, times and price."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import NamedTuple
+
+from handcart.networks.analysis.forecast import Forecast, Forecaster
+from handcart.networks.chains.chain_rows import ChainEnd
+from handcart.networks.chains.chain_times import Quantile, time_quantile
+from handcart.networks.chains.policy import Policy
+from handcart.networks.chains.policy_chain import Chain, policy_chain
+
+from .process import Process
+
+STOPS = (ChainEnd.NO_WAY, ChainEnd.GIVE_UP)
+CALLS = (*STOPS, ChainEnd.UNKNOWN)
+"""Ends that cost a person's time if a person is called in states that were not looked at."""
+
+
+class PolicyFigures(NamedTuple):
+    """What runs of a policy come to; each is an interval if some states were not looked at."""
+
+    name: str
+    goal: tuple[float, float]
+    """Probability that the goal is reached with nothing left undone."""
+    mean_s: tuple[float, float]
+    """Expected time of a run, in [s]."""
+    time_95_s: Quantile
+    """Time within which 95 % of the runs end, in [s]."""
+    price_s: tuple[float, float]
+    """Expected time with the price of ends short of the goal, in [s]."""
+
+
+class _Part(NamedTuple):
+    """A part of the runs, and the probability that a run comes to it."""
+
+    chain: Chain
+    comes: float
+    names: Sequence[str]
+    """Situations of the part, by their numbers in it."""
+
+
+def rule_figures(process: Process, forecaster: Forecaster) -> PolicyFigures:
+    """Return the figures of the rule."""
+    forecast = forecaster.forecast()
+    price = rule_price(process, forecaster, forecast)
+    chains = [chain for _, chain in forecaster.chains()]
+    actions = sum(forecaster.starts())
+    quantile = time_quantile([chain.rows for chain in chains], actions)
+    goal, mean = (forecast.goal, forecast.goal_high), (forecast.cost_s, forecast.cost_high_s)
+    return PolicyFigures("rule", goal, mean, quantile, price)
+
+
+def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> tuple[float, float]:
+    """Return the price of a run of the rule, in [s], as an interval."""
+    low = sum(_price(process, part) for part in _parts(forecaster))
+    if not forecast.unknown:
+        return low, low
+    start = process.stop_price(process.network.start)
+    return low, low + forecast.cost_high_s - forecast.cost_s + forecast.unknown * start
+
+
+def best_figures(process: Process, policy: Policy, name: str) -> PolicyFigures:
+    """Return the figures of a policy; in states that were not looked at, a person is called."""
+    chain = policy_chain(policy, process.chances)
+    ends = chain.ends
+    mean = ends.total().first
+    price = _price(process, _Part(chain, 1.0, tuple(process.network.situations)), CALLS)
+    quantile = time_quantile([chain.rows], sum(chain.starts), calls=True)
+    return PolicyFigures(name, (ends.goal.p, ends.goal.p), (mean, mean), quantile, (price, price))
+
+
+def _parts(forecaster: Forecaster) -> Iterator[_Part]:
+    comes = 1.0
+    for stage, chain in forecaster.chains():
+        yield _Part(chain, comes, tuple(stage.network.situations))
+        comes *= chain.ends.goal.p + chain.ends.skipped.p
+
+
+def _price(process: Process, part: _Part, stopping: Collection[ChainEnd] = STOPS) -> float:
+    """Return the price of one part of the runs, in [s].
+
+    Args:
+        process: the prices.
+        part: the part.
+        stopping: ends that cost a person's time.
+    """
+    rows, visits = part.chain.rows, part.chain.visits
+    stops = [process.stop_price(part.names[place]) for place in rows.places]
+    price = sum(often * cost for often, cost in zip(visits, rows.cost, strict=True))
+    price += process.person_s * sum(visits[link.row] for link in rows.skips)
+    price += process.person_s * sum(visits[row] for row in rows.skipped_to_goal)
+    circling = part.chain.ends.no_way.p
+    for row, end, p, _ in rows.ends:
+        if end in stopping:
+            price += visits[row] * p * stops[row]
+        if end is ChainEnd.NO_WAY:
+            circling -= visits[row] * p
+    if rows.start >= 0:
+        price += max(0.0, circling) * stops[rows.start]
+    return part.comes * float(price)
