@@ -77,8 +77,7 @@ def run(
     task = task_path(task)
     situation = None if situation is None else composed(situation)
     breaks = [composed(name) for name in breaks or ()]
-    settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
-    settings += [f"policy={policy}"] if policy else []
+    settings = _with_choices(settings or [], robot=robot, policy=policy)
     if dry_run or script is not None:
         sys.exit(_dry_run(task, backend, settings, seed, situation, script, as_json))
     from handcart.evaluation.trials.running import run_task
@@ -91,7 +90,7 @@ def run(
     from handcart.tools.terminal.writing import check_folder
 
     check_folder(runs)
-    chosen = dict(split_setting(each) for each in settings)
+    chosen = dict(map(split_setting, settings))
     permits = Permits(permit, step, breaks)
     with Interrupts() as interrupts, Progress() as progress, ExitStack() as stack:
         stack.enter_context(compiling_ahead())
@@ -122,6 +121,11 @@ def run(
         progress.end()
         _tell(summary, as_json, progress)
     sys.exit(status)
+
+
+def _with_choices(settings: list[str], **choices: str | None) -> list[str]:
+    """Return settings with those that have options of their own."""
+    return [*settings, *(f"{key}={value}" for key, value in choices.items() if value)]
 
 
 def _dry_run(task: Path, *options: Any) -> int:

@@ -11,7 +11,7 @@ from handcart.networks.chains.effort import Effort, TooMuch
 from handcart.networks.chains.step_maker import State
 from handcart.networks.graph.network import Action
 
-from .process import Option, Process
+from .process import Process, ProcessOption
 from .situation_values import SituationValues
 
 GAPS = (0.1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9)
@@ -64,7 +64,7 @@ class BestValues:
         self._effort = effort
         self._low: dict[State, float] = {}
         self._high: dict[State, float] = {}
-        self._options: dict[State, list[Option]] = {}
+        self._options: dict[State, list[ProcessOption]] = {}
         self._settled: dict[State, int] = {}
         self._gap = 0
         self._is_spent = False
@@ -209,7 +209,7 @@ class BestValues:
                 heapq.heappush(heap, (-reach, next(number), each))
         return order, None, grown
 
-    def _looks_best_in(self, state: State) -> Option | None:
+    def _looks_best_in(self, state: State) -> ProcessOption | None:
         best, chosen = self.process.stop_price(state.situation), None
         for option in self._opened(state):
             if (cost := self._expected_low(option)) < best:
@@ -226,21 +226,21 @@ class BestValues:
         self._low[state], self._high[state] = max(before[0], min(low, high)), min(before[1], high)
         return max(self._low[state] - before[0], before[1] - self._high[state])
 
-    def _opened(self, state: State) -> list[Option]:
+    def _opened(self, state: State) -> list[ProcessOption]:
         if state not in self._options:
             self._effort.spend(OPENING_STEPS)
             self._options[state] = self.process.options(state)
         self._effort.spend(VISIT_STEPS)
         return self._options[state]
 
-    def _expected(self, option: Option) -> float:
+    def _expected(self, option: ProcessOption) -> float:
         cost, left, high = option.cost, 1.0 - option.stays, self._high
         for p, state in option.leads:
             value = high.get(state)
             cost += p * (self.process.stop_price(state.situation) if value is None else value)
         return cost / left if left > 0.0 else math.inf
 
-    def _expected_low(self, option: Option) -> float:
+    def _expected_low(self, option: ProcessOption) -> float:
         cost, left, low = option.cost, 1.0 - option.stays, self._low
         for p, state in option.leads:
             value = low.get(state)

@@ -28,7 +28,7 @@ MIN_SHARE = 1e-4
 """Share of runs that come to a decision, below which it is not listed."""
 
 
-class Difference(NamedTuple):
+class PolicyDifference(NamedTuple):
     """A state in which the policies decide differently."""
 
     situation: str
@@ -41,12 +41,12 @@ class Difference(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PolicyComparison:
     """The rule and the best policy side by side."""
 
     rule: PolicyFigures
     best: PolicyFigures
-    differences: tuple[Difference, ...]
+    differences: tuple[PolicyDifference, ...]
     used: frozenset[int]
     """Numbers of the actions that runs of the best policy start."""
     low_s: float
@@ -78,7 +78,7 @@ def comparison(
     chances: Chances,
     name: PolicyName = "expected_cost",
     forecaster: Forecaster | None = None,
-) -> Comparison:
+) -> PolicyComparison:
     """Compare the rule with the best policy.
 
     Args:
@@ -93,7 +93,7 @@ def comparison(
     process = Process(network, chances, network.person_s)
     rule = rule_figures(process, forecaster or Forecaster(network, chances))
     if best.is_rule_better():
-        return Comparison(rule, rule._replace(name=name), (), frozenset(), first.low, True)
+        return PolicyComparison(rule, rule._replace(name=name), (), frozenset(), first.low, True)
     rows = ChainRows(policy, chances)
     visits = _visits(rows, policy)
     used = frozenset(
@@ -102,7 +102,7 @@ def comparison(
     differences = tuple(_differences(policy, visits, chances))
     figures = best_figures(process, policy, name)
     limit = _call_limit(process, rule) if first.action is None else None
-    return Comparison(rule, figures, differences, used, first.low, call_limit_s=limit)
+    return PolicyComparison(rule, figures, differences, used, first.low, call_limit_s=limit)
 
 
 def _call_limit(process: Process, rule: PolicyFigures) -> float:
@@ -123,11 +123,11 @@ def _visits(rows: ChainRows, policy: Policy) -> Sequence[float]:
     return found
 
 
-def _differences(policy: Policy, visits: Sequence[float], chances: Chances) -> list[Difference]:
+def _differences(policy: Policy, visits: Sequence[float], chances: Chances) -> list[PolicyDifference]:
     network = policy.network
     maker = StepMaker(network, False, Effort(float("inf")), chances)
     often = sorted(zip(visits, policy.steps.items(), strict=True), key=lambda each: -each[0])
-    found: list[Difference] = []
+    found: list[PolicyDifference] = []
     for share, (state, step) in often:
         if share < MIN_SHARE or len(found) == MAX_DIFFERENCES:
             break
@@ -136,7 +136,7 @@ def _differences(policy: Policy, visits: Sequence[float], chances: Chances) -> l
             words = _decision_words(rule.action), _decision_words(step.action)
             if step.person:
                 words = words[0], "calling a person"
-            found.append(Difference(state.situation, _fails_words(network, state), *words, share))
+            found.append(PolicyDifference(state.situation, _fails_words(network, state), *words, share))
     return found
 
 

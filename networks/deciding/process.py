@@ -16,7 +16,7 @@ NEVER = 1e-12
 """Probability below which something does not happen; sums of decimals are rounded."""
 
 
-class Option(NamedTuple):
+class ProcessOption(NamedTuple):
     """An action that can be started in a state."""
 
     action: Action
@@ -83,7 +83,7 @@ class Process:
         found = [(chance.success * p, to) for p, to in zip(success_shares(action), nexts, strict=True)]
         return [*found, (chance.fail, action.on_fail or action.source)]
 
-    def options(self, state: State) -> list[Option]:
+    def options(self, state: State) -> list[ProcessOption]:
         """Return the actions that can be started in a state."""
         fails = dict(state.fails)
         return [
@@ -100,11 +100,11 @@ class Process:
         failed = None if chance is None or chance.fail <= NEVER else self.after.fail(action, fails)
         return Step(action, succeeded, failed)
 
-    def _option(self, state: State, action: Action, fails: dict[int, int]) -> Option:
+    def _option(self, state: State, action: Action, fails: dict[int, int]) -> ProcessOption:
         step, chances = self.step(state, action), self.endings(action)
         leads: dict[State, float] = {}
         for (p, _), after in zip(chances, (*step.succeeded, step.failed), strict=True):
             if after is not None and p > 0.0 and after.situation != self.network.goal:
                 leads[after] = leads.get(after, 0.0) + p
         stays = leads.pop(state, 0.0)
-        return Option(action, self.price(action), stays, tuple((p, each) for each, p in leads.items()))
+        return ProcessOption(action, self.price(action), stays, tuple((p, each) for each, p in leads.items()))

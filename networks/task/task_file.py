@@ -30,15 +30,14 @@ from handcart.networks.graph.network import (
     Action,
     ActionNetwork,
     Binding,
-    Ending,
     Fact,
     Situation,
-    faults_of,
 )
 from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 
+from .entry_actions import action_of, chance_faults, entry_faults, listed_names
 from .parameters import goes_over_unknown, repeat_count, with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
@@ -151,8 +150,7 @@ class _Reader:
         situations, entries = self._situations(), self._listed("actions", ActionEntry)
         # Their facts are but compared, so what follows from an element may stand there.
         known = {name: Situation(name, cast(Any, facts)) for name, facts in situations.items()}
-        for number, entry in entries.items():
-            self._check_entry(number, entry, known)
+        self._check_entries(entries, known)
         start = self._named("start", situations)
         goal = self._named("goal", situations)
         self._check_otherwise(situations)
@@ -206,43 +204,17 @@ class _Reader:
         return name
 
     def _check_otherwise(self, situations: Mapping[str, object]) -> None:
-        for name in _listed(self._silently(("otherwise",), str | list[str])):
+        for name in listed_names(self._silently(("otherwise",), str | list[str])):
             if situations and name not in situations:
                 self._add(("otherwise",), f"unknown situation {name!r}{suggest(name, situations)}")
 
-    def _check_entry(self, number: int, entry: ActionEntry, known: Mapping[str, Situation]) -> None:
-        plain = Action(
-            entry.source,
-            entry.endings[0].target,
-            None,
-            entry.cost_s,
-            on_fail=entry.on_fail,
-            others=_others(entry),
-        )
-        for key, fault in faults_of(plain, known):
-            self._add(("actions", number, "then" if key == "to" and entry.then else key), fault)
-        self._check_attempts(number, entry)
-        left = 1.0 - (entry.p_success or 0.0)
-        if left < -1e-12:
-            wrong = f"p of all entries together is {1.0 - left:g}; allowed: at most 1"
-            self._add(("actions", number, "then"), wrong)
-        elif entry.p_give_up > left + 1e-12:
-            wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
-            self._add(("actions", number, "p_give_up"), wrong)
-
-    def _check_attempts(self, number: int, entry: ActionEntry) -> None:
-        limit, path = entry.limit, ("actions", number, "attempts")
+    def _check_entries(self, entries: Mapping[int, ActionEntry], known: Mapping[str, Situation]) -> None:
         budgets = self._document.root.child("budgets")
         named = list(budgets.content) if budgets and isinstance(budgets.content, dict) else []
-        if limit.budget is not None and limit.budget not in named:
-            self._add((*path, "budget"), f"unknown budget {limit.budget!r}{suggest(limit.budget, named)}")
-        done = (
-            [each.do for each in self._listed("actions", ActionEntry).values()] if limit.fresh_after else []
-        )
-        for name in fresh_after(entry):
-            if name not in done:
-                wrong = f"no action does {name!r}{suggest(name, sorted(set(done)))}"
-                self._add((*path, "fresh_after"), wrong)
+        done = {entry.do for entry in entries.values()}
+        for number, entry in entries.items():
+            for path, fault in entry_faults(entry, known, named, done):
+                self._add(("actions", number, *path), fault)
 
     def _copies(
         self, situations: Situations, entries: Mapping[int, ActionEntry], start: str, goal: str
@@ -283,26 +255,7 @@ class _Reader:
         binding: Binding | None = reader.binding(kind, copied.entry, copied.element) if kind else None
         if binding is None:
             return None
-        limit, others = entry.limit, _others(entry)
-        unlimited = limit.most == "unlimited"
-        budget = limit.budget or (f"{entry.do} {copied.entry}" if limit.shared else "")
-        most = self._budgets.get(limit.budget or "", 3 if unlimited else int(limit.most))
-        return Action(
-            *ends,
-            binding,
-            entry.cost_s,
-            most,
-            copied.on_fail,
-            permit=entry.permit == "operator",
-            time_out_s=entry.time_out_s,
-            p=entry.endings[0].p if entry.p_success is not None else None,
-            p_give_up=entry.p_give_up,
-            others=tuple(replace(each, target=to) for each, to in zip(others, copied.others, strict=True)),
-            unlimited=unlimited and limit.budget is None,
-            renewals=limit.renewals if limit.fresh_after else 0,
-            fresh_after=fresh_after(entry),
-            budget=budget,
-        )
+        return action_of(entry, copied, binding, self._budgets)
 
     def _kind(self, number: int, name: str) -> type[ActionPrimitive] | None:
         try:
@@ -374,10 +327,11 @@ class _Reader:
         if not self._knowledge.is_start_known:
             parts = with_locate(parts, self._primitives(LOCATE_NAME))
             entries += (None,) * (len(parts.actions) - len(every))
-        network = ActionNetwork.build(*parts, goal, _listed(file.otherwise))
+        network = ActionNetwork.build(*parts, goal, listed_names(file.otherwise))
         network = replace(network, policy=file.policy, person_s=file.person_s)
         if file.policy != "rule":
-            self._check_chances(file)
+            for path, fault in chance_faults(file):
+                self._add(path, fault)
         if copies.start == network.goal:
             wrong = f"the start is the goal, {goal!r}: a run would do nothing"
             self._add(("goal",), f"{wrong}; allowed: another situation, or a repeat over its part")
@@ -391,12 +345,6 @@ class _Reader:
         self._findings.raise_all()
         return Task(file, self._document, network, entries, self._knowledge)
 
-    def _check_chances(self, file: TaskFile) -> None:
-        for number, entry in enumerate(file.actions):
-            if entry.p_success is None:
-                wrong = f"{entry.do} has no p, which policy {file.policy!r} needs"
-                self._add(("actions", number), f"{wrong}; allowed: p, or policy: rule")
-
     def _check_late(self, file: TaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
         given = file.knowledge.model_fields_set if file.knowledge else ()
         for action, name, key in unwritten(network, given):
@@ -405,20 +353,6 @@ class _Reader:
             number = entries[action.index]
             assert number is not None
             self._add(("actions", number, "with", name), f"{wrong}; {needed}")
-
-
-def fresh_after(entry: ActionEntry) -> tuple[str, ...]:
-    """Return the primitives after whose Success an action's Fails are forgotten."""
-    return _listed(entry.limit.fresh_after)
-
-
-def _listed(names: str | list[str] | None) -> tuple[str, ...]:
-    return (names,) if isinstance(names, str) else tuple(names or ())
-
-
-def _others(entry: ActionEntry) -> tuple[Ending, ...]:
-    """Return the situations besides the usual one that Success may lead to."""
-    return tuple(Ending(each.target, each.result, each.p) for each in entry.endings[1:])
 
 
 def _resolved(document: Document, key: KeyPath) -> Path | None:

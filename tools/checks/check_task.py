@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from handcart.networks.analysis.forecast import Forecast, Forecaster
     from handcart.networks.analysis.worst_cases import WorstCases
     from handcart.networks.deciding.best_policy import PolicyName
-    from handcart.networks.deciding.comparison import Comparison
+    from handcart.networks.deciding.comparison import PolicyComparison
     from handcart.networks.task.task_file import Task
 
 Watch = Callable[[float], None]
@@ -82,7 +82,7 @@ def _forecaster(task: Task, watch: Watch) -> Forecaster | None:
     return Forecaster(task.network, network_chances(task), effort)
 
 
-def _compared(task: Task, forecaster: Forecaster | None) -> Comparison | None:
+def _compared(task: Task, forecaster: Forecaster | None) -> PolicyComparison | None:
     """Return the rule and the best policy side by side; None if a probability is missing."""
     from handcart.networks.analysis.figures import network_chances
     from handcart.networks.deciding.comparison import comparison

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from handcart.networks.deciding.comparison import Comparison, Difference
+    from handcart.networks.deciding.comparison import PolicyComparison, PolicyDifference
     from handcart.networks.deciding.run_figures import PolicyFigures
 
 MAX_PERSON_S = 1e6
@@ -16,7 +16,7 @@ FOUND_SHARE = 1e-3
 """Relative difference of the best price and its lower bound from which the bound is printed."""
 
 
-def comparison_lines(found: Comparison, person_s: float) -> Iterator[str]:
+def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
     """Yield the table of both policies, and the decisions in which they differ."""
     yield f"policies side by side (price: time, and {person_s:g} s for each end short of the goal):"
     yield f"  {'policy':<18}{'P(goal)':>20}{'mean':>12}{'95 %':>12}{'price':>20}"
@@ -35,7 +35,7 @@ def comparison_lines(found: Comparison, person_s: float) -> Iterator[str]:
     yield from (f"    {_difference(each, found)}" for each in found.differences)
 
 
-def _call(found: Comparison, person_s: float) -> str:
+def _call(found: PolicyComparison, person_s: float) -> str:
     """Return why a person is called at the start, and what changes it."""
     assert found.call_limit_s is not None
     cost = f"a person ({person_s:g} s) costs less than the task by any policy"
@@ -61,6 +61,6 @@ def _ranged(bounds: tuple[float, float], form: str, same: float) -> str:
     return f"{low:{form}}" if math.isclose(low, high, abs_tol=same) else f"[{low:{form}}, {high:{form}}]"
 
 
-def _difference(each: Difference, found: Comparison) -> str:
+def _difference(each: PolicyDifference, found: PolicyComparison) -> str:
     after = f" after {each.fails}" if each.fails else ""
     return f"{each.situation}{after}: rule {each.rule}, {found.best.name} {each.best} ({each.share:.4f})"

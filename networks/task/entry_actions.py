@@ -1,0 +1,99 @@
+"""Actions of the network from entries of a task's file, and what is wrong with an entry."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.graph.network import Action, Binding, Ending, Situation, faults_of
+
+from .repeating import Copied
+from .task_model import ActionEntry, TaskFile
+
+Faults = Iterator[tuple[KeyPath, str]]
+"""Keys in the file, and what is wrong there with what is allowed."""
+DEFAULT_ATTEMPTS = 3
+
+
+def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Mapping[str, int]) -> Action:
+    """Return the action of an entry.
+
+    Args:
+        entry: the entry.
+        copied: the situations that this copy of it joins.
+        binding: its primitive.
+        budgets: attempts that several actions share, by name.
+    """
+    limit, others = entry.limit, _others(entry)
+    unlimited = limit.most == "unlimited"
+    most = DEFAULT_ATTEMPTS if limit.most == "unlimited" else limit.most
+    return Action(
+        copied.source,
+        copied.target,
+        binding,
+        entry.cost_s,
+        budgets.get(limit.budget or "", most),
+        copied.on_fail,
+        permit=entry.permit == "operator",
+        time_out_s=entry.time_out_s,
+        p=entry.endings[0].p if entry.p_success is not None else None,
+        p_give_up=entry.p_give_up,
+        others=tuple(Ending(to, each.result, each.p) for each, to in zip(others, copied.others, strict=True)),
+        unlimited=unlimited and limit.budget is None,
+        renewals=limit.renewals if limit.fresh_after else 0,
+        fresh_after=listed_names(limit.fresh_after),
+        budget=limit.budget or (f"{entry.do} {copied.entry}" if limit.shared else ""),
+    )
+
+
+def entry_faults(
+    entry: ActionEntry, known: Mapping[str, Situation], budgets: Sequence[str], done: Collection[str]
+) -> Faults:
+    """Yield what is wrong with an entry, by the keys below it.
+
+    Args:
+        entry: the entry.
+        known: situations of the file, by name.
+        budgets: names of the task's budgets.
+        done: names of all primitives in the file.
+    """
+    target, others = entry.endings[0].target, _others(entry)
+    plain = Action(entry.source, target, None, entry.cost_s, on_fail=entry.on_fail, others=others)
+    for key, fault in faults_of(plain, known):
+        yield ("then" if key == "to" and entry.then else key,), fault
+    yield from _attempt_faults(entry, budgets, done)
+    left = 1.0 - (entry.p_success or 0.0)
+    if left < -1e-12:
+        yield ("then",), f"p of all entries together is {1.0 - left:g}; allowed: at most 1"
+    elif entry.p_give_up > left + 1e-12:
+        wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
+        yield ("p_give_up",), wrong
+
+
+def _attempt_faults(entry: ActionEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
+    budget = entry.limit.budget
+    if budget is not None and budget not in budgets:
+        yield ("attempts", "budget"), f"unknown budget {budget!r}{suggest(budget, budgets)}"
+    for name in listed_names(entry.limit.fresh_after):
+        if name not in done:
+            wrong = f"no action does {name!r}{suggest(name, sorted(done))}"
+            yield ("attempts", "fresh_after"), wrong
+
+
+def chance_faults(file: TaskFile) -> Faults:
+    """Yield the actions without a probability, which all policies but the rule need."""
+    for number, entry in enumerate(file.actions):
+        if entry.p_success is None:
+            wrong = f"{entry.do} has no p, which policy {file.policy!r} needs"
+            yield ("actions", number), f"{wrong}; allowed: p, or policy: rule"
+
+
+def listed_names(names: str | list[str] | None) -> tuple[str, ...]:
+    """Return one name or several as a tuple."""
+    return (names,) if isinstance(names, str) else tuple(names or ())
+
+
+def _others(entry: ActionEntry) -> tuple[Ending, ...]:
+    """Return the situations besides the usual one that Success may lead to."""
+    return tuple(Ending(each.target, each.result, each.p) for each in entry.endings[1:])
