@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.numerics.arrays import FloatArray
+
 from .chain_rows import ChainEnd, ChainRows
 
 WALKS = 10_000
@@ -61,7 +63,7 @@ class _Walks:
         """Walks that came to a state that was not looked at, or took too many steps."""
         self._goes_on = np.ones(count, dtype=bool)
         self._draws, self._left = draws, 4 * MAX_WALK_STEPS
-        self._known: dict[int, tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = {}
+        self._known: dict[int, tuple[FloatArray, NDArray[np.int64], FloatArray]] = {}
 
     def through(self, rows: ChainRows) -> None:
         """Walk from the start of a chain until each walk has reached its goal or ended."""
@@ -83,7 +85,7 @@ class _Walks:
             walks, at = walks[at >= 0], at[at >= 0]
 
 
-def _outcomes(rows: ChainRows) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _outcomes(rows: ChainRows) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return what may follow each row: upper limits of a number drawn from [row, row + 1), and nexts."""
     after = {ChainEnd.GOAL: _GOAL, ChainEnd.UNKNOWN: _LOST}
     links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]

@@ -27,7 +27,7 @@ class Chain:
     slopes: tuple[float, ...]
     """Derivative of P(goal) by each action's probability of Success, with the Fails becoming fewer."""
     rows: ChainRows
-    visits: Floats
+    visits: FloatArray
     """Average number of times that a run comes to each row."""
 
 

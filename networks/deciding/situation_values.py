@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from scipy.sparse import csc_array, eye_array
 
-from handcart.networks.chains.linear_solver import Floats
 from handcart.networks.graph.network import Action
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .process import Process
 
@@ -89,7 +89,7 @@ class SituationValues:
     def _improve(
         self,
         options: Sequence[Sequence[_Row]],
-        values: Floats,
+        values: FloatArray,
         chosen: list[int],
     ) -> bool:
         known, changed = values.tolist(), False
@@ -102,7 +102,7 @@ class SituationValues:
         return changed
 
 
-def _evaluated(options: Sequence[Sequence[_Row]], chosen: Sequence[int], stops: Floats) -> Floats:
+def _evaluated(options: Sequence[Sequence[_Row]], chosen: Sequence[int], stops: FloatArray) -> FloatArray:
     count, cost = len(chosen), stops.copy()
     rows, to, p = list[int](), list[int](), list[float]()
     for place, number in enumerate(chosen):
