@@ -31,6 +31,7 @@ OWN_COMMANDS = {
     "localize": ("commands.localize", "localize", "Estimate poses from a recorded log."),
     "explain": ("commands.explain", "explain", "Explain a run's decisions, from its folder."),
     "compare": ("past_runs.compare", "compare", "Compare two runs, action by action."),
+    "replay": ("past_runs.replay", "replay", "Decide a run again with the code of today."),
     "report": ("past_runs.report", "report", "Write a run, or a campaign, as one page."),
     "export": ("past_runs.export", "export", "Write a run or a campaign for other programs."),
     "console": ("console.console", "console", "See all runs in the browser, and command them."),

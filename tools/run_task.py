@@ -62,6 +62,12 @@ def run(
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="write report.html into the run's folder")
     ] = True,
+    record_sensors: Annotated[
+        bool,
+        typer.Option(
+            "--record-sensors", help="keep all readings and commands, for `handcart replay --sensors`"
+        ),
+    ] = False,
     sync: Annotated[
         bool | None,
         typer.Option(
@@ -100,10 +106,7 @@ def run(
             task,
             runs,
             RunOptions(
-                backend,
-                chosen,
-                seed,
-                situation,
+                *(backend, chosen, seed, situation),
                 errors=not no_errors,
                 bench=bench,
                 window=gui,
@@ -112,6 +115,7 @@ def run(
                 report=report,
                 playback=True,
                 checkpoints=True,
+                record_sensors=record_sensors,
                 sync=sync,
                 permits=permits,
                 interrupts=interrupts,

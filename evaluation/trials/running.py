@@ -11,6 +11,7 @@ from typing import Any
 
 from handcart.evaluation.judging.judge import Judge
 from handcart.evaluation.offline_localization.drive_recorder import DriveRecorder
+from handcart.evaluation.sensor_replay.sensor_recorder import SensorRecorder
 from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import printable
 from handcart.networks.coordination.interrupts import Interrupts
@@ -63,6 +64,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
     with ExitStack() as stack:
         heard = options.interrupts or stack.enter_context(Interrupts())
         prepared = stack.enter_context(_prepared(task, options))
+        recorder = prepared.backend if isinstance(prepared.backend, SensorRecorder) else None
         claim = stack.enter_context(claimed(prepared.backend))
         observers = list(options.observers)
         if options.video is not None:
@@ -74,6 +76,8 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
             observers.append(video)
         folder = new_folder(runs, name_of(task, options.seed))
         point_latest(folder)
+        if recorder is not None:
+            recorder.open(folder)
         judge = Judge(prepared, folder)
         if claim is not None:
             claim.begin(folder)
@@ -102,12 +106,13 @@ def _prepared(task: Path, options: RunOptions) -> Prepared:
         errors=options.errors,
         bench=options.bench,
     )
-    if options.around is None:
+    if options.around is None and not options.record_sensors:
         return prepared
-    if not prepared.backend.simulated:
+    if options.around is not None and not prepared.backend.simulated:
         prepared.backend.close()
         raise FaultsNotSimulated(prepared.backend_name)
-    backend = options.around(prepared.backend)
+    backend = prepared.backend if options.around is None else options.around(prepared.backend)
+    backend = SensorRecorder(backend) if options.record_sensors else backend
     robot = make_robot(prepared.task, backend, prepared.robot.spec, prepared.model)
     return replace(prepared, backend=backend, robot=robot)
 

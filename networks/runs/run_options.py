@@ -48,5 +48,7 @@ class RunOptions:
     """Handler of Ctrl-C; None: the run uses a handler of its own until the folder is complete."""
     around: Callable[[Backend], Backend] | None = None
     """Function that wraps a simulated backend, for example to inject faults."""
+    record_sensors: bool = False
+    """True to record every reading and command, so that `handcart replay --sensors` can check the run."""
     observers: tuple[RunObserver, ...] = ()
     """Observers of the run, notified in this order."""

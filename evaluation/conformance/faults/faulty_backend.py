@@ -17,11 +17,11 @@ from handcart.backends.capabilities.capability import Capability, Reading
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.simulation.sensors.range_faults import RangeFaults
-from handcart.evaluation.conformance.rig.layered_backend import Kind, LayeredBackend
 from handcart.evaluation.conformance.rig.numbers import broken
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS
 from handcart.evaluation.judging.survey import simulated_world
+from handcart.evaluation.layers.layered_backend import Kind, LayeredBackend
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .fault import Fault, FaultKind, all_sensors

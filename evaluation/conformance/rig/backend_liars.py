@@ -18,8 +18,8 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.robot_file import RobotFile
-from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.evaluation.conformance.rig.parts import part_of
+from handcart.evaluation.layers.layered_backend import LayeredBackend
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 QUEUE_DELAY_PERIODS = 10  # periods by which a queued command comes late

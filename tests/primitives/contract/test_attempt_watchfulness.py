@@ -11,7 +11,7 @@ import pytest
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
+from handcart.evaluation.layers.layered_backend import LayeredBackend
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED_REASON
 from handcart.primitives.knowledge.world_model import ModelView

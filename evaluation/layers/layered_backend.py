@@ -41,7 +41,7 @@ class LayeredBackend(Backend):
         kind = next((kind for kind in all_capabilities() if isinstance(part, kind)), None)
         if kind is None:
             return part
-        layer: Capability = _layered(kind, _provided(part, kind))(self, part)
+        layer: Capability = layered_kind(kind, provided_kind(part, kind))(self, part)
         return layer
 
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
@@ -71,14 +71,17 @@ class LayeredBackend(Backend):
         self.inner.close()
 
 
-def _provided(part: Capability, kind: Kind) -> Kind:
+def provided_kind(part: Capability, kind: Kind) -> Kind:
     """Return the interface that a capability provides: a kind, or one that extends it."""
     return HolonomicBase if isinstance(part, HolonomicBase) else kind
 
 
 @cache
-def _layered(kind: Kind, provided: Kind) -> Callable[[LayeredBackend, Capability], Any]:
-    """The class of layers around a kind of capability: its abstract methods ask the whole."""
+def layered_kind(kind: Kind, provided: Kind) -> Callable[[Any, Any], Any]:
+    """Return the class of layers around a kind of capability: its abstract methods ask the whole.
+
+    The whole has `pass_on`, and what is inside has the properties and `sensor_name`.
+    """
     names = sorted(kind.__abstractmethods__ | {name for name in dir(kind) if _is_property(kind, name)})
     methods = {name: _passing(kind, name) for name in names}
     return type(f"Layered{kind.__name__}", (provided,), {"__init__": _begin, **methods})
