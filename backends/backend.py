@@ -198,7 +198,7 @@ class Backend(ABC):
         return next((each for each in self.capabilities() if isinstance(each, kind)), None)
 
     def sensor(self, name: str) -> Capability | None:
-        """Return the sensor with a name of the robot's file; None if there is none."""
+        """Return the sensor with a name of the robot's file, or None if the robot has no such sensor."""
         return next((each for each in self.capabilities() if each.sensor_name == name), None)
 
     def __enter__(self) -> Self:

@@ -39,7 +39,7 @@ class Pair(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """What differs between two runs."""
+    """Differences between two runs."""
 
     pair: Pair
     outcomes: tuple[str, str]
@@ -51,7 +51,7 @@ class Comparison(NamedTuple):
 
     @property
     def worse(self) -> bool:
-        """Whether this version's run has an end that is worse."""
+        """True if this version's run has a worse end."""
         lost = self.outcomes[0] == "Success" != self.outcomes[1]
         return lost or self.false_outcomes[1] > self.false_outcomes[0] or self.contacts[1] > self.contacts[0]
 

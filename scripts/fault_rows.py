@@ -23,7 +23,7 @@ def rows() -> list[str]:
 
 
 def tests_by_row() -> dict[str, list[str]]:
-    """For each row the tests that name it, as pytest calls them."""
+    """Return the tests that name each row, as pytest calls them."""
     found: dict[str, list[str]] = {}
     for path in sorted((REPOSITORY_ROOT / "tests").rglob("test_*.py")):
         for test in _tests(ast.parse(path.read_text(encoding="utf-8"))):

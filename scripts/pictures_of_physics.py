@@ -36,16 +36,16 @@ class Moment(NamedTuple):
     task: str
     action: str
     times: int
-    """Of that action: the first, the second ..."""
+    """Number of the action among those with that name: the first, the second ..."""
     seconds: float
     """After it began, in [s]."""
     eye: Point
-    """In the base's frame, in [m]; heights are over the floor."""
+    """Position of the eye in the base's frame, in [m]; heights are above the floor."""
     at: Point
     focal: float
     """[px]"""
     settings: Mapping[str, str] = {}
-    """Of the task."""
+    """Settings of the task."""
 
 
 PICTURED_MOMENTS = {
@@ -87,7 +87,7 @@ class Photo(RunObserver):
 
 
 def take(backend: MujocoBackend, moment: Moment, path: Path) -> None:
-    """The picture of a robot as it stands."""
+    """Take the picture of a robot in its present pose."""
     base = backend.scene.base.lift(float(backend._body.standing_pose()[2, 3]))
     eye, at = ((base @ (*point, 1.0))[:3] for point in (moment.eye, moment.at))
     K = np.array(

@@ -20,7 +20,7 @@ HEIGHTS_PX = {"desk": 1500, "phone": 1300}  # [px]
 
 
 def main() -> None:
-    """Make the pages anew, and take pictures at both sizes."""
+    """Write the pages, and take pictures at both sizes."""
     words = argparse.ArgumentParser(description=__doc__)
     words.add_argument("run", type=Path)
     words.add_argument("campaign", type=Path, nargs="?")
@@ -33,7 +33,7 @@ def main() -> None:
 
 
 def of_run(run: Path, page: Path) -> None:
-    """From its top, and of the first action that failed."""
+    """Take pictures of a run's page: its top, and its first failed action."""
     from handcart.evaluation.viewing.report.report import write_report
     from tests.browser import DESK, PHONE, browsing
 
@@ -47,7 +47,7 @@ def of_run(run: Path, page: Path) -> None:
 
 
 def of_campaign(campaign: Path, page: Path) -> None:
-    """From its top."""
+    """Take a picture of the top of a campaign's page."""
     from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
     from tests.browser import PHONE, browsing
 

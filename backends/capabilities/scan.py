@@ -28,7 +28,7 @@ class Validity(IntEnum):
 
 
 class _Beams(NamedTuple):
-    """What a scan is made of."""
+    """Fields of a scan."""
 
     angles: FloatArray
     """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""

@@ -69,7 +69,9 @@ class SensorTable(FileModel):
         return {name: spec for name, spec in self.sensors.items() if isinstance(spec, kind)}
 
     def first(self, kind: type[S]) -> S | None:
-        """Return the first sensor of a kind, given the class of its section; None if there is none."""
+        """Return the first sensor of a kind, given the class of its section, or None if the robot has no such
+        sensor.
+        """
         return next(iter(self.all_of(kind).values()), None)
 
     @property

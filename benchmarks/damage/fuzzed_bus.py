@@ -45,7 +45,7 @@ class Attack:
     fault: str
     """Message of the program's fault; "" if it ran to its end."""
     wrong: str
-    """Violation: an error other than `CanFault`, or a drive that keeps its torque; "" if there is none."""
+    """Violation: an error other than `CanFault`, or a drive that keeps its torque; empty without one."""
 
 
 class Noise:

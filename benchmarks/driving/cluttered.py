@@ -70,7 +70,7 @@ class Trial:
     off_mm: float = math.nan
     """Error of the estimated pose at the end."""
     off_sigmas: float = math.nan
-    """The same by the claimed covariance."""
+    """Distance from the goal in standard deviations of the claimed covariance."""
     sigma_mm: float = math.nan
     periods_ms: list[float] = field(default_factory=list)
     """CPU of each period without that of the simulation."""

@@ -55,7 +55,7 @@ class Kidnapped(NamedTuple):
     """Result of one run."""
 
     noticed: str
-    """By what it was noticed; "late" or "unnoticed" otherwise; "not lifted" if the drive ended before."""
+    """Check that noticed it; "late" or "unnoticed" otherwise; "not lifted" if the drive ended before."""
     seconds: float
     metres: float
     outcome: str

@@ -26,7 +26,7 @@ WALL_M = 0.1
 DOOR_M, NICHE_M = 1.0, 0.25
 LOOK_AHEAD_M, SWITCH_M = 0.6, 0.2
 MAX_TIME_FACTOR = 5.0
-"""Of the time at top speed; a drive that takes longer is stuck."""
+"""Maximum ratio of the drive's time to the time at top speed; a longer drive is stuck."""
 SCAN_PERIODS = 4
 """Periods between two recorded scans."""
 Box = tuple[float, float, float, float, float]

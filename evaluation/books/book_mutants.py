@@ -39,7 +39,7 @@ PICK_UP_NUMBER = 2
 
 
 class DropsObject(PickUp):
-    """Opens the hand before it goes back."""
+    """Faulty PICK_UP that opens the hand before it goes back."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -49,7 +49,7 @@ class DropsObject(PickUp):
 
 
 class DeniesHold(PickUp):
-    """Declares that the hand is empty after it took the book."""
+    """Faulty PICK_UP that reports an empty hand after it took the book."""
 
     hand: ClassVar = NEEDS_EMPTY
 

@@ -30,7 +30,7 @@ class BookNotes:
 
 
 class BookSurvey(Survey):
-    """Takes the shelves down as they are at first."""
+    """Survey of the books, compared with the initial state of the shelves."""
 
     name = "books"
     effects = BOOK_EFFECTS

@@ -18,7 +18,7 @@ FEWEST_BETWEEN = 3  # books between two gaps, and between a gap and the row's en
 
 @dataclass(frozen=True)
 class GeneratedBook:
-    """A book of a generated library."""
+    """Book of a generated library."""
 
     accession: int
     call: str
@@ -41,14 +41,14 @@ class ShelfRow:
     shelf: str
     standing: tuple[GeneratedBook | float, ...]
     lent: tuple[GeneratedBook, ...]
-    """The books whose gaps are in the row, from left to right."""
+    """Books whose gaps are in the row, from left to right."""
     light: float = 0.1
     objects: tuple[dict[str, float], ...] = ()
     """Other objects, as in a world's file."""
 
 
 def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
-    """Call numbers in library order, all different, from the hundred that starts with `first`."""
+    """Return different call numbers in library order, from the hundred that begins with `first`."""
     made: set[str] = set()
     while len(made) < count:
         whole = first + int(rng.integers(0, 100))
@@ -91,7 +91,7 @@ def make_row(
 
 
 def _gap_places(rng: np.random.Generator, count: int) -> list[int]:
-    """Two places in a row of `count`, apart from each other and from both ends."""
+    """Return two places in a row of `count` books, away from each other and from both ends."""
     first = int(rng.integers(FEWEST_BETWEEN, count // 2 - 2))
     second = int(rng.integers(first + FEWEST_BETWEEN + 1, count - FEWEST_BETWEEN))
     return [first, second]
@@ -100,9 +100,9 @@ def _gap_places(rng: np.random.Generator, count: int) -> list[int]:
 def _misplace(
     rng: np.random.Generator, standing: list[GeneratedBook | float], gaps: Sequence[int]
 ) -> list[GeneratedBook | float]:
-    """Take one book out and put it directly beside a gap on the far side, at least three places away.
+    """Move one book to the far side of a gap, directly beside it and at least three places away.
 
-    It must land further from its place than just over a gap: then the row would still read in order.
+    If it were nearer, the row would still read in order.
     """
     beside = int(rng.choice(list(gaps))) + int(rng.integers(0, 2))
     far = [

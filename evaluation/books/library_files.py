@@ -31,7 +31,7 @@ UNLISTED_TAG = 249  # a tag's number that no catalogue of ours has
 
 
 class Libraries(FileModel):
-    """Makes worlds for a campaign: a library for each seed. The fields are those of `make_library`."""
+    """Generator of a library for each seed of a campaign. The fields are those of `make_library`."""
 
     misplaced: bool = True
     gap: bool = True

@@ -1,4 +1,4 @@
-"""Generating libraries: a room with shelves, books with gaps, a book to return."""
+"""Generator of libraries: a room with shelves, books with gaps, a book to return."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ DOORWAY_M = (0.7, 1.9, 2.5)  # [m]: a doorway from x to x at y, the only way out
 
 
 class NoSuchLibrary(InputError):
-    """A library with these properties can't be made."""
+    """Error: a library with these properties cannot be made."""
 
 
 @dataclass(frozen=True)
 class UnmappedBox:
-    """A box that the map doesn't show."""
+    """Box that the map does not show."""
 
     pose: Pose2
     size: tuple[float, float, float]
@@ -52,11 +52,11 @@ class UnmappedBox:
 
 @dataclass(frozen=True)
 class Library:
-    """A library, as its world is and as its robot knows it."""
+    """Generated library: its world, and what the robot knows of it."""
 
     seed: int
     walls: tuple[tuple[float, float, float, float], ...]
-    """Each from x, y to x, y, in [m]."""
+    """Ends of each wall, x, y to x, y, in [m]."""
     rows: tuple[ShelfRow, ...]
     wanted: tuple[GeneratedBook, ...]
     """The books to return: the first is on the robot's tray, the others a person hands over."""
@@ -144,14 +144,12 @@ def _unfriendly(
 
 
 def place_before(shelf: Pose2) -> Pose2:
-    """map_T_base from which a robot works at a shelf."""
+    """Return map_T_base from which a robot works at a shelf."""
     return shelf.compose(Pose2(-STAND_OFF, 0.0, 0.0))
 
 
 def _closed(row: ShelfRow, wanted: GeneratedBook) -> ShelfRow:
-    """Return the row without the gap of this book: a lent book's own number isn't there, its neighbours
-    touch.
-    """
+    """Return the row without the gap of a lent book: its number is missing, and its neighbours touch."""
     gaps = [i for i, each in enumerate(row.standing) if isinstance(each, float)]
     at = gaps[row.lent.index(wanted)]
     return replace(row, standing=row.standing[:at] + row.standing[at + 1 :])

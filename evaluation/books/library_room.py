@@ -15,7 +15,7 @@ SHELF_DEPTH = 0.25  # [m]
 
 
 class RoomFurniture(NamedTuple):
-    """A box on the floor."""
+    """Box on the floor."""
 
     name: str
     x: float
@@ -33,7 +33,7 @@ SHELF_POSES = (
     Pose2(8.65, 4.6, 0.0),
     Pose2(8.65, 2.2, 0.0),
 )
-"""map_T_shelf of each: the middle of its front, x into the shelf."""
+"""map_T_shelf of each shelf: the middle of its front, x into the shelf."""
 ROOM_FURNITURE = (
     RoomFurniture("desk", 3.0, 3.6, 1.6, 0.8, 0.75),
     RoomFurniture("counter", 5.6, 3.6, 0.9, 1.8, 1.1),

@@ -82,7 +82,7 @@ class Shelving:
 
 
 def shelving(books: BookProps, accessions: tuple[int, ...]) -> Shelving:
-    """Take down how the shelves are at first."""
+    """Record the initial state of the shelves."""
     fronts = {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
     return Shelving(accessions, fronts)
 
@@ -103,7 +103,7 @@ def _known(number: CallNumber | None) -> CallNumber:
 
 
 def longest_rising(values: Sequence[CallNumber]) -> list[int]:
-    """Places of a longest strictly rising subsequence (patience sorting)."""
+    """Return the indices of a longest strictly rising subsequence (patience sorting)."""
     tops: list[CallNumber] = []
     top_at: list[int] = []
     before: list[int | None] = []

@@ -18,7 +18,7 @@ from .library_room import STAND_OFF
 
 
 def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
-    """Figures about an action that has succeeded; none for those that stop nowhere in particular."""
+    """Return the stopping errors of an action that has succeeded; empty if it stops nowhere in particular."""
     if primitive.label() == DRIVE_PRIMITIVE:
         return _dock(scene, str(getattr(primitive, "place", "")))
     if primitive.label() == APPROACH:
@@ -27,7 +27,7 @@ def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
 
 
 def _dock(scene: Scene, place: str) -> dict[str, float]:
-    """Distance and heading before a shelf's front."""
+    """Return the errors of distance and heading in front of a shelf."""
     shelves = scene.of(BookProps).shelves
     if place not in shelves:
         return {}

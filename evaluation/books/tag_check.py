@@ -1,4 +1,4 @@
-"""A check of the conformance kit: the tag on a book is seen where it projects."""
+"""Check of the conformance kit: the tag on a book is seen where it projects."""
 
 from __future__ import annotations
 

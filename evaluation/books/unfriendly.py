@@ -21,7 +21,7 @@ _LEAST_SLOT_MM = 10.0  # what is narrower in a row is the play between books
 
 @dataclass(frozen=True)
 class _Making:
-    """A row while it is made harder."""
+    """Row that is being made harder."""
 
     row: ShelfRow
     wanted: frozenset[int]
@@ -29,10 +29,10 @@ class _Making:
     level: float
     rng: np.random.Generator
     spoilt: dict[int, str] = field(default_factory=dict)
-    """Why the slot of a book isn't one, by its accession."""
+    """Reason why a book has no slot, by its accession."""
 
     def each(self, change: Callable[[GeneratedBook], GeneratedBook]) -> _Making:
-        """With every book changed, the lent ones too."""
+        """Change every book, including the lent ones."""
         made = {book.accession: change(book) for book in (*_books(self.row), *self.row.lent)}
         standing = tuple(x if isinstance(x, float) else made[x.accession] for x in self.row.standing)
         lent = tuple(made[book.accession] for book in self.row.lent)
@@ -42,14 +42,14 @@ class _Making:
 def make_unfriendly(
     row: ShelfRow, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
 ) -> tuple[ShelfRow, dict[int, str]]:
-    """Return a row made harder, and why the slot of a lent book is none any more, by its accession.
+    """Return a harder row, and the reason why a lent book has no slot, by its accession.
 
     Args:
-        row: as it would be.
+        row: the usual row.
         wanted: accessions of the lent books that are to be returned.
-        factors: of `FACTORS`.
-        level: 0 leaves all as it is, 1 is as hard as it gets.
-        rng: decides what chance does.
+        factors: names in `FACTORS`.
+        level: difficulty, from 0 (none) to 1.
+        rng: random generator.
     """
     making = _Making(row, frozenset(wanted), level, rng)
     for name, factor in UNFRIENDLY_FACTORS.items():
@@ -59,18 +59,18 @@ def make_unfriendly(
 
 
 def _covers(m: _Making) -> _Making:
-    """From nearly black to nearly white, for 70 to 180."""
+    """Spread the greys of covers from nearly black to nearly white (usually 70 to 180)."""
     low, high = 70.0 * (1.0 - m.level), 180.0 + 75.0 * m.level
     return m.each(lambda book: replace(book, grey=round(m.rng.uniform(low, high))))
 
 
 def _light(m: _Making) -> _Making:
-    """Shelves with lamps of their own."""
+    """Light each shelf by lamps of its own."""
     return replace(m, row=replace(m.row, light=0.1 + 0.9 * m.level))
 
 
 def _thickness(m: _Making) -> _Making:
-    """From 6 to 80 mm, for 15 to 45; what is to be returned a hand can grip."""
+    """Spread the thickness from 6 to 80 mm (usually 15 to 45); a hand can grip the books to return."""
     low, high = 15.0 - 9.0 * m.level, 45.0 + 35.0 * m.level
     gaps = dict(zip((b.accession for b in m.row.lent), _gaps(m.row), strict=True))
     plays = {book.accession: gaps[book.accession] - book.thickness_mm for book in m.row.lent}
@@ -86,7 +86,7 @@ def _thickness(m: _Making) -> _Making:
 
 
 def _labels(m: _Making) -> _Making:
-    """From 6 to 25 mm across the spine, the broad ones in two lines."""
+    """Spread the width of labels across the spine from 6 to 25 mm; wide ones have two lines."""
 
     def change(book: GeneratedBook) -> GeneratedBook:
         width = m.rng.uniform(10.0 - 4.0 * m.level, 10.0 + 15.0 * m.level)
@@ -97,7 +97,7 @@ def _labels(m: _Making) -> _Making:
 
 
 def _fonts(m: _Making) -> _Making:
-    """Other faces on every label, or on a share of them."""
+    """Print all labels, or a share of them, in other typefaces."""
 
     def change(book: GeneratedBook) -> GeneratedBook:
         faces = OTHER_FONTS if m.rng.random() < m.level else LABEL_FONTS
@@ -107,18 +107,18 @@ def _fonts(m: _Making) -> _Making:
 
 
 def _glare(m: _Making) -> _Making:
-    """Glossy spines, in which a window is mirrored."""
+    """Make spines glossy, so that they mirror a window."""
     return m.each(lambda book: replace(book, gloss=round(m.level * m.rng.uniform(0.0, 1.0), 2)))
 
 
 def _narrow(m: _Making) -> _Making:
-    """Slots that may be too narrow by a hair."""
+    """Make slots slightly narrower, some of them too narrow."""
     plays = {book.accession: round(m.rng.uniform(4.0 - 6.0 * m.level, 9.0), 1) for book in m.row.lent}
     return _with_plays(m, plays)
 
 
 def _leaning(m: _Making) -> _Making:
-    """Books beside slots lean into them, up to three in a row."""
+    """Let up to three books in a row lean into slots."""
     standing = list(m.row.standing)
     for book in m.row.lent:
         share = m.level * (IN_THE_WAY if book.accession in m.wanted else 1.0)
@@ -129,7 +129,7 @@ def _leaning(m: _Making) -> _Making:
 
 
 def _objects(m: _Making) -> _Making:
-    """Things that are no books: in a slot, as far forward as books or deeper."""
+    """Put objects that are not books into slots, as far forward as books or deeper."""
     objects = list(m.row.objects)
     for number, book in enumerate(m.row.lent):
         share = m.level * (IN_THE_WAY if book.accession in m.wanted else 1.0)
@@ -160,7 +160,7 @@ UNFRIENDLY_FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
     "leaning": _leaning,
     "objects": _objects,
 }
-"""By name, in the order in which they are applied; what each is at level 1 its docstring tells."""
+"""Functions that make a row harder, by name, in the order of their use; docstrings describe level 1."""
 
 
 def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
@@ -195,7 +195,7 @@ def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
 
 
 def _fitted(m: _Making) -> _Making:
-    """Without the books furthest from slots, until the row fits its shelf."""
+    """Return the row without the books farthest from slots, so that it fits its shelf."""
     standing: list[Any] = list(m.row.standing)
     while _width(standing) > 1e3 * CLEAR_WIDTH_M - 20.0:
         slots = [i for i, each in enumerate(standing) if _is_slot(each)]
@@ -220,7 +220,7 @@ def _gap_ends(row: ShelfRow, number: int) -> tuple[float, float]:
 
 
 def _lean(standing: list[Any], number: int, count: int) -> None:
-    """The books to the left of a slot lean into it, parallel to each other."""
+    """Let the books to the left of a slot lean into it, parallel to each other."""
     at = [i for i, each in enumerate(standing) if _is_slot(each)][number]
     gap, first = standing[at], standing[at - 1]
     angle = math.asin(min(0.6, gap / first.height_mm))

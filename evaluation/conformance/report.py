@@ -81,7 +81,7 @@ class KitReport:
 
     @property
     def wrong_causes(self) -> list[FaultTrial]:
-        """Those of `judged_causes` that name another cause."""
+        """Faults of `judged_causes` that led to another cause."""
         return [trial for trial in self.judged_causes if not trial.names_its_cause]
 
     @property

@@ -41,7 +41,7 @@ class FieldNote:
     """Changes since the last note."""
 
     laid: dict[str, tuple[str, Place | None]]
-    """For each sensor, the block that it is, and its measured place."""
+    """Block and measured place of each sensor."""
     tracks: dict[str, list[Place]]
     sights: list[tuple[float, float, float, float]]
     """Time in [s], place in [m]."""

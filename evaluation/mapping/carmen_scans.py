@@ -32,7 +32,7 @@ AFTER_RANGES = 9
 
 
 class _Scans(NamedTuple):
-    """What the lines of a log say."""
+    """Content of the lines of a log."""
 
     scans: list[tuple[FloatArray, float, float, float]]
     """Ranges, start of the beams, width of the view in [rad], reach in [m]."""

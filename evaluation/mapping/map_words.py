@@ -1,4 +1,4 @@
-"""What is said about a map, in words."""
+"""Description of a map in words."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from .step_maker import State, Step
 
 
 class ChainEnd(IntEnum):
-    """How a run ends in a row."""
+    """End of a run in a row."""
 
     GOAL = 0
     NO_WAY = 1

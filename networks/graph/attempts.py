@@ -1,4 +1,4 @@
-"""How often an action may fail, and what is left of that."""
+"""Attempts of actions, and the number that remains."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Attempts(NamedTuple):
     limit: int = 3
     """Fails after which the action is excluded."""
     renewals: int = 0
-    """How often the count may begin again, after a Success of one of the actions in `fresh_after`."""
+    """Maximum number of times that the count begins again, after a Success of an action in `fresh_after`."""
     unlimited: bool = False
     """True if Fails never exclude it; only a Fail for good does."""
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 Ways = Sequence[Sequence[tuple[int, tuple[int, ...]]]]
-"""For each situation by its number: those that follow, each with the actions that lead there."""
+"""Successors of each situation, by its number, each with the actions that lead there."""
 
 
 class CheapestTree:
@@ -26,7 +26,7 @@ class CheapestTree:
             goal: number of the goal.
         """
         self.left = [math.inf] * len(ways)
-        """Cost of the route from each situation to the goal, in [s]; infinite if there is none."""
+        """Cost of the route from each situation to the goal, in [s]; infinity without a route."""
         self._next = [-1] * len(ways)
         self._action = [-1] * len(ways)
         order = self._search(ways, base, goal)

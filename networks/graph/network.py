@@ -144,7 +144,7 @@ class Action:
     unlimited: bool = False
     """True if Fails never exclude it."""
     renewals: int = 0
-    """How often its Fails are forgotten after a Success of an action in `fresh_after`."""
+    """Maximum number of times that its Fails are forgotten after a Success of an action in `fresh_after`."""
     fresh_after: tuple[str, ...] = ()
     """Primitives, by their names in files, after whose Success its Fails are forgotten."""
     budget: str = ""

@@ -30,7 +30,9 @@ class ComparedAction:
 
     @property
     def differs(self) -> str:
-        """What differs first: action, parameters, outcome, cause, residuals or time; empty if nothing."""
+        """First property that differs: action, parameters, outcome, cause, residuals or time; empty if none
+        does.
+        """
         one, other = self.one, self.other
         if one is None or other is None:
             return "action"
@@ -66,13 +68,13 @@ class RunComparison:
 
     @property
     def headers(self) -> dict[str, tuple[Any, Any]]:
-        """What differs in the setting of the runs: key, and its value in each run."""
+        """Settings that differ between the runs: key, and its value in each run."""
         found = {key: (self.one.header.get(key), self.other.header.get(key)) for key in HEADER_KEYS}
         return {key: pair for key, pair in found.items() if pair[0] != pair[1]}
 
     @property
     def first(self) -> ComparedAction | None:
-        """The first action in which they differ in more than time; None if there is none."""
+        """First action that differs in more than time; None without a difference."""
         return next((each for each in self.actions if each.differs not in ("", "time")), None)
 
     @property

@@ -1,4 +1,4 @@
-"""Which causes a primitive can raise, read from its code and the code that it calls."""
+"""Causes that a primitive can raise, read from its code and the code that it calls."""
 
 from __future__ import annotations
 

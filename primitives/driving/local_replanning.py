@@ -45,7 +45,7 @@ NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is 
 
 
 class LocalReplanning:
-    """What one drive senses beside the map, and its route around that."""
+    """Obstacles that one drive senses and the map lacks, and the route around them."""
 
     def __init__(self, robot: Robot, model: ModelView, name: str) -> None:
         """Begin a drive to a place with what earlier drives sensed."""
@@ -244,7 +244,7 @@ class LocalReplanning:
             yield
 
     def give_up_waiting(self, ahead: FloatArray) -> Discrepancy:
-        """Return why the drive ends: something stands in the way, and no other way leads on."""
+        """Return why the drive ends: an obstacle blocks the route, and no other route leads to the goal."""
         obstacle = self._nearest_to_route(ahead)
         x, y = obstacle
         free = 0.0 if self._look is None else self._look.free

@@ -1,3 +1,3 @@
-"""How an action ends: outcomes, discrepancies, causes and their evidence."""
+"""Outcomes of actions, discrepancies, causes and their evidence."""
 
 from . import causes as causes

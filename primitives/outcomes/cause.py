@@ -77,7 +77,7 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
 
 
 def kind_of(error: Exception) -> CauseKind:
-    """Return the kind of cause that an exception stands for."""
+    """Return the kind of cause that an exception represents."""
     if isinstance(error, Discrepancy | NeedsPerson):
         return error.cause
     return next((kind for of, kind in CAUSES_OF_EXCEPTIONS if isinstance(error, of)), causes.CODE_ERROR)

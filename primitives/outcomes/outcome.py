@@ -18,7 +18,7 @@ class Success:
 
     evidence: Mapping[str, float | str] = field(default_factory=dict)
     result: str = ""
-    """Which of the primitive's `results` was measured; empty for the usual one."""
+    """Name of the measured one of the primitive's `results`; empty for the usual one."""
 
 
 @dataclass(frozen=True)

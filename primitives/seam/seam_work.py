@@ -30,11 +30,11 @@ class SeamPart(NamedTuple):
     score: float
     """Integral along it, in [m]: up to its length."""
     end: DrivesTo | None = None
-    """End of the base's straight way level with the tool; None if the base stands."""
+    """End of the base's straight way level with the tool; None for a base at rest."""
 
     @property
     def empty(self) -> bool:
-        """Whether the part has no length."""
+        """True if the part has no length."""
         return self.first == self.last
 
 

@@ -15,7 +15,7 @@ COMPILED_AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
 
 
 ANY_ORDER = {"reassoc", "contract", "arcp", "nsz"}
-"""What LLVM may do with sums and products; not what it may take for impossible."""
+"""Permissions for LLVM: it may reorder sums and products, but not assume that a value is impossible."""
 
 WAITING_LISTENERS: list[Callable[[], None]] = []
 """Functions that begin to listen to numba; called as numba is imported for the first kernel."""
@@ -68,9 +68,9 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_fast(function: Function) -> Function:
-    """The same for a loop over many numbers: their sums in any order, no division checked for zero.
+    """Compile a function like `compiled`, with sums in any order and without checks for division by zero.
 
-    Infinity and NaN stay what they are.
+    Infinity and NaN keep their meaning.
     """
     return cast(Function, Kernel(function, {"error_model": "numpy", "fastmath": ANY_ORDER}))
 

@@ -55,7 +55,7 @@ def _try(mutants: list[Mutant], least: float, beds: list[Bed], row: str = "") ->
 
 
 def _in(free: SimpleQueue[Bed], work: Callable[[Bed, T], bool]) -> Callable[[T], bool]:
-    """The same work in whichever bed is free."""
+    """Do the work in a free bed."""
 
     def borrowed(item: T) -> bool:
         bed = free.get()

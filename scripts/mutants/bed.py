@@ -42,10 +42,10 @@ class Plantable(Protocol):
 
 
 class Ended(NamedTuple):
-    """How a run of pytest ended."""
+    """End of a run of pytest."""
 
     status: int
-    """As the process reports it; negative if a signal ended it; or `TIMED_OUT`."""
+    """Exit status of the process; negative if a signal ended it; or `TIMED_OUT`."""
     output: str
 
 
@@ -77,7 +77,7 @@ class Bed:
             (folder / "shared").symlink_to(project.parent / "shared")
 
     def passes(self, tests: tuple[str, ...]) -> bool:
-        """Return whether the tests pass without any bug."""
+        """Return whether the tests pass without a planted bug."""
         begun = time.monotonic()
         passed = self._run(tests, self._machine_code, PATIENCE_S).status == 0
         self._took[tests] = time.monotonic() - begun

@@ -14,14 +14,14 @@ TABLE_FOLDER = Path(__file__).parent / "table"
 
 @dataclass(frozen=True)
 class Mutant:
-    """A bug that somebody could have written, and the tests that have to notice it."""
+    """Bug that could have been written, and the tests that have to notice it."""
 
     name: str
     """What is wrong with it, in a few words."""
     file: str
     """Path in the project."""
     text: str
-    """What stands there once."""
+    """Original text, which occurs once in the file."""
     replacement: str
     tests: tuple[str, ...]
     """Nearest tests, as pytest takes them."""
@@ -51,7 +51,7 @@ def _read(path: Path) -> Iterator[Mutant]:
 
 
 def _in_a_line(text: str, replacement: str) -> str:
-    """What is changed into what, without what both have at their ends."""
+    """Return the change as "old -> new", without the common beginning and end."""
     front = _alike(text, replacement)
     back = _alike(text[front:][::-1], replacement[front:][::-1])
     cut = [" ".join(each[front : len(each) - back].split()) for each in (text, replacement)]
@@ -59,5 +59,5 @@ def _in_a_line(text: str, replacement: str) -> str:
 
 
 def _alike(a: str, b: str) -> int:
-    """Return how many characters both begin with."""
+    """Return the number of characters with which both texts begin."""
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(a, b, strict=False)))

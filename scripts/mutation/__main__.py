@@ -34,7 +34,7 @@ TIMEOUT_S = 60.0
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of one mutant."""
+    """Result of one mutant."""
 
     mutant: DrawnMutant
     word: str

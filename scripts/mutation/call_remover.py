@@ -1,4 +1,4 @@
-"""Mutation operator that removes a call whose result nobody uses: a stop, a sync, a check."""
+"""Mutation operator that removes a call whose result is unused: a stop, a sync, a check."""
 
 from __future__ import annotations
 

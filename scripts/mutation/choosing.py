@@ -1,4 +1,4 @@
-"""The tests that are to notice a mutant: those that execute its line, or else those nearest to its file."""
+"""Choice of the tests for a mutant: those that execute its line, otherwise those nearest to its file."""
 
 from __future__ import annotations
 
@@ -84,11 +84,11 @@ class Statement(NamedTuple):
     lines: range
     """Its lines; of one with a body the lines before the body."""
     is_imported: bool
-    """Whether it is executed when the module is imported."""
+    """True if it is executed when the module is imported."""
     body: range
     """Lines of a function that begins here; otherwise empty."""
     names: tuple[str, ...]
-    """What it binds."""
+    """Names that it binds."""
 
 
 def statement_at(tree: ast.Module, line: int) -> Statement:

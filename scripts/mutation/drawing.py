@@ -62,7 +62,7 @@ class DrawnMutant:
     content: str
     """Text of the file with the change."""
     name: str
-    """What was changed: `-old` and `+new` lines."""
+    """Changed lines: `-old` and `+new`."""
     before: str
     """Changed lines as they are, joined, without indentation."""
     after: str

@@ -56,7 +56,7 @@ def durations_of(file: Path) -> Path:
 
 @dataclass(frozen=True)
 class Recording:
-    """What one recorded run of the suite says about tests."""
+    """Recorded run of the suite: which test executes which line."""
 
     data: CoverageData
     durations: dict[str, float]

@@ -22,7 +22,7 @@ CONFIRM_LIMIT_S = 1800.0
 
 
 class Answer(NamedTuple):
-    """How the tests of a mutant ended."""
+    """Result of the tests of a mutant."""
 
     word: str
     """passed, failed or hung."""

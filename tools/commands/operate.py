@@ -11,7 +11,7 @@ import typer
 
 Run = Annotated[Path, typer.Argument(help="the run's folder")]
 LatestRun = Annotated[Path | None, typer.Argument(help="the run's folder (default: runs/latest)")]
-"""Only where the command moves nothing: what moves a robot names the run."""
+"""Option for commands that move nothing; a command that moves a robot needs the run's name."""
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout")]
 Number = Annotated[
     int | None,

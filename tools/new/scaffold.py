@@ -37,7 +37,7 @@ class Starter(NamedTuple):
     parts: tuple[tuple[str, str], ...]
     """Folders of templates, and where below the new folder their files go."""
     next_commands: tuple[str, ...]
-    """What a person does with it, in this order; `$folder` is the new folder."""
+    """Commands to try it, in this order; `$folder` is the new folder."""
     worlds: tuple[str, ...] = ()
     """World files below the new folder, of which a map `map.yaml` is drawn beside each."""
     robots: tuple[str, ...] = ()

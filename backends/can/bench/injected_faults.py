@@ -33,7 +33,11 @@ class InjectedFault(NamedTuple):
 
 
 def injected_fault(name: str) -> InjectedFault:
-    """Return the fault named `name`; raise `UnknownFault` if there is none."""
+    """Return the fault with a name.
+
+    Raises:
+        UnknownFault: no fault has this name.
+    """
     if name not in INJECTED_FAULTS:
         raise UnknownFault(name)
     return INJECTED_FAULTS[name]

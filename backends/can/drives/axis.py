@@ -385,7 +385,9 @@ class Axis(canopen.RemoteNode):
 
     @property
     def fault(self) -> str:
-        """Return the fault of the error code, or of the last emergency message; "" if there is none."""
+        """Return the fault of the error code, or of the last emergency message, in words; empty without a
+        fault.
+        """
         active = self.emcy.active[-1].code if self.emcy.active else 0
         return fault_words(self._reported.get(0x603F, 0) or active)
 

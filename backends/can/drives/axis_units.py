@@ -1,4 +1,4 @@
-"""From counts to metres and radians."""
+"""Conversion between counts of a drive and metres or radians of its axis."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class AxisUnits:
     """Counts at zero."""
 
     def counts(self, position: float) -> int:
-        """Of a position."""
+        """Return a position in [m] or [rad] as counts."""
         return round(position * self.scale) + self.zero
 
     def position(self, counts: float) -> float:
-        """Of counts, in [m] or [rad]."""
+        """Return counts as a position in [m] or [rad]."""
         return (counts - self.zero) / self.scale
 
     def rate(self, value: float) -> int:

@@ -26,7 +26,7 @@ class UtcOrder:
         self._behind = 0.0
         """Least delay of UTC behind the clock [s]."""
         self._sooner: deque[float] = deque(maxlen=_BEARS_OUT + 1)
-        """How much earlier than with that delay the last counted times came [s]."""
+        """Time by which each of the last counted times arrived earlier than the delay allows, in [s]."""
         self._ahead: list[tuple[float, float]] = []
         """Last times that did not count because they were early, and advance with the clock."""
 

@@ -1,4 +1,4 @@
-"""What sensors in a physics engine are built from, next to the scene."""
+"""Parts of a physics engine that its sensors are built from, next to the scene."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class SimulatedArm(Arm):
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, model: ArmModel, stands: FloatArray, seed: int) -> None:
-        """Begin with encoders that read `stands` (n,) in [rad]."""
+        """Create an arm whose encoders read `stands` (n,) in [rad] at first."""
         self._model, self._errors, self._seed = model, robot.errors, seed
         top = np.inf if robot.arm is None else robot.joint_speeds()
         self._most = np.minimum(model.velocity, top) * robot.period_s

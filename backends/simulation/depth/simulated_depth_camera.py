@@ -26,7 +26,7 @@ from .depth_noise import DepthNoise
 
 
 class TrueDepth(NamedTuple):
-    """What a perfect depth camera sees."""
+    """Picture and depth of a perfect depth camera."""
 
     colour: ByteArray
     """(height, width, 3) in RGB."""

@@ -29,11 +29,11 @@ class PasserSpec(FileModel):
     body: Literal["legs", "disc"] = "legs"
     """Shape that a low lidar sees: two legs that swing, or the disc of the body, as of a cart."""
     pauses_s: Annotated[tuple[Annotated[float, Field(ge=0.0, le=3600.0)], ...], Field(max_length=200)] = ()
-    """Time that it stands at each waypoint (default: none)."""
+    """Pause at each waypoint (default: none)."""
     at_end: Literal["turn_back", "loop", "stay"] = "turn_back"
     """After the last waypoint: walk back, walk to the first one and begin again, or stand."""
     starts_s: Annotated[float, Field(ge=0.0)] = 0.0
-    """Simulated time at which it sets out; before, it stands at the first waypoint."""
+    """Simulated time at which it leaves the first waypoint."""
     group_m: Annotated[
         tuple[Annotated[float, Field(ge=-10.0, le=10.0)], ...], Field(max_length=MAX_COMPANIONS)
     ] = ()

@@ -35,7 +35,7 @@ class PasserPart(NamedTuple):
     x: float
     y: float
     radius: float
-    """In [m], as x and y."""
+    """Radius in [m]; x and y are in [m], too."""
     low: float
     """Height of its underside, in [m]."""
     high: float
@@ -61,7 +61,7 @@ class Passers:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, specs: Sequence[PasserSpec] = (), seed: int = 0) -> None:
-        """Put everybody at the first waypoint; `seed` draws the speeds."""
+        """Put all passers at their first waypoints; `seed` draws the speeds."""
         self._specs = tuple(specs)
         self.clocks = np.zeros(len(specs))
         """(n,) time that each group has walked or paused, in [s]."""
@@ -81,12 +81,12 @@ class Passers:
         return tuple(name for _, name, _ in self._walks)
 
     def advance(self, time: float, period: float, base: Pose2, radius: float) -> None:
-        """Let everybody walk for a period.
+        """Let all passers walk for a period.
 
         Args:
             time: simulated time at the end of the period, in [s].
             period: its length, in [s].
-            base: world_T_base, to which those who yield do.
+            base: world_T_base, to which passers that yield react.
             radius: radius of the robot's footprint, in [m].
         """
         for number, spec in enumerate(self._specs):
@@ -107,14 +107,14 @@ class Passers:
         return False
 
     def steps(self) -> list[tuple[str, float, WalkStep]]:
-        """Return name, radius in [m] and present step of everybody."""
+        """Return name, radius in [m] and present step of each passer."""
         return [
             (name, self._specs[number].radius_m, walk.at(float(self.clocks[number])))
             for number, name, walk in self._walks
         ]
 
     def parts(self) -> list[PasserPart]:
-        """Return the bodies of everybody: legs and trunk, or one disc."""
+        """Return the bodies of all passers: legs and trunk, or one disc."""
         found: list[PasserPart] = []
         for number, name, walk in self._walks:
             spec, step = self._specs[number], walk.at(float(self.clocks[number]))
@@ -149,7 +149,7 @@ class Passers:
         ]
 
     def shapes(self) -> list[PasserShape]:
-        """Return everybody as boxes to draw."""
+        """Return all passers as boxes to draw."""
         found = []
         for name, radius, step in self.steps():
             heading = math.atan2(step.direction[1], step.direction[0])

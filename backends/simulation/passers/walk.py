@@ -27,7 +27,7 @@ class WalkStep(NamedTuple):
 
 
 class Walk:
-    """The walk of one person on a clock of its own, which stands while the person yields."""
+    """Walk of one person, on a clock that pauses while the person yields."""
 
     def __init__(self, spec: PasserSpec, offset: float = 0.0, speed: float | None = None) -> None:
         """Plan a walk.

@@ -37,7 +37,7 @@ class RangeFaults(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """Whether any share is above 0."""
+        """True if any share is above 0."""
         return max(self) > 0.0
 
     def spoil(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:

@@ -1,4 +1,4 @@
-"""How the sensors of a robot's file are built in a simulation."""
+"""Construction of a robot's simulated sensors from its file."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ S = TypeVar("S", bound=SensorSpec, covariant=True)
 
 @dataclass(frozen=True)
 class SensorSite(Generic[S]):
-    """What a simulated sensor is built from.
+    """Parts of a simulation that sensors are built from.
 
     `world`, `scene` and `engine` are ground truth, from which a simulation computes its readings.
     """

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Material(NamedTuple):
-    """How a surface looks in pictures for people; the robot's camera sees greys (see `Thing.grey`)."""
+    """Appearance of a surface in pictures for people; the robot's camera sees greys (see `Thing.grey`)."""
 
     red: float
     """Share of red light that it reflects, 0 to 1; green and blue alike."""

@@ -156,7 +156,7 @@ class WorldFile(FileModel):
     misplaced: bool = False
     """True to put the robot far from the start that the task states, so that it has to localize itself."""
     kidnap: KidnapSpec | None = None
-    """The robot is lifted and set down elsewhere (default: nobody does)."""
+    """Instant at which the robot is lifted, and where it is set down (default: never)."""
     map: MapPlace | None = None
     """A map in ROS format; its occupied cells become solids 2 m high."""
     walls: tuple[Wall, ...] = ()

@@ -1,4 +1,4 @@
-"""Which causes an injected fault may lead to, by its kind and the sensor that it falsifies."""
+"""Causes that an injected fault may lead to, by its kind and the affected sensor."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from handcart.primitives.outcomes.cause_kind import CauseKind
 from .fault import Fault, FaultKind
 
 POSE_CAUSES = (causes.LOST, causes.DISPLACED, causes.UNDETERMINED, causes.OFF_GOAL, causes.NO_REST)
-"""Where the base is, or whether it rests, is not known or not as it was."""
+"""Causes that concern the pose of the base, or whether it rests."""
 CAUSES_OF_SENSORS: Mapping[str, tuple[CauseKind, ...]] = {
     "wheels": (*POSE_CAUSES, causes.BASE_STOPPED, causes.NO_PROGRESS),
     "joints": (causes.NOT_FOLLOWING, causes.ARM_BLOCKED, causes.NO_REST, causes.OFF_GOAL, causes.NO_ARM_PATH),
@@ -24,7 +24,7 @@ CAUSES_OF_SENSORS: Mapping[str, tuple[CauseKind, ...]] = {
     "beacons": POSE_CAUSES,
     "positioning": POSE_CAUSES,
 }
-"""What a sensor with wrong readings may seem to show."""
+"""Causes that wrong readings of a sensor may suggest."""
 UNSEEN_CAUSES = (causes.SENSOR_FAULT, causes.NO_EFFECT)
 """A sensor that is known to be wrong, or that does not show the effect."""
 CAUSES_OF_FAULTS: Mapping[FaultKind, tuple[CauseKind, ...]] = {
@@ -42,7 +42,7 @@ CAUSES_OF_FAULTS: Mapping[FaultKind, tuple[CauseKind, ...]] = {
     FaultKind.TIME_OUT: (causes.TIME_OUT,),
     FaultKind.LIDAR: (*CAUSES_OF_SENSORS["range"], *UNSEEN_CAUSES),
 }
-"""What an actuator, a person or an exception may lead to, whatever sensor finds it out."""
+"""Causes that an actuator, a person or an exception may lead to, whichever sensor finds it."""
 FALSIFIED_KINDS = (FaultKind.STALE, FaultKind.NAN)
 
 

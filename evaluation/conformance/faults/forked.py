@@ -88,14 +88,14 @@ def forkable() -> Iterator[None]:
 
 
 def _limit(seconds: float) -> None:
-    """In the copy: let the system end this process after that much CPU time."""
+    """Limit the CPU time of the forked process: the system kills it afterwards."""
     _, most = resource.getrlimit(resource.RLIMIT_CPU)
     limit = math.ceil(seconds) if most == resource.RLIM_INFINITY else min(math.ceil(seconds), most)
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
 
 
 def _tell(pipe: int, work: Callable[[], object], kind: type) -> None:
-    """In the copy: work, send the result, end at once."""
+    """Work in the forked process, send the result, and exit."""
     try:
         try:
             message = pack({"value": to_plain(work(), kind)})

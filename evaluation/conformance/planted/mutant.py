@@ -21,7 +21,7 @@ class Mutant:
 
     name: str
     lie: str
-    """What it does wrong, for people."""
+    """Fault of the mutant, in words for people."""
     look: Callable[[KitBench], list[str]]
     """Function that returns the violations found on a bench."""
     needs: tuple[type[Capability], ...] = ()

@@ -36,7 +36,7 @@ MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the s
 
 
 class ScanEvidence(NamedTuple):
-    """What a scan says about the direction that it determines worst."""
+    """Information of a scan about the direction that it determines worst."""
 
     direction: FloatArray
     """(2,) unit vector on the map."""

@@ -31,7 +31,7 @@ ANNEALING_SCALES_M = (
 
 
 class ScanMatch(NamedTuple):
-    """Where a scan fits the map best."""
+    """Pose at which a scan fits the map best."""
 
     pose: Pose2
     """map_T_base."""
@@ -45,7 +45,7 @@ class ScanMatch(NamedTuple):
     """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
     how far matches from one place lie apart."""
     evidence: ScanEvidence
-    """What the scan says about the direction that it determines worst; the scan before isn't asked."""
+    """Information of this scan alone about the direction that it determines worst."""
     inliers: float
     """Share of the points that the map explains, 0 to 1."""
     residuals: FarArray
@@ -286,7 +286,7 @@ def _solved(matrix: FloatArray, right: FloatArray) -> tuple[float, float, float]
 
 
 def _excess(residuals: FloatArray, noise: float) -> float:
-    """By how much a scan varies more than it should, at least 1: a sensor may be noisier than is supposed."""
+    """Return the factor, at least 1, by which a scan varies more than the sensor's stated noise."""
     if not len(residuals):
         return 1.0
     middle = min(_median(residuals), INLIER_SCALES * noise)
@@ -294,7 +294,7 @@ def _excess(residuals: FloatArray, noise: float) -> float:
 
 
 def _median(values: FloatArray) -> float:
-    """Of (n,), the upper of the two middle ones for an even n; none of them NaN."""
+    """Return the median of (n,) numbers without NaN; the upper one of two middle ones."""
     half = len(values) // 2
     return float(np.partition(values, half)[half])
 

@@ -58,7 +58,7 @@ class LocalMap:
 
     @property
     def grid(self) -> GridMap:
-        """What was seen: surfaces are occupied, ground that no beam crossed is unknown."""
+        """Map of the sensed surroundings: surfaces are occupied, ground that no beam crossed is unknown."""
         if self._grid is None:
             self._grid = _drawn(self._views)
         return self._grid

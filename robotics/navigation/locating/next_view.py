@@ -45,10 +45,10 @@ class View(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What the base knows of the ground around it."""
+    """Sensed ground around the base."""
 
     seen: GridMap
-    """In the local frame; ground that was not seen is unknown."""
+    """Map in the local frame; ground that was not seen is unknown."""
     here: Pose2
     """local_T_base."""
     radius: float
@@ -58,13 +58,13 @@ class Surroundings(NamedTuple):
 
 
 def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, reach: float) -> View | None:
-    """Return the next place to look from; None if there is none.
+    """Return the next place to look from, or None if no place helps.
 
     Args:
         around: ground that was seen.
-        field: of the map.
+        field: likelihood field of the map.
         poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
-        reach: of the lidar, in [m].
+        reach: range of the lidar, in [m].
     """
     places = _reachable(around)
     if not len(places):

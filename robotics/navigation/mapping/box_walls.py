@@ -20,7 +20,7 @@ Box = tuple[float, float, float, float, float]
 
 
 class BoxWalls(NamedTuple):
-    """How a map fits boxes."""
+    """Distances between a map's walls and boxes."""
 
     cells: FloatArray
     """(n,) distance of each wall cell to the nearest surface of a box, in [m]."""

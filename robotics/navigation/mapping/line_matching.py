@@ -17,7 +17,7 @@ GATES_M = (0.5, 0.3, 0.15, 0.1)
 ITERATIONS = 6
 """Steps at each distance."""
 MIN_NORMAL_COSINE = 0.7
-"""Of the angle between the normals of two partners."""
+"""Minimum cosine of the angle between the normals of two partners."""
 INLIER_M = 0.05
 """Distance in [m] to a partner's line within which a point counts as explained."""
 MIN_SIGMA_M = 0.005

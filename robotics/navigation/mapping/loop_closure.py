@@ -42,7 +42,7 @@ TRACKING_GATES_M = (0.3, 0.15, 0.1)
 
 
 class KeyframeView(NamedTuple):
-    """What is seen around one keyframe, in its frame."""
+    """Sensed points around one keyframe, in its frame."""
 
     surface: Surface
     sample: Surface

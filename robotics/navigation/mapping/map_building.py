@@ -1,4 +1,4 @@
-"""From a log to a map: chain of keyframes, loop closures, pose graph, cells."""
+"""Construction of a map from a log: chain of keyframes, loop closures, pose graph, cells."""
 
 from __future__ import annotations
 

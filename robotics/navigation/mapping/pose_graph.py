@@ -22,7 +22,9 @@ ANCHOR = np.diag([1e8, 1e8, 1e8])
 SCALING_CHI2 = 7.8
 """Squared error in sigmas up to which an edge has its full weight: 95 % of right ones are below."""
 GRADUATED_CHI2 = (1e4, 1e3, 1e2, SCALING_CHI2)
-"""The same, one after the other, from poses that are far off (Yang et al., 2020)."""
+"""Values of `SCALING_CHI2` that are used in turn, for initial poses far from the solution (Yang et al.,
+2020).
+"""
 COLUMNS_AT_ONCE = 300
 """Columns of a covariance that are computed together."""
 
@@ -37,7 +39,7 @@ class Edge(NamedTuple):
     information: FloatArray
     """(3, 3) in the frame of the first node, in [1/m², 1/m rad, 1/rad²]."""
     is_loop: bool = False
-    """Whether the edge closes a loop, and may be wrong."""
+    """True if the edge closes a loop, and may be wrong."""
 
 
 class _Edges(NamedTuple):

@@ -30,7 +30,7 @@ ODOMETRY_SIGMAS = ((0.02, 0.1, 0.05), (0.01, 0.02, 0.1))
 
 
 def odometry_information(moved: Pose2) -> FloatArray:
-    """Return the information (3, 3) of a motion that odometry measured, for wheels nobody calibrated."""
+    """Return the information (3, 3) of a motion measured by odometry with uncalibrated wheels."""
     travel, turn = float(np.hypot(moved.x, moved.y)), abs(moved.theta)
     place, heading = (rest + metre * travel + radian * turn for rest, metre, radian in ODOMETRY_SIGMAS)
     return np.diag([place**-2, place**-2, heading**-2])

@@ -17,7 +17,7 @@ HALF_WINDOW = 8
 MIN_SUPPORT_M = 0.2
 """Points within this distance belong to the same surface."""
 SPACING_SUPPORT = 3.5
-"""The same, in distances between neighbouring beams, if that is more."""
+"""Minimum support in distances between neighbouring beams, if that is more than `MIN_SUPPORT_M`."""
 MIN_LINE_POINTS = 4
 MAX_FLATNESS = 0.1
 """Largest ratio of a surface's thickness to its length; more is a corner or a bush."""
@@ -84,7 +84,9 @@ def fit_surface(points: FloatArray, origin: FloatArray) -> Surface:
 
 
 def _neighbours(points: FloatArray, origin: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the points (n, k, 2) around each point, and weights (n, k): 1 on the same surface, else 0."""
+    """Return the points (n, k, 2) around each point, and weights (n, k): 1 on the same surface, otherwise
+    0.
+    """
     count = len(points)
     offsets = np.arange(-HALF_WINDOW, HALF_WINDOW + 1)
     index = (np.arange(count)[:, None] + offsets) % count

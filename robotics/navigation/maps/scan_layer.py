@@ -26,11 +26,11 @@ class ScanLayer:
     """
 
     def __init__(self, grid: GridMap, reach: float = REACH_M) -> None:
-        """Begin with nothing sensed.
+        """Create an empty layer.
 
         Args:
-            grid: the map whose cells are used.
-            reach: distance from the sensor up to which beams are taken in, in [m].
+            grid: map whose cells are used.
+            reach: maximum distance from the sensor of the beams that are used, in [m].
         """
         self._grid, self._reach = grid, reach
         self._scores = np.zeros(grid.occupied.shape, dtype=np.int8)

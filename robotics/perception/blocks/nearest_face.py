@@ -27,9 +27,9 @@ class Face(NamedTuple):
     short_side: float
     """[m]"""
     distance: float
-    """Of its centre from the expected one, in [m]."""
+    """Distance of its centre from the expected one, in [m]."""
     direction: float
-    """Of its long side from the expected pose's x axis, in [rad], from -pi / 2 to pi / 2."""
+    """Direction of its long side from the expected pose's x axis, in [rad], from -pi / 2 to pi / 2."""
 
 
 def nearest_face(
