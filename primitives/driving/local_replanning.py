@@ -244,7 +244,7 @@ class LocalReplanning:
             yield
 
     def give_up_waiting(self, ahead: FloatArray) -> Discrepancy:
-        """Return why the drive ends: an obstacle blocks the route, and no other route leads to the goal."""
+        """Return why the drive ends: an obstacle is on the route, and no other one leads to the goal."""
         obstacle = self._nearest_to_route(ahead)
         x, y = obstacle
         free = 0.0 if self._look is None else self._look.free

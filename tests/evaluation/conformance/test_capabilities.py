@@ -16,9 +16,9 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.sensors.all_kinds import all_capabilities
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind, all_sensors
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend, InjectedError
-from handcart.evaluation.conformance.rig import layered_backend
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.layers import layered_backend
 
 ROOT = Path(__file__).resolve().parents[3]
 
