@@ -28,6 +28,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .can_spec import CanSpec
 from .drive_spec import ALL_DRIVE_KINDS as ALL_DRIVE_KINDS
 from .drive_spec import Drive as Drive
+from .footprint_spec import OutlinedFile
 from .ground_spec import GroundSpec
 from .joint_units import JointUnits
 from .sensor_specs import CameraSpec, OdometrySpec
@@ -136,7 +137,7 @@ class UnknownPosture(InputError):
     """A robot's file doesn't have the posture that is asked for."""
 
 
-class RobotFile(SensorTable):
+class RobotFile(SensorTable, OutlinedFile):
     """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
 
     format: Literal["handcart-robot/1"]
@@ -151,10 +152,6 @@ class RobotFile(SensorTable):
     """Further URDFs, as they are, each fixed onto a link of those before it."""
     period_s: Positive
     """The control period."""
-    footprint_radius_m: Positive
-    """Radius of the circle around the base's centre that contains base, arm in its travelling posture, and
-    load.
-    """
     localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter", "beacons"]
     """Estimator of the pose: ranges against the map; wheels, and ranges at rest; outdoors wheels and gyros,
     the particle filter of Ohki et al. (2012), or a Kalman filter that models the errors of all three; or a

@@ -14,6 +14,7 @@ from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBas
 from handcart.backends.capabilities.range_sensor import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.footprint_guard import FootprintGuard
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle, WayGuard
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import FloatArray
@@ -21,6 +22,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .unseen_ground import UnseenGround
 
 SIDE_MARGIN_M = 0.008  # [m] beside the footprint that must stay free
+POLYGON_MARGIN_SIGMAS = 1.5  # of a range, likewise beside a polygon: a corner is a point, not an arc
 SAME_POINT_M = 1e-6  # [m] by which a point may be off, from one frame to another and back
 _FAR = np.array([np.inf])
 SPEED_RATIOS = (
@@ -38,7 +40,7 @@ class GuardedBase(HolonomicBase):
     The area that the footprint sweeps until the base could stop is compared with the map at the estimated
     pose, with the scan, which needs no pose, and with points where the base ran into an obstacle that
     neither shows. Ground that the lidar does not see is not free, unless the base has just driven there.
-    The footprint is a circle, so turning sweeps no area.
+    A footprint that is a disc sweeps no area as it turns; a polygon does, so its turns are guarded too.
     """
 
     def __init__(
@@ -68,7 +70,11 @@ class GuardedBase(HolonomicBase):
         self._restart_scan = restart_scan
         self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
         self._radius, self._grid = robot.footprint_radius_m + SIDE_MARGIN_M, grid
+        self._shape = robot.footprint_shape
+        sigma = 0.0 if robot.range_sensor is None else robot.range_sensor.sigma_mm / 1e3
+        self._margin = max(SIDE_MARGIN_M, POLYGON_MARGIN_SIGMAS * sigma)
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
+        self._turn_braking = math.radians(robot.drive.turn_acceleration_deg_s2)
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
         self._command = DriveCommand()
@@ -78,15 +84,19 @@ class GuardedBase(HolonomicBase):
         self._is_located, self._on_map = is_located, True
 
     @cached_property
-    def _map_guard(self) -> WayGuard:
-        return WayGuard(self._radius, self._grid)
+    def _map_guard(self) -> WayGuard | FootprintGuard:
+        if self._shape.is_disc:
+            return WayGuard(self._radius, self._grid)
+        return FootprintGuard(self._shape, self._margin, self._grid)
 
     @cached_property
-    def _scan_guard(self) -> WayGuard:
-        return WayGuard(self._radius)
+    def _scan_guard(self) -> WayGuard | FootprintGuard:
+        if self._shape.is_disc:
+            return WayGuard(self._radius)
+        return FootprintGuard(self._shape, self._margin)
 
     @property
-    def _guard(self) -> WayGuard:
+    def _guard(self) -> WayGuard | FootprintGuard:
         return self._map_guard if self._on_map else self._scan_guard
 
     def _change_frame(self) -> None:
@@ -100,7 +110,8 @@ class GuardedBase(HolonomicBase):
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
         """See `HolonomicBase`; slower than that where the way isn't free."""
         command = DriveCommand(speed, turn_rate, sideways)
-        if all(map(math.isfinite, command)) and command.along != 0.0:
+        moves = command.along != 0.0 or (turn_rate != 0.0 and not self._shape.is_disc)
+        if all(map(math.isfinite, command)) and moves:
             way = command.direction
             along, turn_rate = self._allowed(*self._caught_up(command.along, turn_rate), way)
             command = DriveCommand.towards(way, along, turn_rate)
@@ -167,13 +178,13 @@ class GuardedBase(HolonomicBase):
         if abs(speed) <= most:
             self._slowed_to = math.inf
             return speed, turn_rate
-        return math.copysign(most, speed), turn_rate * (most / abs(speed) if self._is_car else 1.0)
+        return math.copysign(most, speed), turn_rate * (most / abs(speed) if self._slows_turns else 1.0)
 
     def _allowed(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
         """Return the part of a speed in [m/s] and of a turn rate in [rad/s] that is free.
 
-        `direction` of travel in [rad] against the heading: the footprint is a circle, so the base is
-        guarded as one that heads there.
+        `direction` of travel in [rad] against the heading: the base is guarded as one that heads there, with
+        its footprint turned back by as much.
         """
         self._begin()
         pose = self._pose()
@@ -182,17 +193,45 @@ class GuardedBase(HolonomicBase):
             base_T_way = Pose2(0.0, 0.0, direction)
             pose, scan = pose.compose(base_T_way), base_T_way.inverse().apply(scan)
         for share in SPEED_RATIOS:
-            slower, turn = share * speed, turn_rate * (share if self._is_car else 1.0)
-            way = math.copysign(self._way_to_stop(abs(slower)), slower)
-            _free, held = self._guard.free_way(pose, scan, turn / slower, way)
-            if held is None and self._unseen is not None:
-                held = self._unseen.held(pose, turn / slower, way, direction)
+            slower, turn = share * speed, turn_rate * (share if self._slows_turns else 1.0)
+            held = self._touched(pose, scan, slower, turn, direction)
             if held is None:
                 self._slowed_to = abs(slower) if self._held or self._slowed_to < math.inf else math.inf
                 return slower, turn
             self._held = self._felt_or_seen(held)
         self._slowed_to = 0.0
-        return 0.0, 0.0 if self._is_car else turn_rate
+        return 0.0, self._free_turn(pose, scan, turn_rate, direction)
+
+    @property
+    def _slows_turns(self) -> bool:
+        """True if a slower command turns slower too, on the same arc."""
+        return self._is_car or not self._shape.is_disc
+
+    def _touched(
+        self, pose: Pose2, scan: FloatArray, speed: float, turn_rate: float, direction: float
+    ) -> HoldingObstacle | None:
+        """Return what the base would touch until it could stop; None if that is free."""
+        way = self._way_to_stop(speed)
+        if isinstance(self._guard, FootprintGuard):
+            view = None if self._unseen is None else self._unseen.view
+            turn = turn_rate * self._period + turn_rate * abs(turn_rate) / (2.0 * self._turn_braking)
+            held = self._guard.free_motion(pose, scan, way, turn, view, direction)
+        else:
+            held = self._guard.free_way(pose, scan, turn_rate / speed, way)[1]
+        if held is None and self._unseen is not None and speed != 0.0:
+            return self._unseen.held(pose, turn_rate / speed, way, direction)
+        return held
+
+    def _free_turn(self, pose: Pose2, scan: FloatArray, turn_rate: float, direction: float) -> float:
+        """Return the part of a turn in place that is free, in [rad/s]."""
+        if self._is_car:
+            return 0.0
+        if self._shape.is_disc:
+            return turn_rate
+        for share in SPEED_RATIOS:
+            if not self._touched(pose, scan, 0.0, share * turn_rate, direction):
+                return share * turn_rate
+        return 0.0
 
     def _felt_or_seen(self, held: HoldingObstacle) -> HoldingObstacle:
         there = self._felt - (held.x, held.y)
@@ -200,8 +239,8 @@ class GuardedBase(HolonomicBase):
         return held._replace(shown_by="contact") if felt else held
 
     def _way_to_stop(self, speed: float) -> float:
-        """Return the distance driven in this period and while braking, in [m]."""
-        return speed * self._period + speed**2 / (2.0 * self._braking)
+        """Return the distance driven in this period and while braking, in [m]; below zero backwards."""
+        return speed * self._period + speed * abs(speed) / (2.0 * self._braking)
 
 
 def steady_points(scan: Scan) -> FloatArray:

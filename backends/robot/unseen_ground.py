@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from handcart.backends.plain_values import Kinds
 from handcart.backends.robot.localization.lidar import Lidar
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.footprint_guard import SensorView
 from handcart.robotics.navigation.following.unseen_ground import is_driven, unseen_edge
 from handcart.robotics.navigation.following.way_guard import HoldingObstacle
 
@@ -48,6 +50,15 @@ class UnseenGround:
     def is_partial(self) -> bool:
         """True if some ground is never seen by the lidar."""
         return bool(self._lidar.spec.masked_deg) or not self._lidar.spec.is_full_turn
+
+    @cached_property
+    def view(self) -> SensorView:
+        """Field of view of the lidar, if nothing of it is masked; otherwise nothing."""
+        scan = self._lidar.scan()
+        mount, spec = scan.base_T_sensor, self._lidar.spec
+        width = math.radians(spec.end_deg - spec.start_deg)
+        start = mount.theta + math.radians(spec.start_deg)
+        return SensorView(mount.x, mount.y, start, -1.0 if spec.masked_deg else width)
 
     def starts_here(self) -> None:
         """Begin a new action: ground driven long ago may have changed."""

@@ -1,12 +1,12 @@
 """Halls of posts that no map shows: `python -m benchmarks.driving.cluttered [--worlds N] [--speed 1|2]`.
 
 A cellular automaton sets posts into a hall of 14 x 4.8 m, at three densities; start and goal are 10 m apart,
-and a way with 5 cm beside the footprint (a disc) leads through. `tasks/drive_map` drives there, as
-`handcart run` does it. The map shows the walls (`walls`), walls and every other post (`half`), nothing
-(`empty`), or everything (`all`). A world counts as reached if the goal was reached without a Fail. Contacts
-and false outcomes are those of the simulated world. The time is that to the docked pose, over the length of
-the best way on a map of everything, driven at top speed. `--shape` has a dead end or a closed wall instead.
-Status 1 if a contact or a false outcome happened.
+and a way with 5 cm beside the footprint (a disc, or a rectangle) leads through. `tasks/drive_map` drives
+there, as `handcart run` does it. The map shows the walls (`walls`), walls and every other post (`half`),
+nothing (`empty`), or everything (`all`). A world counts as reached if the goal was reached without a Fail.
+Contacts and false outcomes are those of the simulated world. The time is that to the docked pose, over the
+length of the best way on a map of everything, driven at top speed. `--shape` has a dead end or a closed wall
+instead. Status 1 if a contact or a false outcome happened.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ from benchmarks.driving.cluttered_worlds import (
     write_world,
 )
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.footprint_spec import FootprintSpec
 from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.body.base_contact import base_gap
 from handcart.evaluation.judging.judge import Judge
 from handcart.networks.events.events import Ended, Event
 from handcart.networks.events.run_observer import RunObserver
@@ -43,6 +45,7 @@ from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.outcomes.outcome import Success
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
@@ -74,7 +77,7 @@ class Trial:
     sigma_mm: float = math.nan
     periods_ms: list[float] = field(default_factory=list)
     """CPU of each period without that of the simulation."""
-    track: list[tuple[float, float]] = field(default_factory=list)
+    track: list[Pose2] = field(default_factory=list)
 
     @property
     def reached(self) -> bool:
@@ -108,9 +111,8 @@ class Watch(RunObserver):
         if math.isfinite(self._since):
             self._result.periods_ms.append(1e3 * (now - self._since - self._simulated))
         scene, result = self._scene, self._result
-        room = scene.body_plan.clearance(scene.base.x, scene.base.y, scene.time)[0]
-        result.nearest_mm = min(result.nearest_mm, 1e3 * (room - robot.spec.footprint_radius_m))
-        result.track.append((scene.base.x, scene.base.y))
+        result.nearest_mm = min(result.nearest_mm, 1e3 * base_gap(scene, scene.base)[0])
+        result.track.append(scene.base)
         if robot.time > GIVEN_S:
             raise TimeoutError
         self._simulated, self._since = 0.0, time.process_time()
@@ -149,7 +151,7 @@ def try_world(world: World, chosen: argparse.Namespace) -> Trial:
 
 
 def _robot(folder: Path, chosen: argparse.Namespace) -> Path:
-    return write_robot(folder, chosen.radius, chosen.speed, chosen.localizer, chosen.view)
+    return write_robot(folder, chosen.sides, chosen.speed, chosen.localizer, chosen.view)
 
 
 def _compare(robot: Robot, truth: Pose2, result: Trial) -> None:
@@ -201,20 +203,29 @@ def report(results: list[Trial], speed: float) -> str:
     return "\n".join(lines)
 
 
-def draw(world: World, result: Trial, radius: float, path: Path) -> None:
+def draw(world: World, result: Trial, shape: Footprint, path: Path) -> None:
     """Draw a world, its best way and the true track."""
     from matplotlib.figure import Figure
-    from matplotlib.patches import Circle, Rectangle
+    from matplotlib.patches import Rectangle
 
     axes = (figure := Figure(figsize=(14, 5))).add_subplot()
     for x, y, _, length, width in [*walls(), *world.posts]:
         axes.add_patch(Rectangle((x - length / 2, y - width / 2), length, width, color="0.4"))
     axes.plot(*world.best.points.T, "g:", linewidth=1.0)
-    axes.plot(*np.array(result.track).T, "b-", linewidth=1.0)
-    axes.add_patch(Circle(result.track[-1], radius, color="b", fill=False))
+    axes.plot(*np.array(result.track)[:, :2].T, "b-", linewidth=1.0)
+    for base in [*result.track[::20], result.track[-1]]:
+        axes.plot(*shape.outline(*base).T, "b-", linewidth=0.3)
+    axes.plot(*shape.outline(*result.track[-1]).T, "b-", linewidth=1.0)
     axes.set_aspect("equal")
     axes.set_title(f"{result.seed}, density {result.density:g}: {result.outcome}, {result.seconds:.1f} s")
     figure.savefig(path, dpi=80)
+
+
+def shape_of(sides: tuple[float, ...]) -> Footprint:
+    """Return the footprint with a radius, or with length and width, in [m]."""
+    if len(sides) == 1:
+        return Footprint(sides[0])
+    return FootprintSpec(rectangle_m=(sides[0], sides[1])).shape
 
 
 def worlds_of(chosen: argparse.Namespace) -> list[Callable[[], World]]:
@@ -222,11 +233,11 @@ def worlds_of(chosen: argparse.Namespace) -> list[Callable[[], World]]:
     seeds = range(chosen.first, chosen.first + chosen.worlds)
     if chosen.shape != "posts":
         boxes = dead_end() if chosen.shape == "dead_end" else closed_wall()
-        best = make_world(0, 0.0, chosen.radius).best
+        best = make_world(0, 0.0, chosen.shape_of_robot).best
         return [lambda seed=seed: World(seed, 0.0, boxes, best) for seed in seeds]  # type: ignore[misc]
     densities = DENSITIES if chosen.density is None else (chosen.density,)
     return [
-        lambda seed=seed: make_world(seed, densities[seed % len(densities)], chosen.radius)  # type: ignore[misc]
+        lambda seed=seed: make_world(seed, densities[seed % len(densities)], chosen.shape_of_robot)  # type: ignore[misc]
         for seed in seeds
     ]
 
@@ -241,12 +252,18 @@ def main() -> None:
     words.add_argument("--map", choices=("walls", "half", "empty", "all"), default="walls")
     words.add_argument("--shape", choices=("posts", "dead_end", "closed_wall"), default="posts")
     words.add_argument("--localizer", choices=("scan", "odometry"), default="scan")
-    words.add_argument("--radius", type=float, default=0.22, help="of the footprint, in m (default: 0.22)")
+    words.add_argument(
+        "--footprint",
+        default="0.22",
+        help="radius of a disc in m, or length and width, such as 0.5x0.43 (default: 0.22)",
+    )
     words.add_argument("--view", type=float, default=360.0, help="of the lidar, in deg (default: 360)")
     words.add_argument("--cell", type=float, default=0.05, help="of the map, in m (default: 0.05)")
     words.add_argument("--backend", default="kinematic", help="kinematic (default), mujoco, pybullet")
     words.add_argument("--pictures", type=Path, help="existing folder for a picture of each world")
     chosen = words.parse_args()
+    chosen.sides = tuple(float(side) for side in chosen.footprint.split("x"))
+    chosen.shape_of_robot = shape_of(chosen.sides)
     print(f"{chosen.worlds} worlds on {chosen.backend}, {chosen.speed:g} m/s, map: {chosen.map}", flush=True)
     results = []
     for make in worlds_of(chosen):
@@ -262,7 +279,7 @@ def main() -> None:
             flush=True,
         )
         if chosen.pictures:
-            draw(world, result, chosen.radius, chosen.pictures / f"world_{result.seed}.png")
+            draw(world, result, chosen.shape_of_robot, chosen.pictures / f"world_{result.seed}.png")
     print(report(results, chosen.speed))
     raise SystemExit(int(any(each.contacts or each.false for each in results)))
 

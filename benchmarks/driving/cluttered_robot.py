@@ -1,4 +1,4 @@
-"""The robot of `cluttered`: a disc on two wheels with a lidar, written beside a world."""
+"""The robot of `cluttered` and `doors`: a disc or a box on two wheels with a lidar."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ URDF = """\
       <inertia ixx="0.36" ixy="0" ixz="0" iyy="0.36" iyz="0" izz="0.44"/>
     </inertial>
     <collision>
-      <origin xyz="0 0 0.12"/><geometry><cylinder radius="{body}" length="0.16"/></geometry>
+      <origin xyz="0 0 0.12"/><geometry>{body}</geometry>
     </collision>
-    <visual><origin xyz="0 0 0.12"/><geometry><cylinder radius="{body}" length="0.16"/></geometry></visual>
+    <visual><origin xyz="0 0 0.12"/><geometry>{body}</geometry></visual>
   </link>
   <link name="range_sensor"/>
   <joint name="range_sensor_mount" type="fixed">
@@ -52,7 +52,7 @@ ROBOT = """\
 format: handcart-robot/1
 urdf: robot.urdf
 period_s: 0.05
-footprint_radius_m: {radius}
+footprint: {footprint}
 localizer: {localizer}
 drive:
   wheel_radius_m: 0.1
@@ -73,22 +73,33 @@ tolerance: {{base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_
 """
 
 
-def write_robot(folder: Path, radius: float, speed: float, localizer: str, view: float = 360.0) -> Path:
+def write_robot(
+    folder: Path, sides: tuple[float, ...], speed: float, localizer: str, view: float = 360.0
+) -> Path:
     """Write the robot's file and its URDF; return the path of the file.
 
     Args:
         folder: existing folder for the files.
-        radius: radius of the footprint, in [m]; the body is 1 cm smaller.
+        sides: radius of a disc, or length and width of a rectangle, in [m]; the body is 1 cm smaller at each
+            side.
         speed: top speed in [m/s]; its acceleration in [m/s²] is as large.
         localizer: as in a robot's file.
         view: angle that the lidar sees, in [deg]; a beam a degree.
     """
-    tread = radius - 0.05
+    half = [sides[0], sides[0]] if len(sides) == 1 else [0.5 * side for side in sides]
+    tread = half[1] - 0.05
+    body = f'<cylinder radius="{half[0] - 0.01:g}" length="0.16"/>'
+    if len(sides) > 1:
+        body = f'<box size="{sides[0] - 0.02:g} {sides[1] - 0.02:g} 0.16"/>'
     wheels = "".join(WHEEL.format(side=side, y=y) for side, y in (("left", tread), ("right", -tread)))
-    casters = "".join(CASTER.format(end=end, x=x) for end, x in (("front", tread), ("rear", -tread)))
-    (folder / "robot.urdf").write_text(URDF.format(body=radius - 0.01, wheels=wheels, casters=casters))
+    ends = (("front", half[0] - 0.05), ("rear", 0.05 - half[0]))
+    casters = "".join(CASTER.format(end=end, x=x) for end, x in ends)
+    (folder / "robot.urdf").write_text(URDF.format(body=body, wheels=wheels, casters=casters))
     path = folder / "robot.yaml"
+    footprint = (
+        f"{{radius_m: {sides[0]}}}" if len(sides) == 1 else f"{{rectangle_m: [{sides[0]}, {sides[1]}]}}"
+    )
     lidar = {"beams": round(view) + (view < 360.0), "start_deg": -view / 2, "end_deg": view / 2}
     drive = {"tread": 2.0 * tread, "speed": speed, "acceleration": speed}
-    path.write_text(ROBOT.format(radius=radius, localizer=localizer, **drive, **lidar))
+    path.write_text(ROBOT.format(footprint=footprint, localizer=localizer, **drive, **lidar))
     return path

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
+from benchmarks.driving.pose_lattice import is_connected
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
@@ -23,6 +25,7 @@ DENSITIES = (0.14, 0.20, 0.26)  # shares of cells that are posts before the auto
 SMOOTHING_STEPS = 2
 CROWDED, LONELY = 5, 1  # posts among 8 neighbours: no fewer become a post, no more leave none
 EXACT_CELL_M = 0.01  # cells of the map that says whether a way exists, and how long it is
+FLOOD_CELL_M = 0.02  # of the map on which poses of a polygon are connected
 WAY_ROOM_M = 0.05  # beside the footprint that a world's best way has
 MAX_TRIES = 200
 Box = tuple[float, float, float, float, float]
@@ -39,8 +42,8 @@ class World(NamedTuple):
     """Short way with room for the footprint, on a map of everything."""
 
 
-def make_world(seed: int, density: float, radius: float) -> World:
-    """Return the world of a seed and a density for a footprint of `radius` in [m].
+def make_world(seed: int, density: float, shape: Footprint) -> World:
+    """Return the world of a seed and a density for a footprint.
 
     Raises:
         RuntimeError: no draw of the seed leaves a way.
@@ -48,7 +51,7 @@ def make_world(seed: int, density: float, radius: float) -> World:
     rng = np.random.default_rng([seed, round(1e3 * density)])
     for _ in range(MAX_TRIES):
         posts = _boxes(_automaton(rng, density))
-        best = _best_way(posts, radius)
+        best = _best_way(posts, shape)
         if best is not None:
             return World(seed, density, posts, best)
     raise RuntimeError(f"no way through world {seed} of density {density}")
@@ -93,12 +96,17 @@ def _boxes(posts: BoolArray) -> list[Box]:
     return found
 
 
-def _best_way(posts: list[Box], radius: float) -> Route | None:
+def _best_way(posts: list[Box], shape: Footprint) -> Route | None:
+    """Return a short way for the inscribed disc, if the footprint can get to the goal at all."""
     grid = hall_map([*walls(), *posts], EXACT_CELL_M)
     try:
-        graph = voronoi_graph(grid, radius + WAY_ROOM_M, seed_point=START[:2])
+        graph = voronoi_graph(grid, shape.inscribed + WAY_ROOM_M, seed_point=START[:2])
     except ValueError:
         return None
+    if not shape.is_disc:
+        coarse = hall_map([*walls(), *posts], FLOOD_CELL_M)
+        if not is_connected(coarse, shape, START[:2], GOAL[:2], WAY_ROOM_M - FLOOD_CELL_M):
+            return None
     return plan_route(graph, START[:2], GOAL[:2], 0.0)
 
 
@@ -114,21 +122,46 @@ def write_world(
         cell: side of a cell of the map, in [m].
         tolerance: tolerance of the goal in [mm] and [deg].
     """
-    grid = hall_map(mapped, cell, world.seed)
+    map_text(hall_map(mapped, cell, world.seed), folder)
+    world_text(folder, walls(), world.posts, START, GOAL, tolerance)
+
+
+def map_text(grid: GridMap, folder: Path) -> None:
+    """Write a map into an existing folder, as `map.yaml` and its picture."""
     cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
     (folder / "map.yaml").write_text(
-        f"image: map.png\nresolution: {cell}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
+        f"image: map.png\nresolution: {grid.resolution}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
-    x, y, heading = START
+
+
+def world_text(
+    folder: Path,
+    furniture: list[Box],
+    surprises: list[Box],
+    begin: tuple[float, float, float],
+    end: tuple[float, float, float],
+    tolerance: tuple[float, float],
+) -> None:
+    """Write `world.yaml` and `places.yaml` with the places `home` and `goal` into an existing folder.
+
+    Args:
+        folder: for the files.
+        furniture: boxes that the map may show.
+        surprises: boxes that it does not show.
+        begin: start: x, y in [m], heading in [deg].
+        end: goal, likewise.
+        tolerance: tolerance of the goal in [mm] and [deg].
+    """
+    x, y, heading = begin
     start = f"format: handcart-world/1\nstart: {{x_m: {x}, y_m: {y}, heading_deg: {heading}}}\n"
     (folder / "world.yaml").write_text(
-        start + _listed("furniture", "wall", walls()) + _listed("surprises", "post", world.posts)
+        start + _listed("furniture", "wall", furniture) + _listed("surprises", "post", surprises)
     )
     lines = [
         f"  {name}: {{x_m: {x}, y_m: {y}, heading_deg: {turn}, tolerance_mm: {tolerance[0]}, "
         f"tolerance_deg: {tolerance[1]}}}\n"
-        for name, (x, y, turn) in (("home", START), ("goal", GOAL))
+        for name, (x, y, turn) in (("home", begin), ("goal", end))
     ]
     (folder / "places.yaml").write_text("format: handcart-places/1\nplaces:\n" + "".join(lines))
 

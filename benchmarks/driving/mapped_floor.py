@@ -170,7 +170,7 @@ def _record(backend: KinematicBackend, spec: RobotFile, way: list[tuple[float, f
     first = None
     for number, command in enumerate(_commands(backend, spec, way)):
         if number % SCAN_PERIODS == 0:
-            scan = read_scan(lidar.scan(), spec.range_sensor, spec.footprint_radius_m)
+            scan = read_scan(lidar.scan(), spec.range_sensor, spec.footprint_shape)
             first = first or scan
             truth = _true_pose(backend)
             ranges = np.where(scan.blind(), math.nan, scan.ranges)

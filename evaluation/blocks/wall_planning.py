@@ -114,7 +114,7 @@ def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPl
     keepout = _keepout(drawing, spec, reach, grid)
     barred = with_keepout(grid, keepout)
     room = StandingRoom(spec, reach.placer.arm, barred, np.empty((0, 2)), start)
-    planning = _Planning(drawing, reach, room, Ways(barred, spec.footprint_radius_m, start))
+    planning = _Planning(drawing, reach, room, Ways(barred, spec.footprint_shape, start))
     count = len(drawing.blocks)
     try:
         fetching = planning.stops(drawing.supply[:count], "supply", held=False)

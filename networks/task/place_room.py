@@ -118,7 +118,7 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
     named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
     if not task.knowledge.is_start_known:  # it is found later: ways are those between the places
         start = next((place.pose for place in loaded.value.places.values()), start)
-    ways = Ways(model.map, robot.footprint_radius_m, start)
+    ways = Ways(model.map, robot.footprint_shape, start)
     rooms = tuple(
         PlaceRoom(
             name,

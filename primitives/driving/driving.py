@@ -51,7 +51,7 @@ def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) 
         layer = ScanLayer(grid)
         layer.restore(model.sensed_cells)
         grid = layer.merged()
-    ways = Ways(grid, robot.spec.footprint_radius_m, robot.pose, avoided_points(robot, model))
+    ways = Ways(grid, robot.spec.footprint_shape, robot.pose, avoided_points(robot, model))
     return ways.to(goal.pose, goal.front if goal.docks else None)
 
 
@@ -122,10 +122,9 @@ def goal_pose(model: ModelView, place: str) -> Pose2:
 
 def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObstacleMonitor:
     """Return the obstacle monitor for this robot."""
-    radius = robot.spec.footprint_radius_m
     if robot.spec.drive.kind == "ackermann":
-        return FieldObstacleMonitor(radius)
-    return ObstacleMonitor(model.map, radius)
+        return FieldObstacleMonitor(robot.spec.footprint_radius_m)
+    return ObstacleMonitor(model.map, robot.spec.footprint_shape.inscribed)
 
 
 class FieldObstacleMonitor:

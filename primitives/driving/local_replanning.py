@@ -19,6 +19,7 @@ from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
+from handcart.robotics.navigation.routes.centring import centred
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -35,6 +36,7 @@ WAY_BACK_OVERLAP_M = 0.06  # by which cells may reach into the way that the base
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
 PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
 PINNED_MOTION_M = 0.05  # within which a place is one place
+MIN_SHIFT_M = 0.006  # to the middle of a narrow place, from which a route is changed for it
 BACK_OFF_M = 0.25
 BACK_OFF_SPEED_M_S = 0.15
 BACK_OFF_TIMEOUT_S = 3.0
@@ -57,15 +59,15 @@ class LocalReplanning:
         self._layer = ScanLayer(model.map)
         self._layer.restore(model.sensed_cells)
         limits = robot.drive_limits
-        self._top = limits.speed
-        self._replanner = Replanner(robot.spec.footprint_radius_m, limits.speed, model.speed_limits)
+        self._top, self._shape, self._sensed = limits.speed, robot.spec.footprint_shape, np.empty((0, 2))
+        self._replanner = Replanner(robot.spec.footprint_shape, limits.speed, model.speed_limits)
         self._job: Generator[None, None, RouteLook] | None = None
         self._next_look = self._next_better = robot.time
         self.blocked_since: float | None = None
         """Time since which the base holds because no way leads on, in [s]; None while one does."""
         self._look: RouteLook | None = None
         self._anchor, self._held_for = robot.pose, 0.0
-        self._backed_off = 0
+        self._backed_off, self._stuck_way = 0, 0.0
         self._nearest, self._nearer_at = np.inf, robot.time
 
     @property
@@ -83,7 +85,8 @@ class LocalReplanning:
         margin = EXPLAINED_M
         if robot.localization.dead_reckoned:
             margin = min(MAX_EXPLAINED_M, max(margin, 3.0 * robot.localization.sigma[0]))
-        explained[hit] = self._field.read(robot.pose.apply(scan.points())) <= margin
+        self._sensed = robot.pose.apply(scan.points())
+        explained[hit] = self._field.read(self._sensed) <= margin
         self._layer.take(map_T_sensor, scan.angles, ranges, explained, robot.time)
 
     def keep(self) -> None:
@@ -147,7 +150,11 @@ class LocalReplanning:
         better: bool = True,
     ) -> RouteLook:
         grid = self._layer.merged().with_points(avoided)
-        return self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
+        look = self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
+        if self._shape.is_disc or look.kind == "none":
+            return look
+        points, shift = centred(look.points, self._shape, self._sensed)
+        return look._replace(kind="new", points=points) if shift > MIN_SHIFT_M else look
 
     def _avoided(self, robot: Robot) -> FloatArray:
         return avoided_points(robot, self._model)
@@ -190,18 +197,25 @@ class LocalReplanning:
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
-        """Drive straight away from what holds the base, as far as that is free, and plan again."""
+        """Drive straight away from what holds the base, as far as that is free, and plan again.
+
+        A disc backs off against its direction of travel; a polygon leaves from what is at one of its ends,
+        the other way if that did not work the last time.
+        """
         self._backed_off += 1
         held = robot.held
         if held is not None and held.shown_by == "scan":
             self._layer.add(np.array([[held.x, held.y]]), robot.time)
         start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S
-        command = _away_from(robot, 1.0 if tracker.reverse else -1.0)
+        sign = self._way_off(robot, tracker)
+        command = _away_from(robot, sign)
         while robot.pose.distance(start) < BACK_OFF_M and robot.time < end:
             robot.base.drive(*command)
             yield
             if robot.held is not None:
                 break
+        if robot.pose.distance(start) < PINNED_MOTION_M:
+            self._stuck_way = sign
         tracker.stopped()
         self._job = None
         look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
@@ -209,12 +223,22 @@ class LocalReplanning:
         if look.kind == "new":
             self._apply(look, robot, tracker)
 
+    def _way_off(self, robot: Robot, tracker: PathTracker) -> float:
+        """Return 1 if the base should leave forwards from what holds it, -1 backwards."""
+        if robot.held is None or robot.spec.footprint_shape.is_disc:
+            return 1.0 if tracker.reverse else -1.0
+        ahead = robot.pose.inverse().apply(np.array([[robot.held.x, robot.held.y]]))[0, 0]
+        sign = -1.0 if ahead > 0.0 else 1.0
+        sign = -sign if sign == self._stuck_way else sign
+        self._stuck_way = 0.0
+        return sign
+
     def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
         """Return whether something is on the recorded way back that was not there when the base came."""
         if len(ahead) < 2:
             return False
         near = np.cumsum(np.hypot(*np.diff(ahead, axis=0, prepend=ahead[:1]).T)) < HOLD_DISTANCE_M
-        least = robot.spec.footprint_radius_m - WAY_BACK_OVERLAP_M
+        least = robot.spec.footprint_shape.inscribed - WAY_BACK_OVERLAP_M
         return free_length(self._layer.merged(), ahead[near], least)[1] is not None
 
     def drive_back(self, robot: Robot, goal: Pose2, wait_s: float) -> Generator[None, None, None]:

@@ -82,8 +82,8 @@ def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> No
 
 def _away(robot: Robot, points: FloatArray) -> FloatArray:
     """Return those of points (n, 2) on the map in [m] that the footprint leaves free where the base is."""
-    distance = np.hypot(points[:, 0] - robot.pose.x, points[:, 1] - robot.pose.y)
-    return np.asarray(points[distance > robot.spec.footprint_radius_m + ROOM_M])
+    distance = robot.spec.footprint_shape.distances(robot.pose.inverse().apply(points))
+    return np.asarray(points[distance > ROOM_M])
 
 
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:

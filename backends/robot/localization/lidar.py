@@ -27,7 +27,7 @@ class Lidar(RangeSensor):
 
     def __init__(self, sensor: RangeSensor, robot: RobotFile, spec: RangeSpec | None = None) -> None:
         """Read a sensor's scans by its section of a robot's file (default: that of the first lidar)."""
-        self._sensor, self._footprint = sensor, robot.footprint_radius_m
+        self._sensor, self._footprint = sensor, robot.footprint_shape
         self.sensor_name = sensor.sensor_name
         self.spec = spec or robot.range_sensor or ANY_LIDAR
         """Its limits; where the file has none, any reading is one."""

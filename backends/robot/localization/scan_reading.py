@@ -8,13 +8,14 @@ import numpy as np
 
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.description.range_spec import RangeSpec
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 WITHIN_FOOTPRINT_M = 0.05
 """Inside the footprint's edge by at least this much, a return is the robot itself, or dirt on the lidar."""
 
 
-def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
+def read_scan(raw: Scan, spec: RangeSpec, footprint: Footprint) -> Scan:
     """Return a scan in which each beam has its validity, and a finite range if it is a return.
 
     Never raises, whatever a driver delivers. By REP 117 infinity means no return, -infinity too close and
@@ -23,16 +24,16 @@ def read_scan(raw: Scan, spec: RangeSpec, footprint_radius: float) -> Scan:
     Args:
         raw: scan of the backend.
         spec: limits, masks and the driver's conventions, from the robot's file.
-        footprint_radius: radius of the robot, in [m]; a return well inside it is too close.
+        footprint: outline of the robot; a return well inside it is too close.
     """
     ranges = raw.ranges
-    if not spec.masked_deg and (ranges > _least_sound(raw, spec, footprint_radius)).all():
+    if not spec.masked_deg and (ranges > _least_sound(raw, spec, footprint.radius)).all():
         far = ranges > spec.reach_m
         return Scan(raw.angles, np.where(far, np.inf, ranges), raw.base_T_sensor, far.astype(np.uint8))
     validity = np.full(len(ranges), Validity.RETURN, np.uint8)
     missing = _missing(ranges, spec)
     validity[ranges < spec.range_min_m] = Validity.TOO_CLOSE  # -infinity too
-    validity[(ranges > 0.0) & _within(raw, footprint_radius - WITHIN_FOOTPRINT_M)] = Validity.TOO_CLOSE
+    validity[(ranges > 0.0) & _within(raw, footprint)] = Validity.TOO_CLOSE
     zeros = np.isfinite(ranges) & (ranges <= 0.0)
     validity[zeros | np.isnan(ranges)] = Validity.INVALID
     validity[missing] = Validity.NO_RETURN
@@ -60,11 +61,12 @@ def _missing(ranges: FloatArray, spec: RangeSpec) -> BoolArray:
     return missing
 
 
-def _within(raw: Scan, radius: float) -> BoolArray:
-    """(n,) which readings end within a radius of the base's middle, in [m]."""
+def _within(raw: Scan, footprint: Footprint) -> BoolArray:
+    """(n,) which readings end well inside the footprint."""
     mount = raw.base_T_sensor
     reach = np.where(np.isfinite(raw.ranges), raw.ranges, 1e6)
-    if mount.x == 0.0 and mount.y == 0.0:
-        return np.asarray(reach < radius)
+    if footprint.is_disc and mount.x == 0.0 and mount.y == 0.0:
+        return np.asarray(reach < footprint.radius - WITHIN_FOOTPRINT_M)
     angle = raw.angles + mount.theta
-    return np.asarray(np.hypot(mount.x + reach * np.cos(angle), mount.y + reach * np.sin(angle)) < radius)
+    points = np.column_stack([mount.x + reach * np.cos(angle), mount.y + reach * np.sin(angle)])
+    return np.asarray(footprint.distances(points) < -WITHIN_FOOTPRINT_M)

@@ -1,9 +1,9 @@
-"""Motion of the base, a disc, among upright boxes, up to a contact."""
+"""Motion of the base among upright boxes, up to a contact."""
 
 from __future__ import annotations
 
 from handcart.backends.simulation.world.scene import Scene
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 from .arm_contact import NO_TOUCH
 from .hand import SimulatedHand
@@ -15,14 +15,14 @@ def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozen
     """Move the base by `motion` (pose of its end in its start), or up to a contact; return the touching
     pairs.
 
-    The base is a disc of the footprint's radius with the height of its body; `hand` reports whether arm
-    and load can be carried along. At a contact the base turns but comes no nearer: its wheels slip.
+    The base has the outline of its footprint and the height of its body; `hand` reports whether arm and
+    load can be carried along. At a contact a disc turns but comes no nearer, because its wheels slip; a
+    polygon does neither.
     """
     start, end = scene.base, scene.base.compose(motion)
-    radius = scene.robot.footprint_radius_m
-    clearance, other = _clearance(scene, end.x, end.y)
+    gap, other = base_gap(scene, end)
     touches: frozenset[tuple[str, str]] = frozenset()
-    if clearance < radius and clearance < _clearance(scene, start.x, start.y)[0]:
+    if gap < 0.0 and gap < base_gap(scene, start)[0]:
         end = _nearest_free(scene, start, end)
         touches = frozenset({("base", other)})
     met = NO_TOUCH if hand is None else hand.met_at(end)
@@ -36,24 +36,34 @@ def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
     """Return the touching pairs of the base and those who have walked into it, or it into them."""
     if not scene.passers:
         return frozenset()
-    radius = scene.robot.footprint_radius_m
-    return frozenset(("base", name) for name in scene.passers.touched(scene.base.x, scene.base.y, radius))
+    touched = scene.passers.touched(scene.base, scene.robot.footprint_shape)
+    return frozenset(("base", name) for name in touched)
 
 
-def _clearance(scene: Scene, x: float, y: float) -> tuple[float, str]:
-    """Return the distance of a point to the nearest body in [m], and that one's name."""
-    found = scene.body_plan.clearance(x, y, scene.time)
-    return min(found, scene.passers.clearance(x, y)) if scene.passers else found
+def base_gap(scene: Scene, base: Pose2) -> tuple[float, str]:
+    """Return the distance of the footprint at world_T_base to the nearest body in [m], and that one's name.
+
+    Below 0 they overlap.
+    """
+    shape = scene.robot.footprint_shape
+    found = scene.body_plan.gap(base, shape, scene.time)
+    return min(found, scene.passers.gap(base, shape)) if scene.passers else found
 
 
 def _nearest_free(scene: Scene, start: Pose2, end: Pose2) -> Pose2:
-    """Return the last free position on the straight way; the turn is made in full."""
-    radius, free, blocked = scene.robot.footprint_radius_m, 0.0, 1.0
+    """Return the last free pose of the motion; a disc makes the turn in full."""
+    is_disc, free, blocked = scene.robot.footprint_shape.is_disc, 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (free + blocked) / 2
-        x, y = start.x + middle * (end.x - start.x), start.y + middle * (end.y - start.y)
-        if _clearance(scene, x, y)[0] < radius:
+        if base_gap(scene, _between(start, end, middle, is_disc))[0] < 0.0:
             blocked = middle
         else:
             free = middle
-    return Pose2(start.x + free * (end.x - start.x), start.y + free * (end.y - start.y), end.theta)
+    return _between(start, end, free, is_disc)
+
+
+def _between(start: Pose2, end: Pose2, share: float, turned: bool) -> Pose2:
+    """Return the pose after a share of the straight way, with all of the turn or that share of it."""
+    x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
+    turn = 1.0 if turned else share
+    return Pose2(x, y, wrap(start.theta + turn * wrap(end.theta - start.theta)))

@@ -10,6 +10,7 @@ import numpy as np
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import FloatArray
@@ -140,13 +141,22 @@ class Passers:
                 nearest, whose = away, name
         return nearest, whose
 
-    def touched(self, x: float, y: float, radius: float) -> list[str]:
-        """Return the names of those who touch a disc; all in [m]."""
-        return [
-            name
-            for name, size, step in self.steps()
-            if math.hypot(step.position[0] - x, step.position[1] - y) < radius + size
-        ]
+    def touched(self, base: Pose2, footprint: Footprint) -> list[str]:
+        """Return the names of those who touch a footprint at world_T_base."""
+        return [name for name, gap in self._gaps(base, footprint) if gap < 0.0]
+
+    def gap(self, base: Pose2, footprint: Footprint) -> tuple[float, str]:
+        """Return the distance of a footprint at world_T_base to the nearest body in [m], and its name."""
+        gaps = ((gap, name) for name, gap in self._gaps(base, footprint))
+        return min(gaps, default=(math.inf, ""))
+
+    def _gaps(self, base: Pose2, footprint: Footprint) -> list[tuple[str, float]]:
+        steps = self.steps()
+        if not steps:
+            return []
+        middles = base.inverse().apply(np.array([step.position for _, _, step in steps]))
+        away = footprint.distances(middles)
+        return [(name, float(d) - size) for (name, size, _), d in zip(steps, away, strict=True)]
 
     def shapes(self) -> list[PasserShape]:
         """Return all passers as boxes to draw."""

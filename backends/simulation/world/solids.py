@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from handcart.robotics.geometry.footprint import Footprint, polygon_gap
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
@@ -118,13 +120,45 @@ class FloorPlan:
         dx, dy = x - self.middle[:, 0], y - self.middle[:, 1]
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 
+    def gap(self, base: Pose2, footprint: Footprint, time: float) -> tuple[float, str]:
+        """Return the distance of a footprint at world_T_base to the nearest outline in [m], and its name.
+
+        Below 0 they overlap.
+        """
+        if footprint.is_disc:
+            away, name = self.clearance(base.x, base.y, time)
+            return away - footprint.radius, name
+        if not self.names:
+            return math.inf, ""
+        distance = self._distances(base.x, base.y)
+        if not self.steady:
+            distance = np.where(self.there(time), distance, np.inf)
+        corners = np.ascontiguousarray(base.apply(footprint.corners))
+        # no other outline can be nearer than the one with the nearest middle of the base at most is
+        candidates = np.flatnonzero(distance - footprint.radius <= distance.min() - footprint.inscribed)
+        gaps = [polygon_gap(corners, self._corners[i]) for i in candidates]
+        nearest = int(np.argmin(gaps))
+        return gaps[nearest], self.names[candidates[nearest]]
+
+    @cached_property
+    def _corners(self) -> FloatArray:
+        """(n, 4, 2) corners of all outlines, in [m]."""
+        along = self.half[:, None] * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+        x = self.middle[:, None, 0] + self.cos[:, None] * along[..., 0] - self.sin[:, None] * along[..., 1]
+        y = self.middle[:, None, 1] + self.sin[:, None] * along[..., 0] + self.cos[:, None] * along[..., 1]
+        return np.ascontiguousarray(np.stack([x, y], axis=-1))
+
+    def _distances(self, x: float, y: float) -> FloatArray:
+        """(n,) signed distances of a point to all outlines, in [m]; below 0 inside."""
+        out_x, out_y = (np.abs(self.local(x, y)) - self.half).T
+        distance = np.hypot(np.maximum(out_x, 0.0), np.maximum(out_y, 0.0))
+        return np.asarray(distance + np.minimum(np.maximum(out_x, out_y), 0.0))
+
     def clearance(self, x: float, y: float, time: float) -> tuple[float, str]:
         """Distance of a point to the nearest outline in [m] (below 0: inside), and that one's name."""
         if not self.names:
             return math.inf, ""
-        out_x, out_y = (np.abs(self.local(x, y)) - self.half).T
-        distance = np.hypot(np.maximum(out_x, 0.0), np.maximum(out_y, 0.0))
-        distance += np.minimum(np.maximum(out_x, out_y), 0.0)
+        distance = self._distances(x, y)
         if not self.steady:
             distance = np.where(self.there(time), distance, np.inf)
         nearest = int(np.argmin(distance))

@@ -11,6 +11,7 @@ import numpy as np
 
 from handcart.backends.simulation.passers.passers import BODY_HEIGHT_M, Passers
 from handcart.backends.simulation.world.solids import FloorPlan, Solid
+from handcart.robotics.geometry.pose2 import Pose2
 
 if TYPE_CHECKING:
     from handcart.backends.description.robot_file import RobotFile
@@ -35,9 +36,10 @@ def passer_findings(
     for number, spec in enumerate(world.passers):
         yield from _walks_through(loaded, number, spec, plan)
     start = world.start
-    away, name = Passers(world.passers).clearance(start.x_m, start.y_m)
-    if away < robot.footprint_radius_m:
-        where = f"passer {name} stands where the robot starts: {away:.2f} m from its middle"
+    base = Pose2(start.x_m, start.y_m, math.radians(start.heading_deg))
+    gap, name = Passers(world.passers).gap(base, robot.footprint_shape)
+    if gap < 0.0:
+        where = f"passer {name} stands where the robot starts: {-gap:.2f} m inside its footprint"
         yield loaded.finding(("start",), f"{where}; allowed: beyond its footprint")
 
 

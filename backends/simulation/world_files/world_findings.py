@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from handcart.backends.simulation.world.solids import FloorPlan, Solid, room_of
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 from .passer_findings import passer_findings
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from handcart.backends.simulation.world.world_file import WorldFile
     from handcart.files.errors import Finding
     from handcart.files.models.loading import Loaded
-    from handcart.robotics.geometry.pose2 import Pose2
 
 MAX_SIGMAS = 5.0
 ASTRAY_M = 0.3  # between where the robot is put and where it is told to be: scan matching pulls that in
@@ -65,12 +65,16 @@ def solids_of(world: WorldFile) -> list[Solid]:
 
 
 def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid]) -> Iterator[Finding]:
-    start, radius = loaded.value.start, robot.footprint_radius_m
+    start, shape = loaded.value.start, robot.footprint_shape
     plan = FloorPlan(solids, 0.02, robot.body_height)
-    clearance, name = plan.clearance(start.x_m, start.y_m, 0.0)
-    if clearance < radius:
-        where = f"{name} stands where the robot starts: {clearance:.2f} m from its middle"
-        yield loaded.finding(("start",), f"{where}; allowed: beyond its footprint, {radius:.2f} m")
+    base = Pose2(start.x_m, start.y_m, math.radians(start.heading_deg))
+    gap, name = plan.gap(base, shape, 0.0)
+    if gap < 0.0 and shape.is_disc:
+        where = f"{name} stands where the robot starts: {gap + shape.radius:.2f} m from its middle"
+        yield loaded.finding(("start",), f"{where}; allowed: beyond its footprint, {shape.radius:.2f} m")
+    elif gap < 0.0:
+        where = f"{name} stands where the robot starts: {-gap:.2f} m inside its footprint"
+        yield loaded.finding(("start",), f"{where}; allowed: beyond it")
 
 
 def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, initial_pose: Pose2) -> Iterator[Finding]:

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, blocked_squares, path_clearance
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -14,7 +15,8 @@ from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .shortcuts import path_length
-from .ways import Ways
+from .swept_route import swept_room
+from .ways import Ways, narrowest_room
 
 ROOMS_M = (0.06, 0.02, -0.015)  # beside the footprint that routes keep, in the order in which they are tried
 EDGE_JITTER_M = 0.04  # by which cells of an obstacle's edge come and go: a route is not left for less
@@ -49,7 +51,7 @@ class Replanner:
 
     def __init__(
         self,
-        radius: float,
+        radius: float | Footprint,
         top_speed: float = USUAL_SPEED_M_S,
         speeds: AllowedSpeeds | None = None,
         rooms: tuple[float, ...] = ROOMS_M,
@@ -57,12 +59,13 @@ class Replanner:
         """Replan for a robot.
 
         Args:
-            radius: radius of its footprint, in [m].
+            radius: radius of its footprint, in [m], or its footprint.
             top_speed: in [m/s]; faster robots get rounder corners.
             speeds: speed limits by position, in addition to those by room.
             rooms: room beside the footprint that routes keep, in [m], the first one that leads to the goal.
         """
-        self._radius, self._speeds, self._rooms = radius, speeds, rooms
+        self._shape = radius if isinstance(radius, Footprint) else Footprint(radius)
+        self._radius, self._speeds, self._rooms = self._shape.inscribed, speeds, rooms
         self._rounding = max(1.0, top_speed / USUAL_SPEED_M_S)
         self._room = rooms[0]
 
@@ -90,7 +93,7 @@ class Replanner:
         squares = blocked_squares(grid.blocked)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
         speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)
-        old = None if route is None or len(route) < 2 else _Driven(route, grid, squares)
+        old = None if route is None or len(route) < 2 else _Driven(route, grid, squares, self._shape)
         if old is not None and old.away(start) > OFF_ROUTE_M:
             old = None
         if old is None:
@@ -125,8 +128,9 @@ class Replanner:
         """
         begin = (float(head[-1, 0]), float(head[-1, 1])) if len(head) else (start[0], start[1])
         found: _Plan | None = None
-        for room in self._rooms:
-            ways = Ways(grid, self._radius, begin, room=room, rounding=self._rounding)
+        narrowest = () if self._shape.is_disc else (narrowest_room(grid),)
+        for room in (*self._rooms, *narrowest):
+            ways = Ways(grid, self._shape, begin, room=room, rounding=self._rounding)
             route = ways.route_to(goal) if front is None else ways.to(goal, front).route
             if route is None:
                 continue
@@ -172,13 +176,17 @@ class _Plan(NamedTuple):
 class _Driven:
     """A route that is being driven, on a map with what was sensed."""
 
-    def __init__(self, points: FloatArray, grid: GridMap, squares: BlockedSquares) -> None:
+    def __init__(
+        self, points: FloatArray, grid: GridMap, squares: BlockedSquares, shape: Footprint | None = None
+    ) -> None:
         self.points = points
         self._along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
         corner = np.array([grid.origin_y, grid.origin_x])
         cells = (points[:, ::-1] - corner) / grid.resolution - 0.5
         inside = np.clip(cells, 0.0, np.array(grid.occupied.shape) - 1.0)
         self._room = path_clearance(squares, inside) * grid.resolution
+        if shape is not None and not shape.is_disc:
+            self._room = np.minimum(self._room, swept_room(grid, shape, points) + shape.inscribed)
 
     def away(self, start: Pose2) -> float:
         """Return the distance of the robot from the route's points, in [m]."""

@@ -82,6 +82,7 @@ def plan_route(
     reach: float = 0.3,
     least: float = 0.0,
     rounding: float = 1.0,
+    passes: int = CORNER_ROUNDING_PASSES,
 ) -> Route | None:
     """Return a short way that keeps away from obstacles.
 
@@ -100,6 +101,7 @@ def plan_route(
         least: clearance without which a route is refused, in [m]: the footprint's radius, say, where the
             graph was grown by more.
         rounding: length of corners, as a multiple of the usual one; more for faster robots.
+        passes: of corner rounding; 0 leaves all corners sharp.
 
     Returns:
         None if start or goal is farther than `reach` from the free component or cut off from it, if they
@@ -112,7 +114,7 @@ def plan_route(
     path = _within_reason(graph, ends[0], ends[1])
     if path is None:
         return None
-    squares, need, passes = graph.squares, graph.need, CORNER_ROUNDING_PASSES
+    squares, need = graph.squares, graph.need
     if rounding > 1.0:  # passes over fewer points round longer corners
         roomy = need + LONG_CORNER_ROOM_M / graph.map.resolution
         path = rounded(squares, need, sampled(path, rounding), passes, roomy)

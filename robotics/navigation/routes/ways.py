@@ -9,15 +9,20 @@ from typing import Literal, NamedTuple
 import cv2
 import numpy as np
 
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.polygon_route import RouteSettings, polygon_route
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
+POLYGON_OVERLAP_CELLS = (
+    0.5  # by which a polygon may reach into cells of a map: narrow doors are drawn narrower
+)
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
@@ -79,32 +84,45 @@ class Way(NamedTuple):
         return f"the way is too narrow: {wide}, needed: {self.width_needed:.2f} m"
 
 
+def narrowest_room(grid: GridMap) -> float:
+    """Return the least room beside a polygon with which a route is planned, in [m]; below zero."""
+    return -POLYGON_OVERLAP_CELLS * grid.resolution
+
+
 class Ways:
     """Routes of a robot on a map from its present position."""
 
     def __init__(
         self,
         grid: GridMap,
-        radius: float,
+        radius: float | Footprint,
         start: Pose2 | tuple[float, float],
         sensed: FloatArray = NO_POINTS,
-        room: float = ROUTE_ROOM_M,
+        room: float | None = None,
         rounding: float = 1.0,
     ) -> None:
         """Prepare routes on a map.
 
         Args:
             grid: the map; unknown cells and everything beyond the map count as obstacles.
-            radius: radius of the robot's footprint, in [m].
+            radius: radius of the robot's footprint, in [m], or its footprint: routes lead where a polygon
+                passes at the heading of travel.
             start: position of the robot; only x and y count, in [m].
             sensed: (n, 2) points that are avoided as well, in [m]; along the route by more than at its
                 ends.
-            room: room beside the footprint that routes keep, in [m]; below zero where cells are coarse and
-                what they hold is narrower than they are.
+            room: room beside the footprint that routes keep, in [m] (default: `ROUTE_ROOM_M`, or
+                `narrowest_room` of a polygon); below zero where cells are coarse and what they hold is
+                narrower than they are.
             rounding: length of corners, as a multiple of the usual one; more for faster robots.
         """
-        self._grid, self._radius, self._start = grid.with_points(sensed), radius, (start[0], start[1])
-        self._room, self._rounding = room, rounding
+        self._shape = radius if isinstance(radius, Footprint) else Footprint(radius)
+        self._grid, self._radius, self._start = (
+            grid.with_points(sensed),
+            self._shape.inscribed,
+            (start[0], start[1]),
+        )
+        usual = ROUTE_ROOM_M if self._shape.is_disc else narrowest_room(grid)
+        self._room, self._rounding = usual if room is None else room, rounding
         self._grown = grid.with_points(sensed, SENSED_ROOM)
 
     def to(self, goal: Pose2 | tuple[float, float], front: FloatArray | None = None) -> Way:
@@ -119,7 +137,7 @@ class Ways:
         if front is None:
             return self._to(here, self._standing(here), None)
         mapped = without_front(self._grid, front)
-        before = Ways(mapped, self._radius, self._start, NO_POINTS, self._room, self._rounding)
+        before = Ways(mapped, self._shape, self._start, NO_POINTS, self._room, self._rounding)
         before._grown = without_front(self._grown, front)
         stands = before._standing(here, front)
         found = self._to(here, stands, front)
@@ -133,8 +151,7 @@ class Ways:
         """
         if self._graph is None:
             return None
-        reach = min(LEAVING_DISTANCE_M, 0.7 * self._needed)
-        route = plan_route(self._graph, self._start, goal, reach, rounding=self._rounding)
+        route = self._planned((goal[0], goal[1]))
         if route is None or route.clearance[-1] < self._needed - 1e-9:
             return None
         return route if self._tight_spot(route, None) is None else None
@@ -158,12 +175,27 @@ class Ways:
         found = stands._replace(component=self._component(goal))
         if self._graph is None:
             return found._replace(why="too narrow")
-        reach = min(LEAVING_DISTANCE_M, 0.7 * self._needed)
-        route = plan_route(self._graph, self._start, goal, reach, rounding=self._rounding)
+        route = self._planned(goal)
         if route is None:
-            return self._without_way(found, goal, reach)
+            return self._without_way(found, goal, self._reach)
         tight = self._tight_spot(route, front)
         return found._replace(route=route) if tight is None else self._too_narrow(found, tight)
+
+    @property
+    def _reach(self) -> float:
+        """Distance that start and goal may be outside the free space, in [m]."""
+        return min(LEAVING_DISTANCE_M, 0.7 * self._needed)
+
+    def _planned(self, goal: tuple[float, float]) -> Route | None:
+        """Return the route to a goal that the footprint passes; None if there is none."""
+        assert self._graph is not None
+        if self._shape.is_disc:
+            return plan_route(self._graph, self._start, goal, self._reach, rounding=self._rounding)
+        return polygon_route(self._grown, self._shape, self._start, goal, self._settings)
+
+    @property
+    def _settings(self) -> RouteSettings:
+        return RouteSettings(self._room + self._unsure, self._reach, self._rounding)
 
     def _standing(self, goal: tuple[float, float], front: FloatArray | None = None) -> Way:
         """Return the clearance at a goal, with "too near" as reason if the robot does not fit."""

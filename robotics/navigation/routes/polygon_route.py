@@ -1,0 +1,68 @@
+"""Routes for a polygonal footprint, which heads where it drives."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.geometry.footprint import Footprint
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .route import CORNER_ROUNDING_PASSES, Route, plan_route
+from .swept_route import swept_room
+from .voronoi_graph import voronoi_graph
+
+MAX_TRIES = 8  # places that are closed because the polygon does not pass them, until there is no route
+LEAVING_M = 0.35  # at both ends, where the polygon may have less room: it begins there, or is to stand there
+
+
+class RouteSettings(NamedTuple):
+    """Settings of a route."""
+
+    room: float
+    """Room beside the footprint, in [m]."""
+    reach: float
+    """Distance that start and goal may be outside the free space, in [m]."""
+    rounding: float
+    """Length of corners, as a multiple of the usual one."""
+
+
+def polygon_route(
+    grid: GridMap,
+    shape: Footprint,
+    start: tuple[float, float],
+    goal: tuple[float, float],
+    settings: RouteSettings,
+) -> Route | None:
+    """Return a route along which a polygon, at the heading of travel, has room; None if none is found.
+
+    A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
+    otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.
+    """
+    for _ in range(MAX_TRIES):
+        try:
+            graph = voronoi_graph(grid, shape.inscribed + settings.room, seed_point=start)
+        except ValueError:
+            return None
+        spot: FloatArray | None = None
+        for passes in (CORNER_ROUNDING_PASSES, 2, 0):
+            route = plan_route(graph, start, goal, settings.reach, rounding=settings.rounding, passes=passes)
+            if route is None:
+                return None
+            spot = _tight_spot(grid, shape, route.points, settings.room)
+            if spot is None:
+                return route
+        assert spot is not None
+        grid = grid.with_points(spot[None])
+    return None
+
+
+def _tight_spot(grid: GridMap, shape: Footprint, points: FloatArray, room: float) -> FloatArray | None:
+    """Return the point of a route (n, 2) where the polygon has the least room; None if it has enough."""
+    rooms = swept_room(grid, shape, points)
+    for end in (points[0], points[-1]):
+        rooms[np.hypot(*(points - end).T) < LEAVING_M] = np.inf
+    tight = int(np.argmin(rooms))
+    return None if rooms[tight] >= room - 1e-9 else points[tight]
