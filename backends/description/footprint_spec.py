@@ -7,16 +7,16 @@ from itertools import combinations
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.footprint import Footprint, polygon
+from handcart.robotics.numerics.arrays import FloatArray
 
 MIN_INSCRIBED_M = 0.02
 Positive = Annotated[float, Field(gt=0.0)]
 Corner = tuple[float, float]
-Point = NDArray[np.float64]
+Point = FloatArray
 ALLOWED_CORNERS = "allowed: three or more [x, y] in order around the base, in m"
 
 
@@ -92,7 +92,7 @@ class OutlinedFile(FileModel):
         return Footprint(self.footprint_radius_m) if self.footprint is None else self.footprint.shape
 
 
-def _wrong(corners: NDArray[np.float64]) -> str:
+def _wrong(corners: FloatArray) -> str:
     """Return what is wrong with the corners (n, 2) of a polygon; empty if nothing is."""
     count = len(corners)
     if count < 3:

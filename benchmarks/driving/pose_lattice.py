@@ -6,10 +6,10 @@ import math
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
 
 HEADINGS = 32
@@ -32,7 +32,7 @@ def is_connected(
     return bool(_flood(free, ends[0], ends[1]))
 
 
-def _free(grid: GridMap, shape: Footprint, heading: float, room: float) -> NDArray[np.bool_]:
+def _free(grid: GridMap, shape: Footprint, heading: float, room: float) -> BoolArray:
     """(h, w) cells at which the footprint with `room` touches nothing at a heading."""
     reach = math.ceil((shape.radius + room) / grid.resolution) + 1
     offsets = np.arange(-reach, reach + 1) * grid.resolution
@@ -47,7 +47,7 @@ def _free(grid: GridMap, shape: Footprint, heading: float, room: float) -> NDArr
 
 
 @compiled
-def _flood(free: NDArray[np.bool_], start: NDArray[np.int64], goal: NDArray[np.int64]) -> bool:
+def _flood(free: BoolArray, start: IntArray, goal: IntArray) -> bool:
     count, height, width = free.shape
     reached = np.zeros(free.shape, dtype=np.bool_)
     stack = np.empty((free.size, 3), dtype=np.int32)

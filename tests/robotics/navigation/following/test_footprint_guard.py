@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from handcart.robotics.geometry.footprint import polygon
 from handcart.robotics.geometry.pose2 import Pose2
@@ -17,13 +16,14 @@ from handcart.robotics.navigation.following.footprint_guard import (
     SensorView,
 )
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
 
 SHAPE = polygon(np.array([[0.3, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.3, -0.2]]))
 ORIGIN, MARGIN, NOTHING = Pose2(0.0, 0.0, 0.0), 0.008, np.empty((0, 2))
 ALL_ROUND = SensorView(0.0, 0.0, -math.pi, 2.0 * math.pi)
 
 
-def swept_room(point: NDArray[np.float64], length: float, turn: float) -> float:
+def swept_room(point: FloatArray, length: float, turn: float) -> float:
     """Least distance of a point to the polygon along an arc, by a thousand steps."""
     angle = np.linspace(0.0, turn, 1000)
     x, y = length / turn * np.sin(angle), length / turn * (1.0 - np.cos(angle))
