@@ -92,6 +92,11 @@ class PlanSearch:
         """Return the first actions of `plan`; None if no route leads to the goal."""
         return self._segment(self._place[situation], self._weights(fails), fails)
 
+    def weights(self, actions: Iterable[Action], fails: Mapping[int, int]) -> list[float]:
+        """Return the weights of actions after these Fails, in [s]; infinite if excluded."""
+        known, base = self._weights(fails), self._base
+        return [known.get(action.index, base[action.index]) for action in actions]
+
     def weight(self, action: Action, fails: Mapping[int, int]) -> float:
         """Return the weight of an action after these Fails, in [s]; infinite if it is excluded."""
         return self._weights(fails).get(action.index, self._base[action.index])

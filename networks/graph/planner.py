@@ -105,7 +105,7 @@ class Planner:
         actions = search.plan(situation, self.counts, [each.index for each in without])
         if actions is None:
             return self._no_way(situation, goal or self.network.goal)
-        weights = [search.weight(action, self.counts) for action in actions]
+        weights = search.weights(actions, self.counts)
         there = goal or self.network.goal
         leads_on = not actions or actions[-1].target == there
         hopes = not leads_on and actions[-1].index not in search.renewing(self.counts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, create_model, model_validator
@@ -121,7 +122,7 @@ class ActionEntry(FileModel):
         """The situation that Success usually leads to."""
         return self.then[0].target if self.then else self.to
 
-    @property
+    @cached_property
     def endings(self) -> list[ThenEntry]:
         """The situations that Success may lead to, the usual one first."""
         return self.then or [ThenEntry.model_construct(target=self.to, p=self.p, result="")]
@@ -137,7 +138,7 @@ class ActionEntry(FileModel):
         every = [each.p for each in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 
-    @property
+    @cached_property
     def limit(self) -> AttemptsEntry:
         """The limit on its Fails."""
         if isinstance(self.attempts, AttemptsEntry):
