@@ -83,7 +83,8 @@ class Backend(ABC):
 
     @classmethod
     def read_world(cls, path: Path, start: Pose2) -> Any:
-        """What `build` takes in place of a world's file, or of a map on which the robot is at `start`.
+        """Return what `build` accepts instead of a world's file, or of a map on which the robot is at
+        `start`.
 
         None where it reads the file itself: then it gets a world's file in place of a map.
 

@@ -40,7 +40,7 @@ class _Codec(NamedTuple):
 
 
 def attributes(thing: object, kinds: Kinds) -> dict[str, Any]:
-    """Some attributes of an object as plain data, by name."""
+    """Return some attributes of an object as plain data, by name."""
     return {name: _codec(kind).write(getattr(thing, name)) for name, kind in kinds.items()}
 
 

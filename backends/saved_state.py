@@ -106,7 +106,7 @@ class _Reader:
         self.blobs, self.taken = blobs, 0
 
     def read(self, value: Any, depth: int) -> Any:
-        """What `_written` wrote."""
+        """Return the state that `_written` wrote."""
         if depth < 0:
             raise ValueError(f"more than {MAX_DEPTH} levels of lists and mappings")
         if isinstance(value, list):

@@ -30,7 +30,7 @@ def books(count: int) -> list[Box]:
 
 
 def report(name: str, work: Callable[[Any], object], inputs: Sequence[Any]) -> None:
-    """Prints one row: mean, median and 95 % of the time for one input, in [us]; how many had a result."""
+    """Print one row: mean, median and 95 % of the time for one input, in [us], and the share of results."""
     times, results = [], []
     for one in inputs:
         begun = time.perf_counter()
@@ -42,7 +42,7 @@ def report(name: str, work: Callable[[Any], object], inputs: Sequence[Any]) -> N
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     arm = ArmModel(ROBOT_FILE.read_text(), [f"joint_{number}" for number in range(1, 7)])
     rng = np.random.default_rng(1)

@@ -13,7 +13,7 @@ from handcart.evaluation.viewing.report.report import write_report
 
 
 def main() -> None:
-    """A line for each run's folder."""
+    """Print a line for each run's folder."""
     words = argparse.ArgumentParser(description=__doc__)
     words.add_argument("runs", nargs="+", type=Path, help="folders of runs")
     runs: list[Path] = words.parse_args().runs

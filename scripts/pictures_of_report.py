@@ -59,7 +59,7 @@ def of_campaign(campaign: Path, page: Path) -> None:
 
 
 def take(page: Page, name: str) -> None:
-    """A picture of what is seen now."""
+    """Take a picture of the present view."""
     path = REPOSITORY_ROOT / "docs" / "pictures" / f"{name}.png"
     page.screenshot(path=path, timeout=120_000)
     print(f"written: {path}")

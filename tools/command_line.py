@@ -86,17 +86,17 @@ class LazyGroup(TyperGroup):
     """Group of subcommands from the table; none is imported before it is called."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """The framework's in the table's order, then those of the domains."""
+        """Return the framework's commands in the table's order, then those of the domains."""
         return list(all_commands())
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """The command, and what is left to it; some have names of two words."""
+        """Return the command and the remaining arguments; some names have two words."""
         if (two := " ".join(args[:2])) in OWN_COMMANDS:
             return two, self.get_command(ctx, two), args[2:]
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """The command, imported now."""
+        """Return the command, imported now."""
         own = OWN_COMMANDS.get(cmd_name)
         known = all_commands() if own is None else {cmd_name: (f"{__package__}.{own[0]}:{own[1]}", own[2])}
         if cmd_name not in known:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def build_rig() -> Iterator[Callable[..., Rig]]:
-    """Builds rigs as `handcart.evaluation.trials.rig.build_rig` does, and closes them after the test.
+    """Build rigs as `handcart.evaluation.trials.rig.build_rig` does, and close them after the test.
 
     def test_there_and_back(build_rig):
         rig = build_rig(seed=3)
@@ -39,7 +39,7 @@ def build_rig() -> Iterator[Callable[..., Rig]]:
 
 @pytest.fixture
 def do_primitive(build_rig: Callable[..., Rig]) -> Callable[..., Outcome]:
-    """Runs one primitive alone, as `handcart do` does, and gives its outcome.
+    """Run one primitive alone, as `handcart do` does, and return its outcome.
 
     def test_forward(do_primitive):
         assert isinstance(do_primitive(Forward(distance_m=0.5), seed=3), Success)
@@ -61,7 +61,7 @@ def do_primitive(build_rig: Callable[..., Rig]) -> Callable[..., Outcome]:
 
 @pytest.fixture
 def conformance() -> Callable[..., KitReport]:
-    """Tries a backend by its name, as `handcart conformance` does, and asserts that all holds.
+    """Test a backend by its name, as `handcart conformance` does, and assert that it keeps the contract.
 
     def test_my_backend(conformance):
         conformance("my_backend", robot="my_robot/robot.yaml", quick=True)

@@ -29,7 +29,7 @@ class CanBase(Base):
         return WheelTravel(self._left.travel, self._right.travel)
 
     def set_travel(self, travel: WheelTravel) -> None:
-        """The wheels have rolled so far before."""
+        """Set the distance that each wheel has rolled so far."""
         self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:

@@ -24,7 +24,7 @@ class WheelTravel(NamedTuple):
     """
 
     def away(self, other: WheelTravel) -> float:
-        """The farthest that any of the three has rolled since `other`, in [m]."""
+        """Return the farthest that any of the three has rolled since `other`, in [m]."""
         return max(
             abs(self.left - other.left), abs(self.right - other.right), abs(self.sideways - other.sideways)
         )
@@ -76,7 +76,7 @@ class Base(Capability):
 
     @abstractmethod
     def wheel_travel(self) -> WheelTravel:
-        """The encoders' reading."""
+        """Return the encoders' reading."""
 
 
 class HolonomicBase(Base):

@@ -19,7 +19,9 @@ class Camera(Capability):
 
     @abstractmethod
     def image(self) -> ByteArray:
-        """This period's picture, (height, width), with the lens's distortion and the sensor's noise."""
+        """Return this period's picture, (height, width), with the lens's distortion and the sensor's
+        noise.
+        """
 
     @property
     @abstractmethod

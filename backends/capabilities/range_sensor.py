@@ -21,7 +21,7 @@ class RangeSensor(Capability):
 
     @abstractmethod
     def scan(self) -> Scan:
-        """This period's scan."""
+        """Return this period's scan."""
 
     def scan_later(self) -> Callable[[], Scan]:
         """Return a function that returns this period's scan whenever it is called.

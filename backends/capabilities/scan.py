@@ -59,11 +59,13 @@ class Scan(_Beams):
         return self.base_T_sensor.apply(points)
 
     def blind(self) -> BoolArray:
-        """(n,) whether a beam of a read scan shows neither a thing nor free ground."""
+        """Return (n,) whether a beam of a read scan shows neither a thing nor free ground."""
         return self.validity >= Validity.TOO_CLOSE
 
     def rep117(self) -> FloatArray:
-        """(n,) ranges of a read scan by REP 117: infinity no return, -infinity too close, NaN invalid."""
+        """Return (n,) ranges of a read scan by REP 117: infinity no return, -infinity too close, NaN
+        invalid.
+        """
         ranges = self.ranges.copy()
         if len(self.validity):
             ranges[self.validity == Validity.TOO_CLOSE] = -np.inf

@@ -84,7 +84,7 @@ class WheelDriveSpec(AxisSpec):
     """Maximum difference between the rim's travel and its demand within half a second."""
 
     def counts_per_m(self, radius: float) -> float:
-        """Counts for a metre that a wheel of this radius, in [m], rolls forward."""
+        """Return the counts per metre that a wheel of this radius, in [m], rolls forward."""
         return self.counts_per_turn / (2.0 * math.pi * radius)
 
 

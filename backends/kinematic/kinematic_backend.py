@@ -119,7 +119,7 @@ class KinematicBackend(SimulatedBackend):
         return touching
 
     def _lean(self) -> None:
-        """The base leans to where the arm reaches."""
+        """Let the base lean to where the arm reaches."""
         rate = self.scene.robot.errors.lean_mrad_per_m
         if rate == 0.0 or self.scene.arm is None or self._hand is None:
             return

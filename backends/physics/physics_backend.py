@@ -166,7 +166,7 @@ class PhysicsBackend(SimulatedBackend):
             self._grip = Grip(robot.gripper, finger_shape(model), engine, body)
 
     def link_pose(self, link: str) -> Transform:
-        """True world pose (4, 4) of a link's frame, as the engine has it."""
+        """Return the true world pose (4, 4) of a link's frame."""
         return self._body.link_pose(link)
 
     @override

@@ -38,7 +38,7 @@ def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
 
 
 def _obj(half: FloatArray, uvs: Sequence[Uvs]) -> str:
-    """The box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
+    """Return the box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
     lines = [f"v {x} {y} {z}" for face in BOX_FACES for x, y, z in half * face]
     lines += [f"vt {u} {v}" for face in uvs for u, v in face]
     lines += [f"vn {x} {y} {z}" for x, y, z in BOX_NORMALS]

@@ -133,7 +133,7 @@ def _without_contacts(chunks: Sequence[Chunk]) -> list[Chunk]:
 
 
 def _places(chunks: Sequence[Chunk]) -> dict[int, int]:
-    """Number of each chunk by its address."""
+    """Return the number of each chunk by its address."""
     places = {each.address: number for number, each in enumerate(chunks)}
     if len(places) != len(chunks):
         raise NotAState("no saved state: two chunks of the engine's part are at one address")
@@ -180,7 +180,7 @@ def _check_contacts(contacts: Sequence[Chunk], layout: Sequence[_Fields], collid
 
 
 def _rows(chunks: Sequence[Chunk], fields: _Fields) -> ByteArray:
-    """(n, bytes) of all structs in these chunks."""
+    """Return (n, bytes) of all structs in these chunks."""
     return np.frombuffer(b"".join(each.data for each in chunks), np.uint8).reshape(-1, len(fields.fixed))
 
 

@@ -317,7 +317,7 @@ class Robot:
         self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
     def picture(self) -> ByteArray:
-        """The camera's picture, (height, width) grey.
+        """Return the camera's picture, (height, width) grey.
 
         Raises:
             StaleReading: it is the last one to the last bit, although arm or wheels have moved since.

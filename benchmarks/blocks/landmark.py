@@ -41,7 +41,7 @@ Finder = Callable[[ByteArray], FloatArray | None]  # corners as rays (4, 2), fro
 
 
 def rays() -> FloatArray:
-    """Some rays in each pixel (n, 3)."""
+    """Return some rays in each pixel (n, 3)."""
     u, v = (
         (np.arange(count * FINE) + 0.5) / FINE - 0.5 for count in (CAMERA_MODEL.width, CAMERA_MODEL.height)
     )
@@ -50,7 +50,7 @@ def rays() -> FloatArray:
 
 
 def photograph(table: ByteArray, pose: Pose2, looking: FloatArray, rng: np.random.Generator) -> ByteArray:
-    """The image of a table with the mark in its middle at `pose` below the camera."""
+    """Return the image of a table with the mark in its middle at `pose` below the camera."""
     camera_T_table = facing(HEIGHT) @ pose.lift()
     plane = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
     points = looking @ np.linalg.inv(plane).T

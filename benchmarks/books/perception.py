@@ -85,7 +85,7 @@ def shelf(numbers: list[CallNumber], face: str, rng: np.random.Generator) -> She
 
 
 def photograph(row: Shelf, camera_T_shelf: FloatArray, rng: np.random.Generator) -> ByteArray:
-    """The row seen through the lens, with a camera's blur, noise and uneven light."""
+    """Return the row seen through the lens, with a camera's blur, noise and uneven light."""
     columns, lines = np.meshgrid(np.arange(CAMERA_MODEL.width), np.arange(CAMERA_MODEL.height))
     rays = CAMERA_MODEL.undistort(np.column_stack([columns.ravel(), lines.ravel()]).astype(np.float64))
     points = np.column_stack([rays, np.ones(len(rays))]) @ np.linalg.inv(plane_to_rays(camera_T_shelf)).T

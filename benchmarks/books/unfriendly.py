@@ -91,7 +91,7 @@ def run(seed: int, factors: Sequence[str], level: float) -> Tried:
 
 
 def _start_before(folder: Path, shelf: Pose2) -> None:
-    """The robot doesn't drive there."""
+    """Put the robot before the shelf without driving."""
     world, at = folder / "world.yaml", place_before(shelf)
     pose = f"start: {{x_m: {at.x:.4f}, y_m: {at.y:.4f}, heading_deg: {math.degrees(at.theta):.3f}}}"
     world.write_text(re.sub(r"start: .*", pose, world.read_text(encoding="utf-8")), encoding="utf-8")

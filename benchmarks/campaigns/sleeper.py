@@ -11,7 +11,7 @@ SLEEPS_S = 0.05
 
 
 def sleep(seed: int) -> Trial:
-    """It sleeps, so that two need no second core."""
+    """Sleep for the trial's time, so that two trials need no second core."""
     time.sleep(SLEEPS_S)
     return Trial(seed, 0, {"outcome": "Success", "reason": "", "seed": seed, "metrics": {}})
 

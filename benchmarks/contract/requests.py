@@ -84,7 +84,7 @@ class Asked:
         )
 
     def others_failed(self) -> bool:
-        """True if another action did not succeed."""
+        """Return whether another action did not succeed."""
         ended = [each for each in self.events if isinstance(each, Ended) and each.number != self.meant]
         return any(not isinstance(each.outcome, Success) for each in ended)
 

@@ -231,7 +231,7 @@ def forged_record(scene: Scene) -> None:
 
 
 def forged_order(scene: Scene) -> None:
-    """Records are missing, twice there or in another order; the chain is whole."""
+    """Remove, double or swap records, with a valid chain of checksums."""
 
     def change(records: list[dict[str, Any]]) -> None:
         place = scene.rng.randrange(len(records))

@@ -208,7 +208,7 @@ class _Tried:
         self.ended = ""
 
     def all(self) -> list[str]:
-        """What is wrong."""
+        """Return what is wrong; empty if nothing is."""
         self._answered("explain", self._explain)
         self._answered("status", lambda: ask(self._folder, {"do": "status"}, 1.0))
         self.ended = self._answered("resume", self._resume)

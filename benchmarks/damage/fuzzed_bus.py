@@ -277,7 +277,7 @@ class _Attacked:
             backend.step()
 
     def _after(self, backend: CanBackend, fault: CanFault) -> None:
-        """It has been stopped for good: by the drives' own truth, not by what they say."""
+        """Check that the backend stays stopped after the fault, by the drives' own state."""
         self._look("after the fault")
         self._noisy("")
         drives = self._bench.drives.values()

@@ -74,7 +74,7 @@ def hall_map(boxes: list[Box], cell: float, seed: int | None = None) -> GridMap:
 
 
 def _automaton(rng: np.random.Generator, density: float) -> BoolArray:
-    """(h, w) cells that are posts."""
+    """Return (h, w) cells that are posts."""
     shape = (round(WIDTH_M / POST_M), round((LAST_M - FIRST_M) / POST_M))
     posts = rng.random(shape) < density
     ring = np.ones((3, 3))

@@ -42,7 +42,7 @@ class Drive(NamedTuple):
 
 
 def field(rng: np.random.Generator) -> FloatArray:
-    """(n, 3) discs with room before start and goal for the turning circle."""
+    """Return (n, 3) discs with room before start and goal for the turning circle."""
     while True:
         count = rng.integers(1, 6)
         discs = np.column_stack(

@@ -67,7 +67,7 @@ def median_ms(call: Callable[[], Any], times: int) -> float:
 
 
 def free_pairs(graph: VoronoiGraph, count: int, seed: int) -> IntArray:
-    """Starts and goals (count, 2, 2): random free cells at least 2 m apart."""
+    """Return starts and goals (count, 2, 2): random free cells at least 2 m apart."""
     rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
     pairs: list[IntArray] = []
     while len(pairs) < count:
@@ -155,7 +155,7 @@ def route_rows(name: str, grid: GridMap, radius: float) -> list[Row]:
 
 
 def large_rows() -> list[Row]:
-    """Times on 4000 x 4000 cells."""
+    """Print times on 4000 x 4000 cells."""
     grid = office_map(0, 4000, 4000)
     graph = voronoi_graph(grid, 0.25)
     build = median_ms(lambda: voronoi_graph(grid, 0.25), 2) / 1e3
@@ -186,7 +186,7 @@ def cold_row() -> Row:
 
 
 def scan_points(boxes: Any, pose: Pose2, rng: np.random.Generator) -> FloatArray:
-    """A scan with 1 cm of noise, end points (n, 2) in the base frame."""
+    """Return a scan with 1 cm of noise, end points (n, 2) in the base frame."""
     seen = box_ranges(boxes, pose, BEAM_ANGLES)
     seen = seen + rng.normal(0.0, 0.01, len(seen))
     hit = seen < 12.0

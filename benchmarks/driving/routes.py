@@ -61,7 +61,9 @@ def in_cells(grid: GridMap, points: FloatArray) -> FloatArray:
 
 
 def shortfalls(grid: GridMap, route: Route, rng: np.random.Generator, samples: int = PER_ROUTE) -> FloatArray:
-    """(samples,) by how much random spots of the route are nearer to what is blocked than it says, in [m]."""
+    """Return (samples,) by how much random spots of the route are nearer to what is blocked than it says, in
+    [m].
+    """
     i, share = rng.integers(len(route.points) - 1, size=samples), rng.random(samples)
     spots = route.points[i] + share[:, None] * (route.points[i + 1] - route.points[i])
     said = route.clearance[i] + share * (route.clearance[i + 1] - route.clearance[i])
@@ -69,7 +71,7 @@ def shortfalls(grid: GridMap, route: Route, rng: np.random.Generator, samples: i
 
 
 def components(grid: GridMap, radius: float) -> IntArray:
-    """(h, w) number of the part of the map that the robot's centre may be in, 0 where it may not."""
+    """Return (h, w) number of the part of the map that the robot's centre may be in, 0 where it may not."""
     height, width = grid.blocked.shape
     spots = np.argwhere(np.ones((2 * height + 1, 2 * width + 1), dtype=np.bool_)) / 2.0 - 0.5
     corners = np.clip(spots, -0.5, np.array([height, width]) - 0.5)
@@ -154,7 +156,7 @@ def maps(folder: Path) -> list[tuple[str, GridMap, float]]:
 
 
 def far_pairs(graph: VoronoiGraph, count: int, seed: int) -> list[IntArray]:
-    """Starts and goals (2, 2): random free cells that are `MIN_PAIR_CELLS`."""
+    """Return a start and a goal (2, 2): random free cells that are `MIN_PAIR_CELLS` apart."""
     rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
     pairs: list[IntArray] = []
     while len(pairs) < count:
@@ -165,7 +167,7 @@ def far_pairs(graph: VoronoiGraph, count: int, seed: int) -> list[IntArray]:
 
 
 def compare(name: str, grid: GridMap, radius: float, count: int) -> FloatArray:
-    """Prints the row of a map; returns (n,) lengths by that of the shortest 8-connected path."""
+    """Print the row of a map, and return (n,) lengths divided by that of the shortest 8-connected path."""
     graph = voronoi_graph(grid, radius)
     price = np.where(graph.free, 1.0, -1.0)
     by_grid, by_any, room, taken, nearer, missing = [], [], [], [], 0, 0

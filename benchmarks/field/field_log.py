@@ -79,7 +79,7 @@ def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Fl
 
 
 def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> FloatArray:
-    """(n, 3) gravity, speeding up, and vibration while driving."""
+    """Return (n, 3) gravity, speeding up, and vibration while driving."""
     speed = drive.driven[:, 0] / PERIOD_S
     forward = np.diff(speed, prepend=0.0) / PERIOD_S
     forces = GRAVITY_M_S2 * _turned(drive)[:, 2, :]
@@ -94,7 +94,9 @@ def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generato
 
 
 def _travel(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> FloatArray:
-    """(n, 2) what the wheels say: of the drive, of a tyre that loses air on the way, and of standing."""
+    """Return (n, 2) what the wheels say: of the drive, of a tyre that loses air on the way, and of
+    standing.
+    """
     travel = drive.travel.copy()
     flat, wheel, size = int(rng.integers(len(travel) // 2)), int(rng.integers(2)), abs(rng.standard_normal())
     travel[flat:, wheel] *= 1.0 + noise.tyre * size
@@ -133,7 +135,7 @@ def _fixes(
 
 
 def _spells(count: int, every: float, lasting: float, period: float, rng: np.random.Generator) -> IntArray:
-    """(n,) number of the spell that each fix falls in, counted from 1; 0 outside."""
+    """Return (n,) number of the spell that each fix falls in, counted from 1; 0 outside."""
     number = np.zeros(count, dtype=np.int64)
     if math.isinf(every):
         return number

@@ -74,7 +74,7 @@ def _advance(drive: FieldDrive, rows: slice) -> Advance:
 
 
 def _fix_rows(mean: FloatArray, noise: FieldNoise) -> FloatArray:
-    """(2, 13) how a fix depends on the states."""
+    """Return (2, 13) how a fix depends on the states."""
     x, y, _ = noise.antenna
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
     rows = np.zeros((2, STATE_SIZE))

@@ -116,12 +116,12 @@ def coverage(runs: list[FieldTrial]) -> float:
 
 
 def rms(runs: list[FieldTrial]) -> FloatArray:
-    """(2,) in [mm]."""
+    """Return (2,) in [mm]."""
     return 1e3 * np.asarray(np.sqrt((np.concatenate([run.errors for run in runs]) ** 2).mean(axis=0)))
 
 
 def believed(runs: list[FieldTrial]) -> FloatArray:
-    """(2,) what the covariances say of it, in [mm]."""
+    """Return (2,) what the covariances say of it, in [mm]."""
     variances = np.concatenate([run.covariances for run in runs])[:, [0, 1], [0, 1]]
     return 1e3 * np.asarray(np.sqrt(variances.mean(axis=0)))
 

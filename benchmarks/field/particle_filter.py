@@ -81,7 +81,7 @@ def steps() -> dict[str, Step]:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     ways = steps()
     least = dict.fromkeys(ways, math.inf)

@@ -27,12 +27,12 @@ class Radius(NamedTuple):
 
 
 def tip_place(pose: Pose2) -> FloatArray:
-    """(2,) where a sensor is laid from this base, in [m]."""
+    """Return (2,) where a sensor is laid from this base, in [m]."""
     return pose.apply(np.array([[0.0, -TARGET_OFFSET_M]])).reshape(2)
 
 
 def tip_covariance(covariance: FloatArray, heading: float) -> FloatArray:
-    """(2, 2) of `tip_place` in [m²] by the covariance (3, 3) of the base's pose."""
+    """Return (2, 2) of `tip_place` in [m²] by the covariance (3, 3) of the base's pose."""
     by_pose = np.array(
         [[1.0, 0.0, TARGET_OFFSET_M * math.cos(heading)], [0.0, 1.0, TARGET_OFFSET_M * math.sin(heading)]]
     )

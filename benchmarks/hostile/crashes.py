@@ -51,7 +51,7 @@ def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:
 
 
 def results(folder: Path) -> list[tuple[int, str]]:
-    """Action of the network and outcome, for each RESULT in the journal."""
+    """Return the action of the network and the outcome of each RESULT in the journal."""
     index: dict[int, int] = {}
     found = []
     for record in read_journal(folder / "journal.jsonl").records:

@@ -43,7 +43,7 @@ def worker(first: int, last: int, seed: int, originals: Path, work: Path) -> Non
 
 
 def originals(names: Sequence[str], where: Path) -> list[Original]:
-    """Runs of these recipes, with what is put back from their folders."""
+    """Return runs of these recipes, each with the true state of its folder."""
     found = []
     for recipe in RUN_RECIPES:
         if recipe.name not in names:

@@ -244,7 +244,7 @@ def _checked(path: Path, draft: Path, people: bool = True, backends: tuple[str, 
 
 
 def _built(draft: Path, backend: str) -> Iterator[str]:
-    """What is wrong with a robot that is built in an empty world, and stepped with its arm commanded."""
+    """Yield what is wrong with a robot built in an empty world and stepped with commands to its arm."""
     from handcart.backends.capabilities.arm import Arm
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.registry import make_backend

@@ -135,7 +135,7 @@ class MimicRobot:
         return poses
 
     def goal(self, seed: int) -> FloatArray:
-        """A posture (n,) of the leaders."""
+        """Return a posture (n,) of the leaders."""
         drawn = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, LEADER_COUNT)
         scales = [0.2 if self.kinds[name] == "prismatic" else 1.0 for name in self.leaders]
         return np.asarray(drawn * np.array(scales))

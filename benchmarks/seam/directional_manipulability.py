@@ -98,7 +98,7 @@ def _zonotope(J: FloatArray, k: FloatArray, velocity: FloatArray) -> FloatArray:
 
 
 def _normal(columns: FloatArray) -> FloatArray:
-    """(b, m) across m-1 columns (b, m, m-1); zero where these depend on each other."""
+    """Return (b, m) across m-1 columns (b, m, m-1); zero where these depend on each other."""
     m = columns.shape[1]
     if m == 3:
         return np.cross(columns[:, :, 0], columns[:, :, 1])

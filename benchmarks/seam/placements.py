@@ -75,12 +75,12 @@ def straight_seam(length: float = 4.4, points: int = 401) -> ToolPath:
 
 
 def grid(x: FloatArray, y: FloatArray, headings: FloatArray) -> FloatArray:
-    """Base poses (b, 3)."""
+    """Return base poses (b, 3)."""
     return np.stack(np.meshgrid(x, y, headings, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 def plain_scores(arm: PitchArm, bases: FloatArray, path: ToolPath) -> list[list[float]]:
-    """The sure score in plain loops over Python's own numbers, out of reach left early."""
+    """Return the sure score in plain loops over Python's own numbers, out of reach left early."""
     l1, l2, l3 = arm.links
     marks = arm.marks(path).tolist()
     cos_yaw, cos_azimuth = math.cos(arm.yaw_limit), math.cos(arm.azimuth_tolerance)

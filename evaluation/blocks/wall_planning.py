@@ -94,7 +94,7 @@ class WallPlan(NamedTuple):
 
 
 def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPlan:
-    """Stops for a robot that takes the blocks of a drawing and lays them.
+    """Return the stops for a robot that takes the blocks of a drawing and lays them.
 
     Args:
         loaded: the drawing.

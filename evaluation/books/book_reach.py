@@ -87,7 +87,7 @@ def _row(reach: HandReach, board: float, tip: float, line: float) -> GraspRow:
 
 
 def _longest(values: FloatArray, good: Sequence[bool]) -> Span:
-    """The longest stretch of good values."""
+    """Return the longest stretch of good values."""
     best: Span = None
     start: int | None = None
     for index, each in enumerate([*good, False]):

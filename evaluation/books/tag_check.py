@@ -38,7 +38,9 @@ def tag(bench: KitBench, finding: CheckResult) -> None:
 
 
 def _tag_errors(bench: KitBench, seed: int) -> FloatArray:
-    """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
+    """Return (n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different
+    tilts.
+    """
     with bench.rig(seed) as rig:
         backend, spec = rig.backend, rig.robot.spec
         scene, arm, camera = simulated_world(backend), needed(backend, Arm), needed(backend, Camera)
@@ -63,7 +65,7 @@ def _tag_errors(bench: KitBench, seed: int) -> FloatArray:
 
 
 def _tag_corners(height: float) -> FloatArray:
-    """(4, 3) in the book's frame, in [m]."""
+    """Return (4, 3) in the book's frame, in [m]."""
     middle = height - TAG_FROM_HEAD
     signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
     return np.array([[0.0, y * HALF_TAG, middle + z * HALF_TAG] for y, z in signs])

@@ -139,7 +139,7 @@ def _rates(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
 
 
 def _counted(runs: Sequence[Ran]) -> tuple[int, int]:
-    """Runs that reached the goal, and others."""
+    """Return the numbers of runs that reached the goal, and of the others."""
     won = sum(run.outcome == SUCCESS_OUTCOME for run in runs)
     return won, len(runs) - won
 

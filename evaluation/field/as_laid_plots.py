@@ -95,7 +95,7 @@ def _tall(survey: Laying) -> float:
 
 
 def _thinned(points: Sequence[Place] | Sequence[FloatArray]) -> FloatArray:
-    """(2, n) not more than can be seen."""
+    """Return (2, n) not more than can be seen."""
     return np.array(points[:: 1 + len(points) // MAX_DRAWN_POINTS]).T
 
 

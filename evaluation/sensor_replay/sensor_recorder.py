@@ -116,7 +116,7 @@ class SensorRecorder(LayeredBackend):
 
     @contextmanager
     def _losing(self) -> Iterator[None]:
-        """A disk that takes no more ends the recording."""
+        """Yield a disk that takes no more ends the recording."""
         try:
             yield
         except OSError as error:

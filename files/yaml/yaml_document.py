@@ -88,7 +88,7 @@ class Document:
         return self.root.deepest(path)[0].line == 0
 
     def with_value(self, path: KeyPath, value: Node) -> "Document":
-        """This document with another value at `path`; raises KeyError if the way to it is not there."""
+        """Return the document with another value at `path`; raises KeyError if its parent is missing."""
         return replace(self, root=self.root.replaced(path, value))
 
 

@@ -50,7 +50,7 @@ class Node:
         return self.content
 
     def replaced(self, path: KeyPath, new: "Node") -> "Node":
-        """This tree with the node at `path` changed for `new` (a last key may be a new one)."""
+        """Return the tree with the node at `path` replaced by `new` (the last key may be new)."""
         if not path:
             return new
         step, rest = path[0], path[1:]

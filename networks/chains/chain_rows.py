@@ -32,7 +32,7 @@ class ChainRows:
     """Rows of a chain, in the order of the policy's states."""
 
     def __init__(self, policy: Policy, chances: Chances) -> None:
-        """Number the states, and collect what follows them."""
+        """Assign numbers to the states, and collect their successors."""
         self.action: list[int] = []
         """The action that starts in each row; -1 for none and for skips."""
         self.cost: list[float] = []

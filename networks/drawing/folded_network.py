@@ -99,7 +99,7 @@ def _called(situation: Situation) -> tuple[str, int]:
 
 
 def _alike(network: ActionNetwork, of: Mapping[str, Spot]) -> Iterable[list[Action]]:
-    """Copies of an action: out of copies of a situation they come in the same order."""
+    """Return the copies of an action; out of copies of a situation they come in the same order."""
     passed: Counter[str] = Counter()
     alike: dict[tuple[Spot, int], list[Action]] = {}
     for action in network.actions:

@@ -97,7 +97,7 @@ def parse_journal(path: Path, content: bytes) -> JournalContents:
 
 
 def _wrong_words(record: dict[str, Any] | None, number: int, offset: int) -> str:
-    """What is wrong with what is at an offset, where record `number` should be."""
+    """Return the fault of the bytes at an offset, where record `number` should be."""
     wrong = f"record {number} at byte {offset} isn't what was written"
     if record is None:
         return wrong

@@ -238,7 +238,7 @@ def _guarded(
 
 
 def _write(path: Path, content: Mapping[str, Any]) -> dict[str, Any]:
-    """Gives the content as who reads the file has it: NumPy's numbers and tuples are plain there."""
+    """Return the content as a reader of the file gets it: NumPy's numbers and tuples become plain."""
     options = orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
     written = orjson.dumps(content, option=options)
     write_whole(path, written)

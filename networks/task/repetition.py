@@ -30,7 +30,7 @@ class Element:
     """Element of the surrounding part."""
 
     def chain(self) -> list[Element]:
-        """It, and those around it, the outermost first."""
+        """Return the element and those around it, the outermost first."""
         return [*(self.around.chain() if self.around else ()), self]
 
 

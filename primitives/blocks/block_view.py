@@ -91,12 +91,14 @@ def _flat(height: float) -> Transform:
 
 
 def _as_block(seen: Pose2, expected: Pose2) -> Pose2:
-    """A block looks the same from both sides: the heading nearer to what is expected."""
+    """Return the heading, of the two from which a block looks the same, that is nearer to the expected
+    one.
+    """
     turned = math.cos(seen.theta - expected.theta) < 0.0
     return seen.compose(Pose2(0.0, 0.0, math.pi)) if turned else seen
 
 
 def _outline(place: Pose2, camera_T_top: Transform, length: float, width: float) -> FloatArray:
-    """(4, 3) corners in the camera frame."""
+    """Return (4, 3) corners in the camera frame."""
     corners = place.apply(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * (length / 2, width / 2))
     return apply(camera_T_top, np.column_stack([corners, np.zeros(4)]))

@@ -84,7 +84,7 @@ def _carries(drawing: Drawing, lower: DrawnBlock, upper: DrawnBlock) -> bool:
 
 
 def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock]) -> FloatArray:
-    """(n, 2) corners of where it is carried."""
+    """Return (n, 2) corners of where it is carried."""
     length, width, _ = drawing.block
     foot = _rectangle(block.place.floor, length, width)
     under = [_rectangle(b.place.floor, length, width) for b in blocks if _carries(drawing, b, block)]
@@ -100,7 +100,7 @@ def _rectangle(floor: Pose2, length: float, width: float) -> Rectangle:
 
 
 def _common(one: Rectangle, other: Rectangle) -> FloatArray:
-    """(n, 2) corners of what two rectangles share, in [m]."""
+    """Return (n, 2) corners of what two rectangles share, in [m]."""
     middle = np.array(one[0])  # near the origin, as OpenCV reckons in single precision
     beside = (other[0][0] - one[0][0], other[0][1] - one[0][1])
     found, corners = cv2.rotatedRectangleIntersection(((0.0, 0.0), *one[1:]), (beside, *other[1:]))

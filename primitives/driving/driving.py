@@ -135,7 +135,7 @@ class FieldObstacleMonitor:
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> FloatArray:
-        """(n, 2) points of this period's scan, in the field's frame, in [m].
+        """Return (n, 2) points of this period's scan, in the field's frame, in [m].
 
         Without a lowered hand's own, and without what may be the ground: that is for the guard of the
         base, once it is near.
@@ -146,11 +146,13 @@ class FieldObstacleMonitor:
         return robot.pose.apply(points)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """(m, 2) those of the points that are near the one in the way (2,)."""
+        """Return (m, 2) those of the points that are near the one in the way (2,)."""
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m]."""
+        """Return (n, 2) what this period's scan shows around a point (2,) that the base would touch, in
+        [m].
+        """
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 
     def obstacle(self, route: FloatArray, sensed: FloatArray) -> tuple[float, FloatArray] | None:
@@ -169,12 +171,12 @@ class ObstacleMonitor:
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> FloatArray:
-        """(n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
+        """Return (n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
         points = robot.pose.apply(robot.range_sensor.scan().points())
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """(n, 2) those of the points that are remembered: all."""
+        """Return (n, 2) those of the points that are remembered: all."""
         return sensed
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:

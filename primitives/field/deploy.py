@@ -337,7 +337,9 @@ class Deploy(TreePrimitive):
 
 
 def _spread(robot: Robot, away: FloatArray) -> FloatArray:
-    """(2, 2) covariance in [m²] of a point that is `away` (2,) from the base in the field's axes, in [m]."""
+    """Return (2, 2) covariance in [m²] of a point that is `away` (2,) from the base in the field's axes, in
+    [m].
+    """
     by_pose = np.array([[1.0, 0.0, -away[1]], [0.0, 1.0, away[0]]])
     by_arm = (robot.spec.arm.accuracy_mm / 1e3) ** 2 if robot.spec.arm else 0.0
     return np.asarray(by_pose @ robot.localization.covariance @ by_pose.T + by_arm * np.eye(2))

@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def taught_postures(robot: Robot, name: str, fewest: int) -> list[FloatArray]:
-    """The postures `name_1`, `name_2`, ... of the robot's file, each (n,) in [rad].
+    """Return the postures `name_1`, `name_2`, ... of the robot's file, each (n,) in [rad].
 
     Raises:
         Discrepancy: fewer than `fewest` were taught; the words say how to teach them.

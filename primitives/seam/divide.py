@@ -129,7 +129,7 @@ def _named(found: Placements, work: SeamWork, driven: ToolPath | None) -> tuple[
 
 
 def _way(part: SeamPart) -> FloatArray:
-    """(k, 3) base poses on the way of a part, both ends included."""
+    """Return (k, 3) base poses on the way of a part, both ends included."""
     end = part.pose if part.end is None else part.end.pose
     count = 2 + int(part.pose.distance(end) / WAY_CHECK_SPACING_M)
     return np.linspace(part.pose, end, count) if part.end is not None else np.array([part.pose])

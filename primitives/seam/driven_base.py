@@ -65,7 +65,9 @@ class DrivenBase:
         self._joints = near
 
     def ahead(self, index: int) -> FloatArray:
-        """(k, 2) where the base is still to come by from a point of the tool's on, in [m], on the map."""
+        """Return (k, 2) where the base is still to come by from a point of the tool's on, in [m], on the
+        map.
+        """
         return self._spots[max(0, index - 1) :]
 
     def joints(self, index: int) -> FloatArray:

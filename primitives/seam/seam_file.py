@@ -46,7 +46,7 @@ def load_seam(path: Path | str) -> ToolPath:
 
 
 def untrackable(file: str, error: Untrackable) -> FileError:
-    """What is wrong with a point, at its line of the file."""
+    """Return the fault of a point, at its line of the file."""
     nearest = "" if error.nearest is None else f"; the nearest that can be reached: {_words(error.nearest)}"
     advised = nearest or "allowed: " in error.why or "needed: " in error.why
     allowed = "" if advised else "; allowed: a seam without that"

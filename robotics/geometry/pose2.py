@@ -40,7 +40,7 @@ class Pose2(NamedTuple):
         return Pose2(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, wrap(-self.theta))
 
     def relative_to(self, other: Pose2) -> Pose2:
-        """This pose in the frame of `other`."""
+        """Return this pose in the frame of `other`."""
         return other.inverse().compose(self)
 
     def apply(self, points: FloatArray) -> FloatArray:

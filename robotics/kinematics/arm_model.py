@@ -223,7 +223,7 @@ class ArmModel:
         return joints.astype(int).tolist(), rows, placements
 
     def link_shapes(self, q: FloatArray) -> list[Shape]:
-        """All collision bodies of the robot, posed in `base`, each named after its link."""
+        """Return all collision bodies of the robot, posed in `base`, each named after its link."""
         names = [self._model.frames[body.parentFrame].name for body in self._geometry.geometryObjects]
         bodies = zip(self._geometry.geometryObjects, names, self.link_poses(q), strict=True)
         return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]

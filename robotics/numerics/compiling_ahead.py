@@ -45,7 +45,7 @@ def compiling_ahead() -> Iterator[None]:
 
 
 def compile_modules(modules: list[str]) -> None:
-    """What `compiled_for` has in those modules, the latest first."""
+    """Return the functions that `compiled_for` has in those modules, the latest first."""
     for name in modules:
         import_module(name)
         for kernel, arguments in reversed(COMPILED_AHEAD.get(name, [])):
@@ -61,7 +61,7 @@ def types_of(arguments: str) -> tuple[Any, ...]:
 
 
 def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """Processes for modules in the order in which they were imported."""
+    """Return processes for modules in the order in which they were imported."""
     count = min(MAX_HELPERS, _cores() - 1, len(modules))
     for number in range(count):
         # -P: nothing is imported from the current folder
@@ -73,7 +73,7 @@ def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def _cores() -> int:
-    """That this process may use."""
+    """Return the number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

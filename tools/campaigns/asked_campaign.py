@@ -57,7 +57,7 @@ class AskedCampaign:
 
     @contextmanager
     def opened(self) -> Iterator[OpenCampaign]:
-        """Checked, with its folder, or with one that is gone afterwards.
+        """Yield the checked campaign with its folder, or with a temporary one.
 
         Raises:
             InputError: something isn't possible, in words; nothing has moved.

@@ -108,7 +108,7 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
 
 
 def _lines(report: RobotReport, every: bool) -> list[str]:
-    """The report for people."""
+    """Return the report as lines for people."""
     parts: list[Any] = []
     if report.contact is not None:
         pairs = report.contact.pairs

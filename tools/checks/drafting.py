@@ -66,7 +66,7 @@ def write_expanded(file: Path, draft: Path) -> Path:
 
 
 def _optional_faults(text: str, error: FileError) -> dict[str, str]:
-    """What is wrong with sections that a draft can do without, by their names."""
+    """Return the faults of sections that a draft can do without, by their names."""
     from handcart.evaluation.robot_report.drafting.draft import OPTIONAL_SECTIONS
 
     lines, found = text.splitlines(), dict[str, str]()

@@ -33,7 +33,7 @@ def is_urdf(path: Path) -> bool:
 
 
 def robots_beside(urdf: Path) -> list[Path]:
-    """The robots' files in a URDF's folder that name it."""
+    """Return the robot files in a URDF's folder that name it."""
     from ruamel.yaml.error import YAMLError
 
     from handcart.files.errors import InputError
@@ -51,6 +51,6 @@ def robots_beside(urdf: Path) -> list[Path]:
 
 
 def model_of(kind: str) -> Any:
-    """The class of a kind of file, or what a function gives for it; raises KeyError for an unknown one."""
+    """Return the model of a kind of file; raises KeyError for an unknown one."""
     found = imported(kinds()[kind])
     return found() if isfunction(found) else found

@@ -121,7 +121,7 @@ def _check_writable(file: Path) -> None:
 
 
 def _write_copy(output: Path, text: str, file: Path) -> None:
-    """The changed file elsewhere, with the URDFs beside it that it names."""
+    """Write the changed file elsewhere, with the URDFs beside it that it names."""
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.files.inside import resolve_inside
     from handcart.tools.terminal.writing import NotWritable, check_folder, write_text

@@ -92,7 +92,7 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 
 
 def _seldom(console: Console) -> Callable[[int, int], None]:
-    """Writes a line at first and at last, and in between one now and then."""
+    """Write a line at the beginning, at the end, and now and then in between."""
     start, last = time.monotonic(), -math.inf
 
     def tell(done: int, count: int) -> None:
@@ -106,7 +106,7 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
 
 
 def _chosen(parts: list[str], faults: Sequence[object], tasks: list[str]) -> tuple[str, ...]:
-    """The parts that are named, or that what is named belongs to; raises `typer.BadParameter`."""
+    """Return the named parts, or those that contain what is named; raises `typer.BadParameter`."""
     from handcart.evaluation.conformance.kit import KIT_PARTS
     from handcart.files.suggest import suggest
 

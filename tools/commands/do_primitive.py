@@ -78,7 +78,7 @@ def _task(knowledge: Path | None, settings: list[str]) -> Task | None:
 
 
 def _made(name: str, parameters: list[str]) -> ActionPrimitive:
-    """The primitive with its parameters, checked as in a task file."""
+    """Return the primitive with its parameters, checked as in a task file."""
     from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
     from handcart.primitives.registry import primitive_class
     from handcart.tools.terminal.typed_model import typed_model

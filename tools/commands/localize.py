@@ -121,7 +121,7 @@ LOCALIZER_KINDS = ("gps_filter", "particle", "beacons")
 
 
 def _robot_of(log: Path) -> str | None:
-    """The shipped robot that drove in a run; None of other logs, and of robots that aren't shipped."""
+    """Return the shipped robot that drove in a run; None for other logs and robots."""
     from handcart.backends.description.robot_names import named_robots
     from handcart.networks.journal.journal_record import JournalError
     from handcart.networks.past_runs.past_run import read_run
@@ -147,7 +147,7 @@ def _noise(robot: str | None) -> FieldNoise:
 
 
 def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, columns: str | None) -> DriveLog:
-    """The log, whatever it is; of a run's folder, the one in it."""
+    """Return the log; for a run's folder, the log in it."""
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
     if log.is_dir() or log.name.endswith((*BAG_SUFFIXES, *PACKED_BAGS)):

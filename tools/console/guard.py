@@ -68,6 +68,6 @@ class Guard(OwnPage):
 
 
 def said(status: int, words: str) -> web.Response:
-    """An answer in words."""
+    """Return an answer as text."""
     body = {"ok": status < 400, "error": words}
     return web.json_response(body, status=status, headers=PAGE_HEADERS)

@@ -209,7 +209,7 @@ def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, An
 
 
 def _tab(request: web.Request) -> str:
-    """The word of the page that asks; empty where it says none."""
+    """Return the token that the page sends; empty without one."""
     tab = request.headers.get(TAB_HEADER, "")
     if len(tab) > LONGEST_WORD or not (tab.isascii() and tab.isprintable()):
         raise web.HTTPBadRequest(reason=f"the header {TAB_HEADER} is too long, or no plain text")

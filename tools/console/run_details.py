@@ -119,7 +119,7 @@ class RunDetails:
         ]
 
     def _pictures(self) -> list[dict[str, Any]]:
-        """The robot's, the newest last, each with the number of its action."""
+        """Return the robot's pictures, the newest last, each with the number of its action."""
         folder = self._folder / EVIDENCE_PATH
         if not folder.is_dir() or folder.is_symlink():
             return []

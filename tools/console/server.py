@@ -128,7 +128,7 @@ async def _no_picture(_: web.Request) -> web.Response:
 
 
 def _sockets(hosts: Sequence[str], port: int | None) -> list[socket.socket]:
-    """Listening at the same port of each address that this machine has."""
+    """Return sockets that listen at the same port of each address of this machine."""
     wrong = ""
     for chosen in range(PORT, PORT + TRIES) if port is None else (port,):
         opened: list[socket.socket] = []

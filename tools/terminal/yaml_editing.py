@@ -11,7 +11,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 
 def edited(text: str, change: Callable[[Any], None]) -> str:
-    """The text of a file after `change` was applied to its data (ruamel's, as for a round trip)."""
+    """Return the text of a file after `change` was applied to its data (ruamel's, as for a round trip)."""
     yaml = YAML()
     yaml.width = 200
     yaml.preserve_quotes = True
@@ -48,7 +48,7 @@ def put(data: CommentedMap, key: str, value: Any) -> None:
 
 
 def _taken_gap(data: CommentedMap) -> str:
-    """The blank lines and whole lines of comment behind a mapping's last value, taken from it.
+    """Return the blank lines and complete comment lines behind a mapping's last value, removed from it.
 
     ruamel has them there; they belong behind what is added.
     """

@@ -35,14 +35,15 @@ _ALWAYS = {
 
 
 def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
-    """What is wrong with a drive's EDS file.
+    """Return the faults of a drive's EDS file.
 
     Args:
         path: of the file, which exists.
         axis: whose drive it describes.
 
     Returns:
-        What is wrong, each at its place in that file; and what the drive lacks that its robot's file doesn't
+        What is wrong, each at its place in that file; and what the drive lacks that its robot's file
+            doesn't
         accept.
     """
     try:

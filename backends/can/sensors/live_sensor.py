@@ -55,7 +55,7 @@ class LiveSensor(ABC):
         return None if self._came is None else self._now - self._came
 
     def check_fresh(self) -> None:
-        """Raises `StaleSensor` where the last reading is too old."""
+        """Raise `StaleSensor` if the last reading is too old."""
         age = self.age
         if age is None or age > self._stale:
             raise StaleSensor(self.name, age, self._stale, self.trouble or self.doubt)

@@ -46,7 +46,7 @@ def checksum(body: bytes) -> int:
 
 
 def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
-    """A line as a sensor sends it, its end included."""
+    """Return a line as a sensor sends it, its end included."""
     fields = ",".join("" if each == math.inf else f"{each:.4f}" for each in values)
     body = f"{kind},{stamp},{fields}".encode()
     return b"$%b*%02X\n" % (body, checksum(body))

@@ -19,7 +19,7 @@ class Watch(ABC):
     """
 
     def begin(self, now: float) -> None:
-        """The drives are enabled: from now on they are watched."""
+        """Begin to watch the drives, which are enabled."""
         return
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
@@ -28,4 +28,4 @@ class Watch(ABC):
 
     @abstractmethod
     def check(self, now: float) -> None:
-        """Raises a `CanFault` if something is wrong."""
+        """Raise a `CanFault` if something is wrong."""

@@ -242,7 +242,7 @@ class MujocoBody(RobotBody):
 
 
 def _add_drive(robot: Any, name: str, joint: str) -> None:
-    """A drive that does nothing yet; see `MujocoJoints`."""
+    """Add a drive that does nothing yet; see `MujocoJoints`."""
     drive = robot.add_actuator(name=name, target=joint)
     drive.trntype = mujoco().mjtTrn.mjTRN_JOINT
     drive.dyntype = mujoco().mjtDyn.mjDYN_INTEGRATOR

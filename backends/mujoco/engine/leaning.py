@@ -29,7 +29,7 @@ class Leaning:
         """Islands when it was last looked."""
 
     def compiled(self, model: Any, link: int | None) -> None:
-        """A model has more trees than that before, beside those that it had; `link` is one of a robot's."""
+        """Adopt a model with more trees than before; `link` is one of a robot's."""
         leaned, self.trees = self.trees, np.zeros(int(model.ntree), np.bool_)
         self._robot = None if link is None else int(model.body_treeid[link])
         if self._robot is not None:

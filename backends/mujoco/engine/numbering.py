@@ -29,7 +29,7 @@ class Numbering:
     """
 
     def __init__(self, model: Any, links: Mapping[int, tuple[int, int]], things: Collection[int]) -> None:
-        """Number the geometries and things of a model.
+        """Assign numbers to the geometries and things of a model.
 
         Args:
             model: MuJoCo's model.

@@ -113,8 +113,10 @@ class WorldSpec:
             self.solid(body, name, form.friction, **self._piece(name, piece))
 
     def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
-        """A geometry that rubs. MuJoCo has the larger one of two frictions for a pair: with others of their
-        like, all have what the product of two would be.
+        """Give a geometry its friction.
+
+        MuJoCo has the larger one of two frictions for a pair: with others of their like, all have what the
+        product of two would be.
         """
         body.add_geom(
             name=name,
@@ -168,7 +170,7 @@ def where(pose: Transform) -> dict[str, Any]:
 
 
 def quaternion(pose: Transform) -> FloatArray:
-    """(4,) w, x, y, z of a pose (4, 4)."""
+    """Return (4,) w, x, y, z of a pose (4, 4)."""
     return np.asarray(Rotation.from_matrix(pose[:3, :3]).as_quat()[[3, 0, 1, 2]])
 
 
@@ -179,7 +181,7 @@ def box_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float
 
 
 def _corners(wedge: Wedge) -> FloatArray:
-    """(8, 3) in [m]."""
+    """Return (8, 3) in [m]."""
     y, z, narrow = wedge.thickness / 2, wedge.height / 2, wedge.thickness / 2 - wedge.chamfer
     outline = ((wedge.base, -y), (wedge.base, y), (wedge.end, narrow), (wedge.end, -narrow))
     return np.array([(x, across, up) for up in (-z, z) for x, across in outline])

@@ -37,7 +37,7 @@ class Photographer:
         self._rows = np.zeros((size[1], size[0], 3), np.uint8)
 
     def take(self, world_T_camera: Transform, K: FloatArray) -> ByteArray:
-        """The picture (height, width, 3) in RGB.
+        """Return the picture (height, width, 3) in RGB.
 
         Args:
             world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).

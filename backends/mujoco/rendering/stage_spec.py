@@ -78,7 +78,7 @@ class StageSpec:
     # Colours
 
     def _texture(self, name: str, picture: ByteArray) -> Any:
-        """A material that shows a picture, grey (h, w) or in colour (h, w, 3)."""
+        """Return a material that shows a picture, grey (h, w) or in colour (h, w, 3)."""
         texture = self.spec.add_texture(name=name, type=mujoco().mjtTexture.mjTEXTURE_2D)
         texture.height, texture.width = picture.shape[:2]
         texture.nchannel = 3
@@ -184,7 +184,7 @@ class StageSpec:
     def _printed_box(
         self, body: Any, name: str, size: Sequence[float], uvs: Sequence[Uvs], placed: dict[str, Any]
     ) -> None:
-        """A box with a picture on it, its material of that name."""
+        """Add a box with a picture on it, and its material of that name."""
         corners = 4 * np.arange(len(BOX_FACES))[:, None]
         triangles = np.concatenate([corners + half for half in np.array(((0, 1, 2), (0, 2, 3)))])
         texcoord = np.array([[u, 1.0 - v] for face in uvs for u, v in face])

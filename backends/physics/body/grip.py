@@ -65,7 +65,7 @@ class Grip:
             self._engine.pin(None)
 
     def _there(self, other: int) -> FloatArray:
-        """The pads' points (n, 3) in the frame of the other body."""
+        """Return the pads' points (n, 3) in the frame of the other body."""
         other_T_hand = inverse(self._engine.pose(other)) @ self._body.middle_of_mass("hand")
         return np.asarray((np.c_[self._points, np.ones(len(self._points))] @ other_T_hand.T)[:, :3])
 

@@ -41,7 +41,7 @@ class PhysicsBase(CommandedBase):
             body.cover(wheels.all, SCRUBBING_SURFACE)
 
     def begin(self, period: int) -> None:
-        """A period begins."""
+        """Begin a period."""
         speed, turn_rate, _ = self._take_command()
         half = turn_rate / self._tread_scale * self._drive.tread_m / 2
         rims = np.where(self._right, speed + half, speed - half)

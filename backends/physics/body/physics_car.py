@@ -50,7 +50,7 @@ class PhysicsCar(CommandedBase):
         self._bend = 0.0
 
     def begin(self, period: int) -> None:
-        """A period begins."""
+        """Begin a period."""
         speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period

@@ -40,7 +40,7 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given, self._periods = 0.0, 0
 
     def begin(self, period: int) -> None:
-        """A period begins."""
+        """Begin a period."""
         speed, turn_rate, sideways = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         rims = (speed - half, speed + half, sideways)

@@ -34,7 +34,7 @@ class WheelDrives:
         self._given = np.zeros(len(names))
 
     def give(self, rolled: FloatArray) -> None:
-        """The rims have moved on the floor by angles (n,) in [rad] that no encoder sees."""
+        """Move the rims on the floor by angles (n,) in [rad] that no encoder sees."""
         self._given = self._given + rolled
         self._goal = self._goal + rolled
 

@@ -93,7 +93,7 @@ def _uvs(face: int, width: int) -> list[tuple[float, float]]:
 
 
 def _picture(book: SimulatedBook) -> ByteArray:
-    """The spine, then strips for cover and pages."""
+    """Return the spine, then strips for cover and pages."""
     spine = spine_levels(book.spec)[1][0]
     cover = np.full((spine.shape[0], _STRIP), round(_COVER * book.spec.grey), np.uint8)
     return np.hstack((spine, cover, np.full((spine.shape[0], _STRIP), _PAGES, np.uint8)))

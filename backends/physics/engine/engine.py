@@ -164,7 +164,7 @@ class Engine(ABC):
 
     @abstractmethod
     def touching(self, body: int) -> Collection[Touching]:
-        """What `contacts` has, without where and how: it costs less."""
+        """Return the pairs of `contacts` without point and force, which costs less."""
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:

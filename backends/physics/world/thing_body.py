@@ -84,7 +84,7 @@ class ThingBody:
         return False
 
     def look(self, eye: FloatArray) -> None:
-        """A picture is taken from `eye` (3,) in [m]; have it look as it should."""
+        """Prepare its appearance for a picture taken from `eye` (3,), in [m]."""
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:
@@ -105,7 +105,7 @@ def _part_of(number: int, printed: bool) -> Uvs:
 
 
 def _picture(faces: Mapping[Side, ByteArray], grey: int) -> ByteArray:
-    """All sides beside each other, each as wide and high as the largest picture of one."""
+    """Return all sides beside each other, each as wide and high as the largest picture of one."""
     shades = [min(255, round(grey * share)) for share in _SHADE]
     size = min(_MOST, max((max(each.shape) for each in faces.values()), default=_STRIP))
     return np.hstack(

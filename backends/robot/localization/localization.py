@@ -191,7 +191,7 @@ class Localization(ABC):
     # What happens
 
     def update(self, driven: DriveCommand) -> None:
-        """A period has passed: take in what was sensed in it.
+        """Update the estimate with the readings of the period that has passed.
 
         Args:
             driven: what the base was commanded in it.
@@ -282,7 +282,7 @@ class Localization(ABC):
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:
-        """The wheels travelled this far, in [m]."""
+        """Predict the motion from the wheels' travel, in [m]."""
         self._wheels.predict(left, right, sideways)
 
     def _correct(self) -> None:
@@ -299,7 +299,9 @@ class Localization(ABC):
         self.still = 0
 
     def _fresh_points(self) -> FloatArray:
-        """(n, 2) in [m] of this period's scan; none if it is stale: the same although the wheels rolled."""
+        """Return (n, 2) in [m] of this period's scan; none if it is stale: the same although the wheels
+        rolled.
+        """
         assert self._range_sensor is not None
         scan = self._range_sensor.scan()
         if not np.array_equal(scan.ranges, self._ranges):

@@ -105,6 +105,6 @@ class ScanLocalization(Localization):
 
 
 def _turned(heading: float) -> FloatArray:
-    """(3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
+    """Return (3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
     cos, sin = math.cos(heading), math.sin(heading)
     return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -50,7 +50,7 @@ def _least_sound(raw: Scan, spec: RangeSpec, footprint_radius: float) -> float:
 
 
 def _missing(ranges: FloatArray, spec: RangeSpec) -> BoolArray:
-    """(n,) of which beams nothing came back."""
+    """Return (n,) of which beams nothing came back."""
     missing: BoolArray = ranges > spec.reach_m
     if "zero" in spec.no_return:
         missing |= np.isfinite(ranges) & (ranges <= 0.0)

@@ -39,7 +39,7 @@ class _Bodies(NamedTuple):
     """(b,) of the spheres about them, in [m]."""
 
     def and_more(self, others: _Bodies) -> _Bodies:
-        """These, then those."""
+        """Return these bodies followed by those of `others`."""
         return _Bodies(
             self.names + others.names,
             self.geometry + others.geometry,
@@ -195,7 +195,7 @@ class ArmContact:
         return self._reach[1]
 
     def _some(self, links: list[int]) -> _Links:
-        """Some of all links, by their numbers."""
+        """Return some of the links, by their numbers."""
         names, geometry = [self._names[i] for i in links], [self._geometry[i] for i in links]
         return _Links(np.array(links, dtype=np.intp), names, geometry, self._radius[links])
 
@@ -233,7 +233,7 @@ class ArmContact:
         return near_boxes(bodies.poses, bodies.radii, self._arrays, there)
 
     def _deepest(self, bodies: _Bodies, near: IntArray, skip: Skip | None) -> Touch:
-        """The deepest overlap among those pairs of bodies and boxes."""
+        """Return the deepest overlap among those pairs of bodies and boxes."""
         worst = NO_TOUCH
         for g, n in near.tolist():
             name, box = bodies.names[g], self._boxes[n]
@@ -245,7 +245,9 @@ class ArmContact:
         return worst
 
     def _against_robot(self, bodies: _Bodies, poses: FloatArray) -> Touch:
-        """The deepest overlap of the hand and what it holds with what of the robot the arm doesn't move."""
+        """Return the deepest overlap of the hand and what it holds with the parts of the robot that the arm
+        does not move.
+        """
         hands = self._hands + list(range(len(self._links), len(bodies.names)))
         near = near_spheres(bodies.poses[hands], bodies.radii[hands], poses[self._own], self._own_radii)
         worst = NO_TOUCH

@@ -219,7 +219,7 @@ class ArmError:
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
     def offset(self, joints: FloatArray, motion: int) -> FloatArray:
-        """(n,) in [rad] at the commanded `joints` (n,), in the arm's motion of that number."""
+        """Return (n,) in [rad] at the commanded `joints` (n,), in the arm's motion of that number."""
         _, offset, wrong = self._draw(motion, len(joints))
         if not self._of_hand:
             return offset

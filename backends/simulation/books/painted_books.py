@@ -177,7 +177,7 @@ def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: FloatArray
 
 
 def _lit(picture: ByteArray, light: float, streak: float | None, gloss: float) -> ByteArray:
-    """A spine deeper in a shelf is darker; a mirrored window is a bright streak along it."""
+    """Return a spine with its shading: darker deep in a shelf, with a streak where a window is mirrored."""
     if light > 0.999 and streak is None:
         return picture
     across = (np.arange(picture.shape[1]) + 0.5) / picture.shape[1]
@@ -212,7 +212,7 @@ def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light:
 
 @lru_cache(maxsize=512)
 def spine_levels(spec: BookSpec) -> list[tuple[ByteArray, float]]:
-    """A book's spine in falling resolution, each with its metres a pixel."""
+    """Return a book's spine in falling resolution, each with its metres a pixel."""
     shown = None if spec.tag == "none" else spec.accession
     picture = draw_spine(
         spec.thickness_mm,

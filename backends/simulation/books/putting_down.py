@@ -73,7 +73,7 @@ def _on_tray(books: BooksThere, book: SimulatedBook) -> bool:
 
 
 def _fall(book: SimulatedBook, height: float = 0.0) -> None:
-    """It lies on its cover below where it was let go, on what is `height` [m] above the floor."""
+    """Lay the book on its cover below where it was released, on a support `height` [m] above the floor."""
     x, y = book.pose[:2, 3]
     yaw = float(np.arctan2(book.pose[1, 0], book.pose[0, 0]))
     lying = transform((float(x), float(y), height + book.thickness / 2), (np.pi / 2, 0.0, yaw))

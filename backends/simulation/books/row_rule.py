@@ -135,13 +135,13 @@ class RowRule(HandRule):
             self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
     def left(self) -> FreeInterval | None:
-        """The fingers let go: the slot that a book was in, if it was in one."""
+        """Release the book from the fingers, and return the slot that it was in, if any."""
         slot = self.entry.slot if self.entry is not None and self.entry.admitted else None
         self.entry = None
         return slot
 
     def front(self, joints: FloatArray) -> Front | None:
-        """The shelf right before the hand, if the hand points into one."""
+        """Return the shelf right before the hand, if the hand points into one."""
         world_T_hand = self._scene.world_T_base @ self._arm.forward(joints)
         for shelf in self._books.shelves.values():
             S_T_hand = shelf.inverse_pose @ world_T_hand

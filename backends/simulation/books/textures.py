@@ -59,8 +59,8 @@ def draw_spine(
     label_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
 ) -> ByteArray:
-    """A spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm` pixels a
-    mm.
+    """Return a spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm`
+    pixels a mm.
 
     `font` is the path of a TTF or the name of one of matplotlib's. `smear` makes the tag unreadable.
     `seed` decides the cover's grain, bands and title, `family` which tag it is; `label_mm` and `lines` are
@@ -90,8 +90,8 @@ def draw_label(
     width_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
 ) -> SingleArray:
-    """The paper label with `text` turned 90 degrees clockwise (it reads top to bottom), `width_mm` across the
-    spine, on one line or each word on its own.
+    """Return the paper label with `text` turned 90 degrees clockwise (it reads top to bottom), `width_mm`
+    across the spine, on one line or each word on its own.
 
     Raises ValueError for a text too long for the longest label.
     """
@@ -187,7 +187,7 @@ def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> SingleArray:
 
 
 def _smeared(tag: SingleArray, rng: np.random.Generator) -> SingleArray:
-    """The tag after a wet thumb: ink dragged slantwise across it."""
+    """Return the tag after a wet thumb: ink dragged slantwise across it."""
     side = tag.shape[0]
     drag = np.zeros((side | 1, side | 1), dtype=np.float32)
     reach, angle = side // 3, rng.uniform(0.6, 1.0)
@@ -206,7 +206,7 @@ def _paste(spine: SingleArray, patch: SingleArray, centre_row: float) -> None:
 
 
 def _round_edges(spine: SingleArray, px_per_mm: int) -> None:
-    """A spine turns away from the light at its two long edges."""
+    """Darken both long edges of a spine, which turn away from the light."""
     width = spine.shape[1]
     inward = (np.minimum(np.arange(width), np.arange(width)[::-1]) + 0.5) / (_ROUNDING_MM * px_per_mm)
     depth = np.clip(1.0 - inward, 0.0, 1.0)

@@ -48,7 +48,7 @@ def _smooth(picture: ByteArray) -> ByteArray:
 
 
 def _other(kind: str, size_mm: float, board: BoardLayout) -> ByteArray:
-    """A calibration board, a full square, a disc, or a square's outline."""
+    """Return a calibration board, a full square, a disc, or a square's outline."""
     margin = round(PAPER_MARGIN_M / M_PER_PX)
     if kind == "board":
         return np.pad(board.board(size_mm).draw(M_PER_PX), margin, constant_values=PAPER)

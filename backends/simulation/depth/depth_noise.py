@@ -45,7 +45,7 @@ class DepthNoise:
         return depth.astype(np.float32)
 
     def steps(self, true: FloatArray) -> BoolArray:
-        """(h, w) whether a pixel is too near to a step in depth."""
+        """Return (h, w) whether a pixel is too near to a step in depth."""
         if self._errors.edge_px == 0:
             return np.zeros(true.shape, np.bool_)
         share = 1.0 + self._errors.edge_step_percent / 100
@@ -59,7 +59,7 @@ class DepthNoise:
         return cv2.dilate(found.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
 
     def grazing(self, true: FloatArray) -> BoolArray:
-        """(h, w) whether a surface is seen at too flat an angle."""
+        """Return (h, w) whether a surface is seen at too flat an angle."""
         if self._errors.grazing_deg >= 90.0:
             return np.zeros(true.shape, np.bool_)
         points = self._rays * np.where(np.isfinite(true), true, 1e3)[..., None]
@@ -69,21 +69,21 @@ class DepthNoise:
         return np.asarray(np.maximum(after, before) < math.cos(math.radians(self._errors.grazing_deg)))
 
     def _cosines(self, across: FloatArray, down: FloatArray) -> FloatArray:
-        """(h, w) cosine between the rays and the normals of a surface with these slopes (h, w, 3)."""
+        """Return (h, w) cosine between the rays and the normals of a surface with these slopes (h, w, 3)."""
         normals = np.cross(across, down)
         lengths = np.linalg.norm(normals, axis=2) * np.linalg.norm(self._rays, axis=2)
         return np.asarray(np.abs((normals * self._rays).sum(axis=2)) / np.maximum(lengths, 1e-12))
 
 
 def _rays(model: CameraModel) -> FloatArray:
-    """(h, w, 3) rays of the pixels, with a length of 1 along the optical axis."""
+    """Return (h, w, 3) rays of the pixels, with a length of 1 along the optical axis."""
     rows, columns = np.indices((model.height, model.width), dtype=np.float64)
     flat = model.undistort(np.column_stack((columns.ravel(), rows.ravel())))
     return np.column_stack((flat, np.ones(len(flat)))).reshape(model.height, model.width, 3)
 
 
 def _neighbours(values: NDArray[Scalar], axis: int) -> tuple[NDArray[Scalar], NDArray[Scalar]]:
-    """Views of all pixels but the last ones along an axis, and of their next neighbours."""
+    """Return views of all pixels but the last ones along an axis, and of their next neighbours."""
     if axis == 0:
         return values[:-1], values[1:]
     return values[:, :-1], values[:, 1:]

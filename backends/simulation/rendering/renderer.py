@@ -36,7 +36,7 @@ class Renderer:
         return Lens(self._camera, self._errors, self._seed)
 
     def render(self, scene: Scene, world_T_camera: Transform, period: int) -> ByteArray:
-        """The picture (height, width) taken from a pose (4, 4) in this period."""
+        """Return the picture (height, width) taken from a pose (4, 4) in this period."""
         return self._lens.take(self.ideal(scene, world_T_camera), period)
 
     def ideal(self, scene: Scene, world_T_camera: Transform) -> ByteArray:

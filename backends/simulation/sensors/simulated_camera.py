@@ -47,7 +47,7 @@ class SimulatedCamera(Camera, SimulatedSensor):
 
     @abstractmethod
     def _take(self) -> ByteArray:
-        """This period's picture (h, w)."""
+        """Return this period's picture (h, w)."""
 
     @override
     def image(self) -> ByteArray:

@@ -44,7 +44,7 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
 
     @abstractmethod
     def _cast(self) -> FloatArray:
-        """True ranges (n,) along the beams, in [m]; infinite, or beyond reach, where nothing is."""
+        """Return the true ranges (n,) along the beams, in [m]; infinite without an obstacle within reach."""
 
     @override
     def scan(self) -> Scan:

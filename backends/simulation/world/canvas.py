@@ -42,7 +42,7 @@ class Canvas:
         return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
 
     def polygon(self, corners: FloatArray, grey: int) -> None:
-        """A flat convex face, corners (n, 3) in the world, in one shade."""
+        """Draw a flat convex face in one shade, with corners (n, 3) in the world."""
         rays = (corners - self.eye) @ self._projection.T
         if (rays[:, 2] < _NEAREST).any():
             rays = _before(rays)
@@ -77,7 +77,7 @@ class Canvas:
     def _level(
         self, levels: Sequence[tuple[ByteArray, float]], pixels: FloatArray, size: FloatArray
     ) -> tuple[ByteArray, float]:
-        """The coarsest level that is as fine as the picture."""
+        """Return the coarsest level that is as fine as the picture."""
         px_per_m = max(
             np.linalg.norm(pixels[1] - pixels[0]) / size[0], np.linalg.norm(pixels[3] - pixels[0]) / size[1]
         )
@@ -135,7 +135,7 @@ def _blend(below: ByteArray, above: ByteArray, cover: SingleArray) -> ByteArray:
 
 
 def _before(rays: FloatArray) -> FloatArray:
-    """The part of a polygon before the nearest plane (Sutherland and Hodgman, 1974)."""
+    """Return the part of a polygon before the nearest plane (Sutherland and Hodgman, 1974)."""
     corners: list[list[float]] = rays.tolist()
     kept: list[list[float]] = []
     for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):

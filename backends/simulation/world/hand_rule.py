@@ -40,7 +40,7 @@ class HandRule:
     """Name of the body that then stops it."""
 
     def aim(self, joints: FloatArray) -> None:
-        """The arm strives for these joints (n,)."""
+        """Receive the joints (n,) that the arm is commanded to."""
 
     def decides(self, body: str, other: str) -> bool:
         """Return whether this rule, instead of rigid geometry, handles a pair of bodies."""
@@ -53,7 +53,7 @@ class HandRule:
         return Met(joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """The hand has brought `thing`, which it holds, where its pose is: put that right.
+        """Correct the pose of `thing`, which the hand holds and has moved.
 
         Gives the force (3,) in [N] on the hand, in its frame. `start` (n,) are the joints it comes from.
         """

@@ -87,7 +87,9 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
 
 
 def picture_levels(picture: ByteArray, width: float, height: float) -> Levels:
-    """A picture that fills a face of that size in [m], its pixels made square, in falling resolution."""
+    """Return a picture that fills a face of that size in [m], its pixels made square, in falling
+    resolution.
+    """
     metres = min(width / picture.shape[1], height / picture.shape[0])
     size = (max(1, round(width / metres)), max(1, round(height / metres)))
     if size != picture.shape[::-1]:

@@ -54,7 +54,7 @@ class Props(SceneProps, Generic[FileModelT]):
 
     @classmethod
     def findings(cls, loaded: Loaded[FileModelT], robot: RobotFile) -> Iterator[Finding]:
-        """What is wrong between the world's file and the robot that is put into it."""
+        """Yield the faults between the world's file and the robot that is put into it."""
         yield from ()
 
     def set_up(self) -> None:

@@ -151,7 +151,7 @@ class Scene:
         return self._leant[1].copy()
 
     def world_T(self, frame: str) -> Transform:
-        """True pose (4, 4) of a frame of the robot."""
+        """Return the true pose (4, 4) of a frame of the robot."""
         if self.arm is None:
             return self.world_T_base @ base_T_frame(self.robot.urdf_text(), frame)
         return self.world_T_base @ self.arm.forward(self.joints, frame)

@@ -116,7 +116,7 @@ class FloorPlan:
         return present
 
     def local(self, x: float, y: float) -> FloatArray:
-        """A point of the floor in the frames of all outlines, (n, 2)."""
+        """Return a point of the floor in the frames of all outlines, (n, 2)."""
         dx, dy = x - self.middle[:, 0], y - self.middle[:, 1]
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 

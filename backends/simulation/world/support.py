@@ -108,7 +108,7 @@ def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]
 
 
 def _outline(box: Box) -> FloatArray:
-    """(4, 2) corners of an upright box on the floor."""
+    """Return (4, 2) corners of an upright box on the floor."""
     half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
     return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
 

@@ -94,7 +94,7 @@ class TrialTable:
 
 
 def constant(values: FloatArray) -> bool:
-    """Whether all values that are there are the same."""
+    """Return whether all values that are there are the same."""
     there = values[np.isfinite(values)]
     return not len(there) or bool((there == there[0]).all())
 

@@ -32,7 +32,9 @@ def mcnemar(only_one: int, only_other: int) -> float:
 
 
 def signed_rank(differences: FloatArray) -> float:
-    """The two-sided p-value that a metric's differences, (n,), are symmetric about 0, by Wilcoxon (1945)."""
+    """Return the two-sided p-value that a metric's differences, (n,), are symmetric about 0, by Wilcoxon
+    (1945).
+    """
     there = differences[differences != 0.0]
     if not len(there):
         return 1.0

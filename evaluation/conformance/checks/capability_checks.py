@@ -142,7 +142,7 @@ def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
 
 
 def signs_of_the_scan(bench: KitBench, finding: CheckResult) -> None:
-    """Turning left moves what is seen to the right, by as much."""
+    """Check that turning left moves the picture to the right, by as much."""
     if bench.spec().drive.kind == "ackermann":
         raise Skipped("a car can't turn on the spot")
     with bench.rig() as rig:

@@ -139,7 +139,7 @@ def stop(bench: KitBench, finding: CheckResult) -> None:
 
 
 def close_twice(bench: KitBench, finding: CheckResult) -> None:
-    """Closed twice, nothing happens."""
+    """Check that closing twice does nothing."""
     rig = bench.rig()
     rig.backend.close()
     rig.backend.close()

@@ -124,7 +124,7 @@ def scene_of_bench(bench: KitBench) -> object:
 def _script(
     bench: KitBench, seed: int, look: Callable[[Backend, int], bool] = lambda backend, number: True
 ) -> Record:
-    """Base, arm and fingers move together; gives the readings of the periods that were looked at."""
+    """Move base, arm and fingers together, and return the readings of the observed periods."""
     record: Record = []
     with bench.rig(seed) as rig:
         backend = rig.backend

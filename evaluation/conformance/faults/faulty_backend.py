@@ -182,7 +182,9 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def _goes_on(self, arm: Arm, way: FloatArray, step: float) -> bool:
-        """A step of so much at most, less where a joint may not move as fast; whether that was all of it."""
+        """Return a step of so much at most, less where a joint may not move as fast; whether that was all of
+        it.
+        """
         try:
             arm.move(arm.command() + np.clip(way, -step, step))
         except CommandError:

@@ -69,7 +69,7 @@ class QueuesCommands(LayeredBackend):
         self._due = QUEUE_DELAY_PERIODS
 
     def step(self) -> None:
-        """Sends it when it is due."""
+        """Send a delayed command when it is due."""
         base = part_of(self.inner, Base)
         self._due -= 1
         if base is not None and 0 <= self._due < QUEUE_DELAY_PERIODS // 2:

@@ -83,7 +83,7 @@ def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHE
 
 
 def all_readings(backend: Backend) -> dict[str, FloatArray]:
-    """Every reading of this period, by capability and method: "arm joints"."""
+    """Return every reading of this period, by capability and method: "arm joints"."""
     result: dict[str, FloatArray] = {}
     for part in backend.capabilities():
         for method, reading in part.READINGS.items():

@@ -33,14 +33,14 @@ class PlacementScores(NamedTuple):
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 
     def only(self, kept: BoolArray | IndexArray) -> PlacementScores:
-        """Some placements alone, by mask or number."""
+        """Return some of the placements, by mask or number."""
         joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
         return PlacementScores(
             np.asfortranarray(self.values[kept]), np.asfortranarray(self.usable[kept]), joined
         )
 
     def also(self, more: PlacementScores) -> PlacementScores:
-        """These placements and then those of `more`."""
+        """Return these placements followed by those of `more`."""
         joined = None
         if self.joined is not None and more.joined is not None:
             joined = np.asfortranarray(np.vstack((self.joined, more.joined)))
@@ -51,7 +51,7 @@ class PlacementScores(NamedTuple):
         )
 
     def check(self) -> None:
-        """Raises Untrackable for the first point that no placement can use."""
+        """Raise `Untrackable` for the first point that no placement can use."""
         served = self.usable.any(axis=0)
         if not served.all():
             index = int(np.argmin(served))

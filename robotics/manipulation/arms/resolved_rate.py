@@ -56,7 +56,7 @@ class ResolvedRate:
         return float(np.hypot(*self._aside(self._arm.tip(q))))
 
     def command(self, q: FloatArray, dt: float) -> FloatArray:
-        """(2,) joint rates in [rad/s] for the next `dt` [s], with the joints at `q` (2,) in [rad]."""
+        """Return (2,) joint rates in [rad/s] for the next `dt` [s], with the joints at `q` (2,) in [rad]."""
         tip = self._arm.tip(q)
         ahead = float((self._end - tip) @ self._along)
         braking = math.sqrt(2.0 * 0.8 * self._limits.acceleration * abs(ahead))
@@ -75,7 +75,9 @@ class ResolvedRate:
 
 
 def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray | None:
-    """(n, 2) postures of a straight line of the tip from `q` to `target`, or None if it leaves the limits."""
+    """Return (n, 2) postures of a straight line of the tip from `q` to `target`, or None if it leaves the
+    limits.
+    """
     start = arm.tip(q)
     count = max(1, math.ceil(float(np.hypot(*(target - start))) / CHECK_STEP_M))
     free = arm._replace(theta1_working=arm.theta1)

@@ -46,7 +46,7 @@ class Scara(NamedTuple):
     """Between stowed and any target, so that the tip doesn't come to the wheels, in [rad]."""
 
     def tip(self, q: FloatArray) -> FloatArray:
-        """(2,) in [m], arm frame, with the joints at `q` (2,) or (3,) in [rad]."""
+        """Return (2,) in [m], arm frame, with the joints at `q` (2,) or (3,) in [rad]."""
         one, both = float(q[0]), float(q[0] + q[1])
         return np.array(
             [
@@ -56,7 +56,7 @@ class Scara(NamedTuple):
         )
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """(2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected)."""
+        """Return (2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected)."""
         one, both = float(q[0]), float(q[0] + q[1])
         across, along = self.fore * math.sin(both), self.fore * math.cos(both)
         return np.array(
@@ -67,7 +67,9 @@ class Scara(NamedTuple):
         )
 
     def inverse(self, target: FloatArray) -> FloatArray | None:
-        """(2,) angles that hold the tip at `target` (2,) in [m], arm frame; None beyond reach or limits."""
+        """Return (2,) angles that hold the tip at `target` (2,) in [m], arm frame; None beyond reach or
+        limits.
+        """
         x, y = float(target[0]), float(target[1])
         cos = (x * x + y * y - self.upper**2 - self.fore**2) / (2.0 * self.upper * self.fore)
         if abs(cos) > 1.0:
@@ -86,13 +88,15 @@ class Scara(NamedTuple):
         return bool(inside and self.theta2[0] - 1e-9 <= q[1] <= self.theta2[1] + 1e-9)
 
     def base_tip(self, q: FloatArray) -> FloatArray:
-        """(3,) in [m], base frame, with the joints at `q` (3,) in [rad], [rad], [m]."""
+        """Return (3,) in [m], base frame, with the joints at `q` (3,) in [rad], [rad], [m]."""
         x, y, z, yaw = self.mount
         plane = Pose2(x, y, yaw).apply(self.tip(q)[None]).reshape(2)
         return np.array([plane[0], plane[1], z - float(q[2])])
 
     def joints_for(self, point: FloatArray) -> FloatArray | None:
-        """(3,) joints that hold the tip at `point` (3,) in [m], base frame; None if it can't be reached."""
+        """Return (3,) joints that hold the tip at `point` (3,) in [m], base frame; None if it can't be
+        reached.
+        """
         x, y, z, yaw = self.mount
         angles = self.inverse(Pose2(x, y, yaw).inverse().apply(np.asarray(point)[None, :2]).reshape(2))
         lowered = z - float(point[2])
@@ -122,7 +126,8 @@ class Scara(NamedTuple):
 
 
 def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
-    """(3,) a world's point (3,) in [m] seen from a base at `pose` on the ground, roll and pitch in [rad].
+    """Return (3,) a world's point (3,) in [m] seen from a base at `pose` on the ground, roll and pitch in
+    [rad].
 
     A slide on a base that is 2.5 degrees askew comes down 17 mm beside, 0.4 m lower: the arm has to know.
     """
@@ -132,7 +137,7 @@ def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> 
 
 
 def base_to_world(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
-    """(3,) the reverse of `world_to_base`."""
+    """Return (3,) the reverse of `world_to_base`."""
     out: FloatArray = _world_R_base(pose, tilt) @ np.asarray(point, dtype=np.float64) + (pose.x, pose.y, 0.0)
     return out
 

@@ -124,7 +124,7 @@ def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArra
 
 @compiled
 def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
-    """Takes the free turn out of columns (6, k), in place."""
+    """Remove the free turn from columns (6, k), in place."""
     if free == 0:
         return
     x, y, z = (0.0, 0.0, 1.0) if free == 1 else (pose[0, 0], pose[1, 0], pose[2, 0])

@@ -151,7 +151,7 @@ def _largest_size(rates: FloatArray, amount: float, slope: FloatArray) -> float:
 
 @compiled
 def _spread_evenly(reduced: FloatArray, square: FloatArray, rates: FloatArray) -> None:
-    """Moves along the one spare motion to where the largest rate is least: a linear program in one number."""
+    """Move along the one spare motion to where the largest rate is least: a linear program in one number."""
     n = len(rates)
     spare = np.eye(n)
     for column in range(n):

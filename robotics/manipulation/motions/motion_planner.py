@@ -182,7 +182,7 @@ def _angles(state: ob.State, dof: int) -> FloatArray:
 def _shorten(
     path: FloatArray, free: Callable[[FloatArray, FloatArray], bool], rng: np.random.Generator
 ) -> FloatArray:
-    """Replaces pieces between two random points of the path by straight lines where these are free."""
+    """Replace pieces between two random points of the path by straight lines where these are free."""
     path = _without_detours(path, free)
     for _ in range(_SHORTCUTS):
         if len(path) == 2:

@@ -43,7 +43,7 @@ def highest_speed(
 
 
 def _grid(knots: FloatArray) -> FloatArray:
-    """The knots, with each piece divided into at least 4 parts of at most 0.02 rad."""
+    """Return the knots, with each piece divided into at least 4 parts of at most 0.02 rad."""
     counts = np.maximum(4, np.ceil(np.diff(knots) / 0.02).astype(int))
     parts = [
         np.linspace(a, b, count, endpoint=False)

@@ -101,7 +101,7 @@ def tool_path(
 
 
 def _tangents(points: FloatArray, steps: FloatArray) -> FloatArray:
-    """Unit derivatives (p, 3) by arc length, of the parabolas through three points each."""
+    """Return the unit derivatives (p, 3) by arc length, of the parabolas through three points each."""
     slopes = np.diff(points, axis=0) / steps[:, None]
     if len(slopes) == 1:
         return np.vstack((slopes, slopes))

@@ -43,7 +43,7 @@ def level_with(start: Pose2, points: FloatArray) -> FloatArray:
 
 
 def seen_from(bases: FloatArray, path: ToolPath) -> ToolPath:
-    """A path as a base sees it that is at one of the poses (p, 3) at each of its points."""
+    """Return a path as a base sees it that is at one of the poses (p, 3) at each of its points."""
     cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
     turned = np.zeros((len(bases), 3, 3))
     turned[:, 0, 0], turned[:, 0, 1], turned[:, 1, 0], turned[:, 1, 1] = cos, sin, -sin, cos
@@ -128,13 +128,13 @@ def _ranked(placer: Placer, path: ToolPath, blocked: Blocked) -> Iterator[tuple[
 
 
 def _spots(bases: FloatArray) -> FloatArray:
-    """Some of the poses along a way, both ends included."""
+    """Return some of the poses along a way, both ends included."""
     count = 2 + int(np.hypot(*np.ptp(bases[:, :2], axis=0)) / _ROOM)
     return np.asarray(bases[np.linspace(0, len(bases) - 1, count).round().astype(int)])
 
 
 def _grid(reach: float) -> FloatArray:
-    """(b, 3) base poses around a point level with the tool, heading along the path or against it."""
+    """Return (b, 3) base poses around a point level with the tool, heading along the path or against it."""
     steps = np.arange(-reach, reach + _STEP, _STEP)
     x, y, turn = np.meshgrid(steps, steps, (0.0, np.pi), indexing="ij")
     return np.column_stack((x.ravel(), y.ravel(), turn.ravel()))

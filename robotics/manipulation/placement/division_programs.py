@@ -16,7 +16,7 @@ from handcart.robotics.numerics.compiled import compiled, compiled_for
 def layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
 ) -> IntArray:
-    """The placement (p-1,) of each step, at most `count` one after the other."""
+    """Return the placement (p-1,) of each step, at most `count` one after the other."""
     points, bases = values.shape
     best = np.full((count, bases), -np.inf)
     stays = np.zeros((points - 1, count, bases), dtype=np.bool_)
@@ -62,7 +62,7 @@ def _backwards(stays: BoolArray, tops: FloatArray, holders: IntArray) -> IntArra
 def cheapest_layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, cost: float
 ) -> IntArray:
-    """The placement (p-1,) of each step, each change costing `cost`."""
+    """Return the placement (p-1,) of each step, each change costing `cost`."""
     points, bases = values.shape
     best = np.full(bases, -np.inf)
     stays = np.zeros((points - 1, bases), dtype=np.bool_)
@@ -94,7 +94,9 @@ def cheapest_layers(
 
 @compiled_for("(b1[:,::1], b1[:,::1], i8)")
 def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int, int]:
-    """The placement that gets farthest from the point `first`, and where to; `first` where none does."""
+    """Return the placement that gets farthest from the point `first`, and where to; `first` where none
+    does.
+    """
     placement, farthest = -1, first
     for b in range(usable.shape[1]):
         last = run_end(usable, joined, first, b)

@@ -47,7 +47,7 @@ def _pull_in(
     inner: float,
     outer: float,
 ) -> FloatArray:
-    """The shortest of offsets between two distances, by halving."""
+    """Return the shortest of offsets between two distances, by halving."""
     while outer - inner > _FINEST:
         middle = 0.5 * (inner + outer)
         found = _usable(scorer, path, bases, index, middle * directions)

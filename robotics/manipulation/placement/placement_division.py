@@ -81,7 +81,7 @@ def best_division(scores: PlacementScores, lengths: FloatArray, count: int) -> D
 
 
 def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: float) -> Division:
-    """The division with the greatest integral less `cost`, in [m], for each move of the base: exact.
+    """Return the division with the greatest integral less `cost`, in [m], for each move of the base: exact.
 
     Raises:
         Untrackable: no set of placements tracks the path.
@@ -93,7 +93,7 @@ def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: fl
 def score_arrays(
     scores: PlacementScores, lengths: FloatArray
 ) -> tuple[SingleArray, BoolArray, BoolArray, FloatArray]:
-    """(p, b) values and usable, (p-1, b) joined (or empty), (p-1,) lengths of steps."""
+    """Return (p, b) values and usable, (p-1, b) joined (or empty), (p-1,) lengths of steps."""
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (
         np.ascontiguousarray(scores.values.T),

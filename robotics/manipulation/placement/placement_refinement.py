@@ -88,7 +88,7 @@ def _climb(
     reach: tuple[float, float],
     rng: np.random.Generator,
 ) -> FloatArray:
-    """The best of random placements around the best one so far, ever nearer."""
+    """Return the best of random placements around the best one so far, ever nearer."""
     part = path.part(segment.first, segment.last)
     best, value = base, _worth(scorer, np.atleast_2d(base), part)[0]
     scale = 1.0

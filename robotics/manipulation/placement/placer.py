@@ -260,7 +260,7 @@ class Placer:
     def _refined(
         self, scorer: Scorer, path: ToolPath, bases: FloatArray, division: Division
     ) -> tuple[FloatArray, Division]:
-        """Base poses (k, 3) and the division among them, each moved to where it is worth more."""
+        """Return base poses (k, 3) and the division among them, each moved to where it is worth more."""
         step, turn, count = self._step, 2 * np.pi / self._grid.headings, len(division.segments)
         if self.pitch_arm is not None:
             found = refine(scorer, path, bases, division, step, turn)

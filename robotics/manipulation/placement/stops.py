@@ -101,7 +101,7 @@ class StopPlacer:
         return StopTable(values, served, sights)
 
     def _worth(self, bases: FloatArray, goal: Goal) -> tuple[FloatArray, BoolArray]:
-        """(b,) the least score along a goal's motion, 0 where it isn't served; and whether it is."""
+        """Return (b,) the least score along a goal's motion, 0 where it isn't served; and whether it is."""
         scores = self._placer.scores(bases, goal.work)
         good: BoolArray = np.asarray(scores.usable.all(axis=1))
         for path in (goal.work, *goal.looks):
@@ -210,7 +210,9 @@ class StopPlacer:
 
 
 def _stops(bases: FloatArray, table: StopTable, usable: BoolArray, cost: float) -> tuple[BaseStop, ...]:
-    """The best division of goals: each is a step of a path, between goals there are steps without length."""
+    """Return the best division of goals: each is a step of a path, between goals there are steps without
+    length.
+    """
     values, joined = np.where(usable, table.values, 0.0), np.ones((len(bases), 2 * usable.shape[1] - 1), bool)
     joined[:, ::2] = usable
     twice = np.repeat(values, 2, axis=1).astype(np.float32)

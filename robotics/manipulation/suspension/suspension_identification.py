@@ -89,7 +89,7 @@ def fit_sightings(
 def _weight(
     sighting: Sighting, hand_T_camera: Transform, base_T_sheet: Transform, arm_error: float
 ) -> FloatArray:
-    """(8, 8) that makes what a sighting is off by uncorrelated and of unit variance."""
+    """Return (8, 8) that makes what a sighting is off by uncorrelated and of unit variance."""
     camera_T_base = inverse(sighting.swing.base_T_hand @ hand_T_camera)
     x, y, z = apply(camera_T_base @ base_T_sheet, sighting.corners).T
     zero = np.zeros(4)
@@ -99,7 +99,7 @@ def _weight(
 
 
 def _rays(base_T_camera: Transform, points: FloatArray) -> FloatArray:
-    """(n, 2) x/z, y/z of points (n, 3) of the base."""
+    """Return (n, 2) x/z, y/z of points (n, 3) of the base."""
     inside = apply(inverse(base_T_camera), points)
     return np.asarray(inside[:, :2] / inside[:, 2:3])
 

@@ -27,7 +27,7 @@ class SwingYaw(NamedTuple):
 
 
 def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
-    """The turn of each swing, taken to be independent of the others.
+    """Return the turn of each swing, taken to be independent of the others.
 
     Args:
         headings: (n, m) of the base in [rad], to the left: n stops at the same posture, m looks at each

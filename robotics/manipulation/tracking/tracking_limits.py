@@ -41,7 +41,7 @@ class ArmLoad:
         self.torque: FloatArray = arm.effort_limits()
 
     def torques(self, q: FloatArray, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
-        """(n,) in [Nm] at angles (n,), speeds in [rad/s] and accelerations in [rad/s²]."""
+        """Return (n,) in [Nm] at angles (n,), speeds in [rad/s] and accelerations in [rad/s²]."""
         arm = self._arm
         moved = arm.ordered(q), arm.ordered_rates(speed), arm.ordered_rates(acceleration)
         return arm.of_arm(pin.rnea(self._model, self._data, *moved))

@@ -139,7 +139,9 @@ _ROOM = 0.98  # of the torque limits for TOPP-RA, which looks at fewer places
 
 
 def _push(arm: ArmModel, load: ArmLoad, path: ToolPath, angles: FloatArray, force: float) -> FloatArray:
-    """(p, n) sizes of the torques for the force along the path, in [Nm]; any turn of the base is the same."""
+    """Return (p, n) sizes of the torques for the force along the path, in [Nm]; any turn of the base is the
+    same.
+    """
     if force == 0.0:
         return np.zeros_like(angles)
     tips = np.array([arm.forward(q)[:3, 3] for q in angles])

@@ -141,7 +141,7 @@ class BeaconFilter(FieldLocalizer):
         self._left_out[beacon] = long and fits.sum() >= MIN_OTHER_BEACONS
 
     def _forecast(self, beacon: int) -> tuple[float, FloatArray]:
-        """A range in [m], and how it depends on the states (1, n)."""
+        """Return a range in [m], and how it depends on the states (1, n)."""
         lever = level_lever(self._errors.tag, self.tilt, float(self._mean[states.HEADING]))
         x, y, height = self._errors.places[beacon].tolist()
         away = np.array([x, y]) - self._mean[:2] - lever

@@ -119,6 +119,6 @@ class CarTracker:
 
 
 def _straight(start: Pose2, way: float) -> FloatArray:
-    """(n, 3) poses along a straight line; one if it has no length."""
+    """Return (n, 3) poses along a straight line; one if it has no length."""
     count = math.ceil(abs(way) / PATH_SPACING_M - 1e-9) + 1
     return np.array([start.compose(Pose2(way * s, 0.0, 0.0)) for s in np.linspace(0.0, 1.0, count)])

@@ -60,7 +60,9 @@ class Ramp:
         self.speed = self.turn_rate = 0.0
 
     def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, ...]:
-        """The allowed command nearest to what is wanted, in [m/s] and [rad/s], `dt` in [s] after the last."""
+        """Return the allowed command nearest to the wanted one, in [m/s] and [rad/s], `dt` in [s] after the
+        last.
+        """
         limits = self.limits
         speed = _clip(speed, limits.speed)
         turn_rate = _clip(turn_rate, limits.turn_rate)

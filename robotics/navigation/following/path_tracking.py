@@ -206,7 +206,7 @@ class PathTracker:
 
 
 def _resample(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The route evenly spaced (n, 2), and the length along it (n,)."""
+    """Return the route evenly spaced (n, 2), and the length along it (n,)."""
     points = np.asarray(points, dtype=np.float64)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     total = float(along[-1])
@@ -235,7 +235,7 @@ def _curvatures(heading: FloatArray, along: FloatArray) -> FloatArray:
 
 
 def _around(most: FloatArray) -> FloatArray:
-    """(n,) the least of each point's and its neighbours': the robot is never quite at one."""
+    """Return (n,) the least of each point's and its neighbours': the robot is never quite at one."""
     if len(most) < 2 * ZONE_MARGIN_POINTS + 1:
         return np.full(len(most), most.min())
     padded = np.pad(most, ZONE_MARGIN_POINTS, mode="edge")

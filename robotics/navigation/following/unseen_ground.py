@@ -84,7 +84,7 @@ def is_driven(
 
 
 def _leading_edge(radius: float, curvature: float, length: float) -> FloatArray:
-    """(k, 2) in the base frame, counter-clockwise."""
+    """Return (k, 2) in the base frame, counter-clockwise."""
     heading = curvature * length + (math.pi if length < 0.0 else 0.0)
     count = max(3, math.ceil(2.0 * LEADING_RAD * radius / EDGE_STEP_M) + 1)
     around = heading + np.linspace(-LEADING_RAD, LEADING_RAD, count)
@@ -92,7 +92,7 @@ def _leading_edge(radius: float, curvature: float, length: float) -> FloatArray:
 
 
 def _is_seen(bearing: FloatArray, angles: FloatArray, blind: BoolArray, spacing: float) -> BoolArray:
-    """(k,) whether the beam nearest to each bearing is sound, and near enough."""
+    """Return (k,) whether the beam nearest to each bearing is sound, and near enough."""
     around = angles[0] - 0.75 * spacing + np.mod(bearing - angles[0] + 0.75 * spacing, 2.0 * math.pi)
     nearest = np.clip(np.rint((around - angles[0]) / spacing).astype(int), 0, len(angles) - 1)
     off = np.abs((around - angles[nearest] + math.pi) % (2.0 * math.pi) - math.pi)

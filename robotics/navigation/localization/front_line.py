@@ -70,7 +70,7 @@ def fit_front(
 
 
 def _axes(segment: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors along a segment and across it, the latter away from the origin."""
+    """Return unit vectors along a segment and across it, the latter away from the origin."""
     along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
     normal = np.array([-along[1], along[0]])
     return along, normal if normal @ segment[0] >= 0.0 else -normal
@@ -79,7 +79,9 @@ def _axes(segment: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _first_line(
     points: FloatArray, along: FloatArray, normal: FloatArray, sigma: float
 ) -> tuple[FloatArray, FloatArray]:
-    """A point and the normal of the line through two far points that explains most of the points (MSAC)."""
+    """Return a point and the normal of the line through two far points that explains most of the points
+    (MSAC).
+    """
     ordered = points[np.argsort(points @ along, kind="stable")]
     some = ordered[np.linspace(0, len(points) - 1, min(SEED_POINT_COUNT, len(points))).astype(np.int64)]
     first, second = np.triu_indices(len(some), k=max(1, len(some) // 4))

@@ -70,7 +70,7 @@ class HolonomicOdometry(Odometry):
         return float(by_scale @ self._state[3:, 3:] @ by_scale)
 
     def _slip_covariance(self, left: float, right: float, sideways: float, tread: float) -> FloatArray:
-        """(3, 3) of the motion ahead, to the left in [m] and of the turn in [rad]."""
+        """Return (3, 3) of the motion ahead, to the left in [m] and of the turn in [rad]."""
         length = self._errors.slip_length * self.slip_factor
         slip = self._errors.slip**2 * length
         by_side = np.array([[0.5, 0.5], [0.0, 0.0], [-1.0 / tread, 1.0 / tread]])
@@ -93,7 +93,7 @@ def _twist(forward: float, left: float, turn: float) -> Pose2:
 
 
 def _body_jacobian(moved: Pose2, heading: float, turn: float) -> FloatArray:
-    """(3, 3) of x, y, heading on the map by motion ahead, to the left, and turn."""
+    """Return (3, 3) of x, y, heading on the map by motion ahead, to the left, and turn."""
     middle = heading + 0.5 * turn
     cos, sin = math.cos(middle), math.sin(middle)
     x = math.cos(heading) * moved.x - math.sin(heading) * moved.y

@@ -100,7 +100,7 @@ class LikelihoodField:
 
 
 def _distances(surface: BoolArray) -> SingleArray:
-    """(h, w) of all cells to the nearest one of a surface, in cells; inf without one."""
+    """Return (h, w) of all cells to the nearest one of a surface, in cells; inf without one."""
     if not surface.any():
         return np.full(surface.shape, np.inf, dtype=np.float32)
     away = (~surface).astype(np.uint8)
@@ -115,7 +115,7 @@ def _in_steps(cells: NDArray[np.floating[Any]]) -> Uint16Array:
 
 @compiled
 def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) -> Int32Array:
-    """(n,) index of each point's distances in `LikelihoodField.facing`, seen from a sensor.
+    """Return (n,) index of each point's distances in `LikelihoodField.facing`, seen from a sensor.
 
     Args:
         points: (n, 2) where beams ended, in [m].
@@ -138,7 +138,7 @@ def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) ->
 
 @compiled
 def read_distance(distance: SingleArray, at: FloatArray) -> FloatArray:
-    """(n,) distance (h, w) of the cells at columns and rows (n, 2), bilinear; inf outside.
+    """Return (n,) distance (h, w) of the cells at columns and rows (n, 2), bilinear; inf outside.
 
     Cell centres are at whole numbers.
     """

@@ -93,7 +93,7 @@ class Localizer(ABC):
         return self._odometry.covariance
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """The wheels travelled this far, in [m]."""
+        """Predict the motion from the wheels' travel, in [m]."""
         self._odometry.predict(left, right, sideways)
 
     @property
@@ -344,6 +344,6 @@ def is_apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_er
 
 
 def pose_difference(before: Pose2, after: Pose2) -> FloatArray:
-    """(3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
+    """Return (3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
     x, y, turn = np.subtract(after, before).tolist()
     return np.array([x, y, wrap(turn)])

@@ -207,7 +207,7 @@ class Odometry:
 
 
 def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> FloatArray:
-    """(3, 2) of x, y, heading by the travel of the left and the right wheel."""
+    """Return (3, 2) of x, y, heading by the travel of the left and the right wheel."""
     bend = 0.5 * forward / tread
     return np.array(
         [

@@ -105,7 +105,7 @@ class OdometryLocalizer(Localizer):
             self._stands = self._stands.compose(self.pose.relative_to(before))
 
     def correct(self, points: FloatArray) -> bool:
-        """Scans are not looked at."""
+        """Ignore the scan."""
         return False
 
     @property

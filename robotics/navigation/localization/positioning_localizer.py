@@ -63,7 +63,7 @@ class PositioningLocalizer(Localizer):
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
 
     def correct(self, points: FloatArray) -> bool:
-        """Scans are not looked at."""
+        """Ignore the scan."""
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:

@@ -267,7 +267,8 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
 
 
 def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
-    """(3, 3) of a prior whose error along the direction says nothing about the rest, if the scan doesn't.
+    """Return (3, 3) of a prior whose error along the direction says nothing about the rest, if the scan
+    doesn't.
 
     The direction is only about right: through such a relation, the scan would seem to determine it.
     """

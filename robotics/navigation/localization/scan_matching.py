@@ -270,8 +270,8 @@ def _wrapped(angle: float) -> float:
 
 @compiled
 def _solved(matrix: FloatArray, right: FloatArray) -> tuple[float, float, float]:
-    """The x of (matrix + LEAST) x = right, the matrix (3, 3) symmetric: Cholesky, by hand because numba takes
-    two seconds to compile a call of LAPACK.
+    """Return the x of (matrix + LEAST) x = right, the matrix (3, 3) symmetric: Cholesky, by hand because
+    numba takes two seconds to compile a call of LAPACK.
     """
     a = math.sqrt(matrix[0, 0] + MIN_INFORMATION_SHARE)
     b, c = matrix[1, 0] / a, matrix[2, 0] / a
@@ -300,7 +300,7 @@ def _median(values: FloatArray) -> float:
 
 
 def _cells(points: FloatArray, resolution: float) -> FloatArray:
-    """(3, 3) factor of what no number of beams averages away: where surfaces lie in their cells."""
+    """Return (3, 3) factor of what no number of beams averages away: where surfaces lie in their cells."""
     reach = math.sqrt(float(np.vdot(points, points)) / points.size + 0.01) if len(points) else 1.0
     bias = CELL_BIAS * resolution
     return np.diag([bias, bias, 0.5 * bias / reach])

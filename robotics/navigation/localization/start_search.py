@@ -173,7 +173,9 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
 def score_poses(
     distance: SingleArray, cells: IntArray, turns: FloatArray, points: FloatArray, scale: float
 ) -> FloatArray:
-    """(n, m) how near the points, in cells, lie to surfaces, from cells (n, 2) and with headings (m,)."""
+    """Return (n, m) how near the points, in cells, lie to surfaces, from cells (n, 2) and with headings
+    (m,).
+    """
     height, width = distance.shape
     out = np.zeros((len(cells), len(turns)))
     for j in range(len(turns)):

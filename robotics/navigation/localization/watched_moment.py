@@ -62,7 +62,7 @@ class WatchedMoment(NamedTuple):
     def corrected(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> Self:
-        """Readings are seen with `residual` (m,), each of `variance`.
+        """Return the moment after readings with `residual` (m,), each of `variance`.
 
         `rows` (m, n) is how they depend on the states now, `covariance` (n, n) that of those without them.
         """
@@ -121,7 +121,9 @@ def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
 def spread_about(
     away: FloatArray, weights: FloatArray, covariances: FloatArray, shares: FloatArray
 ) -> FloatArray:
-    """(n, n) of a mixture: of its parts (k, n, n) by their shares, and of how far they are away (k, n)."""
+    """Return (n, n) of a mixture: of its parts (k, n, n) by their shares, and of how far they are away (k,
+    n).
+    """
     out = np.zeros(covariances.shape[1:])
     size = away.shape[1]
     for k in range(len(weights)):

@@ -97,14 +97,14 @@ def refine_poses(
 
 
 def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
-    """(n,) which of poses (n, 3) are at the same place as another one (3,)."""
+    """Return (n,) which of poses (n, 3) are at the same place as another one (3,)."""
     away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
     turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)
     return np.asarray((away < SAME_M) & (turn < SAME_RAD))
 
 
 def _can_stand(field: LikelihoodField, poses: FloatArray) -> BoolArray:
-    """(n,) which of poses (n, 3) are on the map, and not in a wall."""
+    """Return (n,) which of poses (n, 3) are on the map, and not in a wall."""
     grid = field.map
     fits = grid.inside(poses[:, :2])
     rows, columns = grid.to_cell(poses[fits, :2]).T
@@ -124,7 +124,7 @@ def _distinct(poses: FloatArray, order: IntArray) -> IntArray:
 
 
 def _coarse(field: LikelihoodField, points: FloatArray) -> FloatArray:
-    """(n, 3) poses all over the map from which the points lie near what it shows, one for each bin."""
+    """Return (n, 3) poses all over the map from which the points lie near what it shows, one for each bin."""
     grid = field.map
     free = ~grid.occupied & (field.distance > CLEAR_M)
     area = float(free.sum()) * grid.resolution**2

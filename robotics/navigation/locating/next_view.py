@@ -86,7 +86,8 @@ def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, r
 def predicted_difference(
     here: Pose2, places: FloatArray, field: LikelihoodField, poses: FloatArray, reach: float
 ) -> FloatArray:
-    """(n,) mean share of beams whose ranges would differ between the best hypothesis and each other one.
+    """Return (n,) mean share of beams whose ranges would differ between the best hypothesis and each other
+    one.
 
     Args:
         here: local_T_base.
@@ -134,7 +135,9 @@ def look_alike(field: LikelihoodField, poses: FloatArray, radius: float, within:
 
 
 def _reachable(around: Surroundings, within: float = MAX_AWAY_M) -> FloatArray:
-    """(n, 2) places on connected ground that was seen to be free, with room for the footprint, in [m]."""
+    """Return (n, 2) places on connected ground that was seen to be free, with room for the footprint, in
+    [m].
+    """
     seen = around.seen
     clear = cv2.distanceTransform((~seen.blocked).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     room = (clear * seen.resolution > around.radius + MARGIN_M).astype(np.uint8)
@@ -158,7 +161,7 @@ def _reachable(around: Surroundings, within: float = MAX_AWAY_M) -> FloatArray:
 
 
 def _novelty(seen: GridMap, places: FloatArray) -> FloatArray:
-    """(n,) share of ground around places (n, 2) that was not seen."""
+    """Return (n,) share of ground around places (n, 2) that was not seen."""
     size = 2 * round(NOVELTY_RADIUS_M / seen.resolution) + 1
     unseen = cv2.blur(seen.unknown.astype(np.float32), (size, size), borderType=cv2.BORDER_REPLICATE)
     rows, columns = seen.to_cell(places).T
@@ -168,7 +171,7 @@ def _novelty(seen: GridMap, places: FloatArray) -> FloatArray:
 def _is_blocked(
     around: Surroundings, places: FloatArray, field: LikelihoodField, poses: FloatArray
 ) -> BoolArray:
-    """(n,) True where the map shows something at a place, as one of the hypotheses has it."""
+    """Return (n,) True where the map shows something at a place, as one of the hypotheses has it."""
     steps = around.here.inverse().apply(places)
     blocked = np.zeros(len(places), dtype=np.bool_)
     grid = field.map

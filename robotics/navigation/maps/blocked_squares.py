@@ -248,7 +248,8 @@ def is_clear(squares: BlockedSquares, start: FloatArray, end: FloatArray, need: 
 
 @compiled
 def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
-    """(n,) least distance to blocked squares along the stretches that meet at each point of a path (n, 2).
+    """Return (n,) least distance to blocked squares along the stretches that meet at each point of a path (n,
+    2).
 
     All in [cells]. So whatever one reads between two points, the less, the mean or anything in between, no
     spot there is nearer to a blocked square.

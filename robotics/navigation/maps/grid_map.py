@@ -72,7 +72,8 @@ class GridMap(NamedTuple):
 
 
 def from_occupancy(values: Int8Array, resolution: float, origin: tuple[float, float]) -> GridMap:
-    """A map from occupancies (h, w) in percent, row 0 at the bottom: 100 is occupied, 0 free, others unknown.
+    """Return a map from occupancies (h, w) in percent, row 0 at the bottom: 100 is occupied, 0 free, others
+    unknown.
 
     Args:
         values: as `ros_occupancy` gives them.

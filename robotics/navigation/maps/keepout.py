@@ -22,7 +22,9 @@ def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
 
 
 def keepout_cells(grid: GridMap, zones: GridMap) -> BoolArray:
-    """(h, w) cells of `grid` that a zone touches: whose centre lies in one, or that hold a zone's centre."""
+    """Return (h, w) cells of `grid` that a zone touches: whose centre lies in one, or that hold a zone's
+    centre.
+    """
     height, width = grid.occupied.shape
     across, up = np.arange(width, dtype=np.int64), np.arange(height, dtype=np.int64)
     columns = zones.to_cell(grid.to_point(np.column_stack([0 * across, across])))[:, 1]

@@ -11,7 +11,7 @@ HIDDEN_DEPTH_M = 0.25  # [m] by which a thing may be deeper than it was seen
 
 
 def point_discs(points: FloatArray) -> FloatArray:
-    """(n, 3) x, y, radius in [m] of the things that points (m, 2) lie on."""
+    """Return (n, 3) x, y, radius in [m] of the things that points (m, 2) lie on."""
     points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     if len(points) == 0:
         return np.empty((0, 3))

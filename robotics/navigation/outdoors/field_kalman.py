@@ -226,7 +226,7 @@ class FieldKalman:
         return FixResult(False, likelihood, square, why)
 
     def _leap(self, position: FloatArray, sigma: float | None, odometry: GyroOdometry) -> FixResult:
-        """Fixes have been off together since they leapt: begin with this one to find out by how much."""
+        """Begin with a fix after which fixes were off together, to find out by how much."""
         self._monitor.reset()
         self._mean, self._spread = _LEAPT @ self._mean, leapt(self._spread, self.noise.jump)
         self._went_on(_LEAPT)

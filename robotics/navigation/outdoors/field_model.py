@@ -134,7 +134,9 @@ def went_on(
 
 @compiled
 def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> FloatArray:
-    """(2,) from the base to its `antenna` [m] in the world's axes, in [m]; tilt and heading in [rad]."""
+    """Return (2,) from the base to its `antenna` [m] in the world's axes, in [m]; tilt and heading in
+    [rad].
+    """
     x, y, z = antenna
     roll, pitch = tilt
     across, up = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
@@ -166,7 +168,7 @@ def fix_forecast(mean: FloatArray, lever: FloatArray, speed: float) -> tuple[Flo
 
 @compiled
 def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -> FloatArray:
-    """The covariance (13, 13) after a step."""
+    """Return the covariance (13, 13) after a step."""
     out = transition @ covariance @ transition.T
     for i in range(len(added)):
         out[i, i] += added[i]

@@ -82,7 +82,7 @@ class FixMonitor:
 
 
 def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
-    """(2,) of which each is one sigma, by the covariance's lower root."""
+    """Return (2,) of which each is one sigma, by the covariance's lower root."""
     a = math.sqrt(covariance[0, 0])
     b = covariance[1, 0] / a
     c = math.sqrt(covariance[1, 1] - b * b)

@@ -108,7 +108,7 @@ class GyroOdometry:
         _update(self._state, self._felt, self._seen, rates, accelerations, wheels, dt, self._euler)
 
     def take(self) -> Advance:
-        """What happened since the last call."""
+        """Return the motion since the last call."""
         sums = self._state[12:18].tolist()
         self._state[12:18] = 0.0
         return Advance(*sums)
@@ -116,7 +116,7 @@ class GyroOdometry:
 
 @compiled
 def _refresh(seen: FloatArray, at: int, values: FloatArray) -> FloatArray:
-    """The latest finite values, remembered in `seen` from `at` on."""
+    """Return the latest finite values, remembered in `seen` from `at` on."""
     for k in range(len(values)):
         if math.isfinite(values[k]):
             seen[at + k] = values[k]
@@ -165,7 +165,7 @@ def _creeps(felt: FloatArray, bias: float, known: bool, dt: float) -> bool:
 
 @compiled
 def _rest(state: FloatArray, felt: FloatArray, turning: FloatArray, force: FloatArray, dt: float) -> None:
-    """A period at rest: the gyros' mean is their bias, gravity gives roll and pitch."""
+    """Update at rest: the gyros' mean is their bias, gravity gives roll and pitch."""
     if state[10] == 0.0:  # it has come to rest: so have all readings that show it
         state[10] = (len(felt) - 1) * dt
         for axis in range(3):
@@ -208,7 +208,7 @@ def _middle_rates(
 
 @compiled
 def _drive(state: FloatArray, turning: FloatArray, travel: float, dt: float, euler: bool) -> None:
-    """A period of driving."""
+    """Update while driving."""
     state[10] = 0.0
     roll_rate, pitch_rate, yaw_rate, pitch, gain = _middle_rates(state, turning - state[6:9], dt, euler)
     turn = dt * yaw_rate

@@ -76,7 +76,7 @@ class LostTrack:
 
 
 def _turned(refused: FloatArray, sigma: float, estimate: Pose2) -> FoundTrack | None:
-    """The fixes lie on a track that is turned about."""
+    """Return the pose if the fixes lie on a turned track."""
     found = _fit(refused, sigma)
     if found is None:
         return None
@@ -86,7 +86,7 @@ def _turned(refused: FloatArray, sigma: float, estimate: Pose2) -> FoundTrack | 
 
 
 def _shifted(refused: FloatArray, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
-    """The fixes lie on a track beside; nothing is known of the heading beyond the estimate."""
+    """Return the pose if the fixes lie on a parallel track; the heading is that of the estimate."""
     last = Pose2(*refused[-1, :3].tolist())
     moved = [estimate.compose(Pose2(*row[:3].tolist()).relative_to(last)) for row in refused]
     away = refused[:, 3:5] - np.array(moved)[:, :2]
@@ -105,7 +105,9 @@ def _length(tracks: FloatArray) -> float:
 
 
 def _fit(tracks: FloatArray, sigma: float) -> FoundTrack | None:
-    """The pose now by laying the odometry's track over the fixes (Umeyama, 1991), if they agree."""
+    """Return the present pose by laying the odometry's track over the fixes (Umeyama, 1991), if they
+    agree.
+    """
     reckoned, seen = tracks[:, :2], tracks[:, 3:5]
     reckoned_middle, seen_middle = reckoned.mean(axis=0), seen.mean(axis=0)
     a, b = reckoned - reckoned_middle, seen - seen_middle

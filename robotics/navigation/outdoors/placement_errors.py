@@ -24,5 +24,5 @@ def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
 
 
 def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
-    """(n,) squared errors (n, 2) in units of their covariances (n, 2, 2): 2 on average if honest."""
+    """Return (n,) squared errors (n, 2) in units of their covariances (n, 2, 2): 2 on average if honest."""
     return np.asarray(np.einsum("ni,nij,nj->n", errors, np.linalg.inv(covariances), errors))

@@ -44,7 +44,9 @@ class Sky(NamedTuple):
 
 @compiled
 def leapt(covariance: FloatArray, jump: float) -> FloatArray:
-    """(13, 13) covariance of the states after the error leapt by `jump` [m] an axis, wherever it was."""
+    """Return (13, 13) covariance of the states after the error leapt by `jump` [m] an axis, wherever it
+    was.
+    """
     out = covariance.copy()
     for state in (GPS_X, GPS_Y):
         out[state, :] = 0.0

@@ -67,7 +67,7 @@ class TrackRecord:
     def correct(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> None:
-        """The filter is about to see something: readings with `residual` (m,), each of `variance`.
+        """Record a correction: readings with `residual` (m,), each of `variance`.
 
         `rows` (m, n) is how they depend on the states, `covariance` (n, n) that of the states now, without
         them.
@@ -81,7 +81,7 @@ class TrackRecord:
             self._latest = self._latest.corrected_either(branches, rows, variance)
 
     def mark(self, now: Belief) -> None:
-        """This moment is wanted."""
+        """Mark this moment for smoothing."""
         if self._latest is not None:
             self._links.append(_Link(self._latest, now))
         self._latest = WatchedMoment.of(now)

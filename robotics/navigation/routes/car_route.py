@@ -39,7 +39,7 @@ def plan_car_route(
 
 
 def _met(path: CarPath, start: Pose2, goal: Pose2, discs: FloatArray) -> BoolArray:
-    """(n,) which discs a path comes into, backing included."""
+    """Return (n,) which discs a path comes into, backing included."""
     ends = [start.compose(Pose2(-path.back_before * s, 0.0, 0.0))[:2] for s in np.linspace(0.0, 1.0, 10)]
     ends += [goal.compose(Pose2(path.back_after * s, 0.0, 0.0))[:2] for s in np.linspace(0.0, 1.0, 10)]
     points = np.vstack([path.poses[:, :2], np.array(ends)])

@@ -63,7 +63,9 @@ def _first_seen(
     column: int,
     most: int,
 ) -> IntArray:
-    """Indices into `cells` of the first cell in sight of each of the first `most` edges, in this order."""
+    """Return indices into `cells` of the first cell in sight of each of the first `most` edges, in this
+    order.
+    """
     found = np.empty(most, dtype=np.int64)
     count = 0
     here, there = np.array([float(row), float(column)]), np.empty(2)

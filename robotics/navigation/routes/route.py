@@ -127,7 +127,7 @@ def plan_route(
 
 
 def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> FloatArray | None:
-    """The way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
+    """Return the way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
     points = _way(graph, start, goal, 0.0)
     if points is None or path_length(points) <= MAX_DETOUR_RATIO * math.hypot(*(points[-1] - points[0])):
         return points
@@ -143,7 +143,9 @@ def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> FloatArray |
 
 
 def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> FloatArray | None:
-    """The cheapest way's roomy part (n, 2), in [cells], where length costs `haste` on top of its price."""
+    """Return the cheapest way's roomy part (n, 2), in [cells], where length costs `haste` on top of its
+    price.
+    """
     way = _through_graph(graph, start, goal, haste)
     if way is None:
         return None
@@ -151,7 +153,7 @@ def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> FloatArr
 
 
 def _roomy_part(graph: VoronoiGraph, start: _End, way: IntArray, goal: _End) -> FloatArray:
-    """The way (n, 2) around corners that are too narrow, with start and goal where these have room."""
+    """Return the way (n, 2) around corners that are too narrow, with start and goal where these have room."""
     parts = [around_corners(graph.free, graph.squares, graph.need, way)]
     parts = [start.spot[None], *parts] if start.roomy else parts
     parts = [*parts, goal.spot[None]] if goal.roomy else parts
@@ -159,7 +161,7 @@ def _roomy_part(graph: VoronoiGraph, start: _End, way: IntArray, goal: _End) -> 
 
 
 def _with_ends(start: _End, path: FloatArray, goal: _End) -> FloatArray:
-    """The path (n, 2) from start to goal, those included: at least two points."""
+    """Return the path (n, 2) from start to goal, those included: at least two points."""
     first = path if start.roomy else np.vstack([sampled(np.array([start.spot, path[0]]), 1.0)[:-1], path])
     whole = first if goal.roomy else np.vstack([first, sampled(np.array([path[-1], goal.spot]), 1.0)[1:]])
     return whole if len(whole) > 1 else np.vstack([start.spot, goal.spot])

@@ -97,7 +97,7 @@ def _walk_all(
 
 
 def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
-    """The skeleton's cells (n,) as flat indices, and links (h * w,): bit k for a link along step k.
+    """Return the skeleton's cells (n,) as flat indices, and links (h * w,): bit k for a link along step k.
 
     Args:
         skeleton: (h, w), False all along the border.

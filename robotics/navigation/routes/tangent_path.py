@@ -207,7 +207,7 @@ def _turn(circle: _Circle, come: float | None, go: float) -> float:
 
 
 def _free_lines(circles: list[_Circle], discs: FloatArray) -> list[_Line]:
-    """All tangents from one circle to another that meet no disc."""
+    """Return all tangents from one circle to another that meet no disc."""
     rows = np.array(circles)
     count = len(circles)
     first, second = (index.ravel() for index in np.meshgrid(range(count), range(count), indexing="ij"))
@@ -238,7 +238,7 @@ def _free_lines(circles: list[_Circle], discs: FloatArray) -> list[_Line]:
 
 
 def _lines_free(start: FloatArray, end: FloatArray, discs: FloatArray) -> BoolArray:
-    """(n,) which lines between points (n, 2) stay out of all discs."""
+    """Return (n,) which lines between points (n, 2) stay out of all discs."""
     ray = end - start
     square = np.maximum((ray**2).sum(axis=1), 1e-18)
     to_disc = discs[None, :, :2] - start[:, None]
@@ -285,7 +285,7 @@ def _drawn(
 
 
 def _arc(circle: _Circle, come: float, go: float) -> FloatArray:
-    """(n, 4) x, y, heading, curvature of an arc, without its first point."""
+    """Return (n, 4) x, y, heading, curvature of an arc, without its first point."""
     turn = _turn(circle, come, go)
     heading = come + circle.sense * _steps(circle.radius * turn) / max(circle.radius, 1e-12)
     out = heading - circle.sense * math.pi / 2.0

@@ -31,7 +31,9 @@ LEVELS_PER_CELL = 16  # finer than a cell's rounding of a distance, coarse enoug
 
 
 def _simple_table() -> BoolArray:
-    """(256,) whether a cell is simple, by its neighbourhood; bit k is the neighbour at k times 45 degrees."""
+    """Return (256,) whether a cell is simple, by its neighbourhood; bit k is the neighbour at k times 45
+    degrees.
+    """
     codes = np.arange(256)
     away = 1 - ((codes[:, None] >> np.arange(8)) & 1)
     number = sum(
@@ -117,7 +119,7 @@ def _peel(
 
 
 def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
-    """The skeleton (h, w) of the free cells (h, w), as exact in topology and centred by `distance`.
+    """Return the skeleton (h, w) of the free cells (h, w), as exact in topology and centred by `distance`.
 
     Args:
         free: (h, w), False all along the border.

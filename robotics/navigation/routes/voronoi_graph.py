@@ -158,7 +158,9 @@ def room_price(clearance: SingleArray, resolution: float) -> SingleArray:
 
 
 def _too_narrow(squares: BlockedSquares, need: float, cells: IntArray, step: FloatArray) -> BoolArray:
-    """(c,) whether a step to a cell (c, 2) leads over a corner too narrowly, and no free cell lies beside."""
+    """Return (c,) whether a step to a cell (c, 2) leads over a corner too narrowly, and no free cell lies
+    beside.
+    """
     rows, columns = cells.T + 1
     before_row, before_column = np.roll(rows, 1), np.roll(columns, 1)
     beside = np.maximum(squares.distance[before_row, columns], squares.distance[rows, before_column])
@@ -170,7 +172,7 @@ def _too_narrow(squares: BlockedSquares, need: float, cells: IntArray, step: Flo
 
 
 def _component(free: BoolArray, grid: GridMap, seed_point: tuple[float, float] | None) -> BoolArray:
-    """The largest component of the (padded) free cells, or the one nearest to the seed point."""
+    """Return the largest component of the (padded) free cells, or the one nearest to the seed point."""
     if not free.any():
         raise ValueError("no free cell is left after growing the obstacles by the robot's radius")
     _, labels, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=8)

@@ -312,7 +312,9 @@ class Ways:
 
 
 def without_front(grid: GridMap, front: FloatArray) -> GridMap:
-    """A map without the cells that a front (2, 2), in [m], runs through: there its real place counts."""
+    """Return a map without the cells that a front (2, 2), in [m], runs through: there its real place
+    counts.
+    """
     near = 0.75 * grid.resolution
     rows, columns = np.nonzero(grid.blocked)
     centres = grid.to_point(np.column_stack([rows, columns]))

@@ -81,7 +81,9 @@ def _guesses(view: PlaneView, size: tuple[float, float], expected: Pose2, within
 
 
 def _picture(view: PlaneView, expected: Pose2, half: float) -> ByteArray:
-    """The plane about the expected pose: x along the rows, y along the columns, the pose in the middle."""
+    """Return the plane about the expected pose: x along the rows, y along the columns, the pose in the
+    middle.
+    """
     half_px = math.ceil(half / _M_PER_PX) + 2 * _STRIP
     side = 2 * half_px + 1
     camera_T_expected = view.camera_T_plane @ expected.lift()
@@ -120,7 +122,7 @@ def _scores(picture: ByteArray, size: tuple[float, float], within: float) -> Flo
 
 
 def _turned(picture: ByteArray, columns: int, rows: int) -> SingleArray:
-    """The picture in all turns, one below the other; the middle stays in the middle."""
+    """Return the picture in all turns, one below the other; the middle stays in the middle."""
     middle = picture.shape[0] // 2
     width, height = 2 * columns + 1, 2 * rows + 1
     turned = np.empty((len(_ANGLES) * height, width), dtype=np.float32)
@@ -136,7 +138,7 @@ def _turned(picture: ByteArray, columns: int, rows: int) -> SingleArray:
 
 
 def _cut(stack: SingleArray, x: int, y: int, reach: int) -> SingleArray:
-    """The places (turns, n, n), displaced by whole pixels."""
+    """Return the places (turns, n, n), displaced by whole pixels."""
     _, height, width = stack.shape
     row, column = height // 2 + y, width // 2 + x
     return stack[:, row - reach : row + reach + 1, column - reach : column + reach + 1]

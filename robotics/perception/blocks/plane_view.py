@@ -24,7 +24,7 @@ class PlaneView(NamedTuple):
     camera_T_plane: Transform
 
     def eye(self, pose: Pose2) -> FloatArray:
-        """(3,) where the camera is, in the pose's frame: z above the plane."""
+        """Return (3,) where the camera is, in the pose's frame: z above the plane."""
         camera_T_pose = self.camera_T_plane @ pose.lift()
         return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])
 

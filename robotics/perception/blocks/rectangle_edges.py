@@ -113,7 +113,7 @@ def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
 
 
 def _m_per_px(view: PlaneView, rectangle: Rectangle) -> FloatArray:
-    """(4,) across each edge, in its middle."""
+    """Return (4,) across each edge, in its middle."""
     step = np.full(4, 0.0005)
     ends = view.pixels(rectangle.pose, np.stack(across(rectangle.half, np.zeros(1), -step, step)))
     return np.asarray(2 * step / np.linalg.norm(ends[1] - ends[0], axis=-1)[:, 0])

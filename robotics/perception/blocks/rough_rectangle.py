@@ -58,7 +58,7 @@ def _drops(profiles: FloatArray) -> FloatArray:
 
 
 def _top(sharp: FloatArray) -> float:
-    """The slope of the sharpest edges, by a parabola."""
+    """Return the slope of the sharpest edges, by a parabola."""
     best = min(max(int(sharp.argmax()), 1), len(sharp) - 2)
     before, top, after = sharp[best - 1 : best + 2].tolist()
     share = (after - before) / max(1e-9, 4 * top - 2 * before - 2 * after)

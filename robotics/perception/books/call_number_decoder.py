@@ -61,7 +61,7 @@ class CallNumberDecoder:
         self._letters, self._max_decimals = letters, max_decimals
 
     def decode(self, probabilities: SingleArray) -> Decoded | None:
-        """The call number in `probabilities` (time, characters), or None where they hold none."""
+        """Return the call number in `probabilities` (time, characters), or None where they hold none."""
         symbols = np.column_stack([probabilities[:, group].sum(axis=1) for group in self._groups])
         blanks = probabilities[:, self._blank].sum(axis=1)
         # Of a prefix: its probability ending in a blank, and ending in its last symbol.

@@ -44,7 +44,8 @@ def find_labels(
 
 
 def _papers(view: FlatView) -> list[ByteArray]:
-    """The view with print painted over, which leaves paper as one bright patch: print is thinner than 3 mm.
+    """Return the view with print painted over, which leaves paper as one bright patch: print is thinner than
+    3 mm.
 
     So are the seams beside a label as broad as its spine: the second closes nothing across spines.
     """
@@ -96,8 +97,8 @@ def _label_sized(width: float, length: float, slack: float = 1.0) -> bool:
 
 
 def _box(corners: SingleArray, view: FlatView) -> LabelBox:
-    """The rectangle of four picture corners (any order, pixel centres of the rim) as a box in the shelf
-    frame.
+    """Return the rectangle of four picture corners (any order, pixel centres of the rim) as a box in the
+    shelf frame.
     """
     centre = corners.mean(axis=0)
     sides = np.diff(corners[[0, 1, 2]], axis=0)

@@ -98,7 +98,7 @@ class LabelReader(ABC):
     def _crop(
         self, image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, box: LabelBox
     ) -> ByteArray:
-        """The label turned so that its text runs left to right, line after line, cut to print."""
+        """Return the label turned so that its text runs left to right, line after line, cut to print."""
         flat = partial(_flat_label, image, camera, camera_T_shelf, box)
         lines = text_lines(
             flat(0.0, _PAGE_SHARE * box.width, round(_PAGE_SHARE * box.width / _PAGE_M_PER_PX))
@@ -145,7 +145,9 @@ def _flat_label(
     height: float,
     rows: int,
 ) -> ByteArray:
-    """A strip along a label as its reader sees it: `height` [m] as so many `rows`, `below` [m] the middle."""
+    """Return a strip along a label as its reader sees it: `height` [m] as so many `rows`, `below` [m] the
+    middle.
+    """
     m_per_px = height / rows
     width = round(box.length / m_per_px)
     along = np.array(box.along)

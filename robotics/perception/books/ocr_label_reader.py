@@ -82,7 +82,7 @@ def _model_file() -> Path:
 
 
 def _input(crop: ByteArray) -> SingleArray:
-    """A crop (48, w) as the recogniser wants it: (1, 3, 48, w), -1..1, padded with 0."""
+    """Return a crop (48, w) as the recogniser wants it: (1, 3, 48, w), -1..1, padded with 0."""
     height, width = crop.shape
     result = np.zeros((1, 3, height, -(-width // _STEP_PX) * _STEP_PX), dtype=np.float32)
     darkest, brightest = float(crop.min()), float(crop.max())

@@ -89,7 +89,7 @@ class SpineEdge(NamedTuple):
 
 
 def strips_of(view: FlatView) -> Strips:
-    """Strips of a few millimetres' height, averaged over rows."""
+    """Return strips of a few millimetres' height, averaged over rows."""
     count = view.picture.shape[0] // _STRIP_ROWS
     shape = (count, _STRIP_ROWS, view.picture.shape[1])
     rows = slice(0, count * _STRIP_ROWS)
@@ -119,7 +119,9 @@ def _sheared(rows: FloatArray, strips: Strips, tilt: float) -> FloatArray:
 
 @compiled
 def _shifted(rows: FloatArray, shifts: FloatArray) -> FloatArray:
-    """Each row (w,) read so many columns further on, between them on a line; 0 outside. As `np.interp`."""
+    """Return each row (w,) read so many columns further on, between them on a line; 0 outside. As
+    `np.interp`.
+    """
     count, width = rows.shape
     out = np.zeros((count, width))
     for i in range(count):

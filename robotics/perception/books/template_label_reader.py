@@ -38,7 +38,7 @@ class TemplateLabelReader(LabelReader):
         return [self._match(crop) for crop in crops]
 
     def _cut(self, template: ByteArray, scale: float) -> ByteArray:
-        """A template as the camera's crops are: of the same scale and height, cut to its print."""
+        """Return a template as the camera's crops are: of the same scale and height, cut to its print."""
         resized = cv2.resize(template, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         surplus = max(0, resized.shape[0] - self.crop_height_px) // 2
         return cut_to_print(resized[surplus : surplus + self.crop_height_px].astype(np.uint8))
@@ -57,7 +57,7 @@ class TemplateLabelReader(LabelReader):
 
 
 def _normalised(crop: ByteArray) -> FloatArray:
-    """A crop in the size of comparison, as a vector of mean 0 and length 1."""
+    """Return a crop in the size of comparison, as a vector of mean 0 and length 1."""
     small = cv2.resize(crop, (_WIDTH, _HEIGHT), interpolation=cv2.INTER_AREA).astype(np.float64).ravel()
     small -= small.mean()
     unit: FloatArray = small / max(float(np.linalg.norm(small)), 1e-9)

@@ -46,10 +46,10 @@ class CalibrationBoard(ABC):
 
     @abstractmethod
     def _drawn(self, width: int, height: int) -> ByteArray:
-        """The pattern in so many pixels."""
+        """Return the pattern in so many pixels."""
 
     def _places(self, numbers: NDArray[np.integer]) -> FloatArray:
-        """(n, 3) of corners by their number, counted row by row from the upper left."""
+        """Return (n, 3) of corners by their number, counted row by row from the upper left."""
         row, column = np.divmod(numbers, self._columns - 1)
         x = (column + 1) * self._square - self._size[0] / 2
         y = self._size[1] / 2 - (row + 1) * self._square

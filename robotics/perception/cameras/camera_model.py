@@ -97,7 +97,9 @@ class CameraModel(NamedTuple):
 
 
 def plane_to_rays(camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-    """The homography (3, 3) from (y, z, 1) on the plane at `x` [m] of a frame to rays of the camera frame."""
+    """Return the homography (3, 3) from (y, z, 1) on the plane at `x` [m] of a frame to rays of the camera
+    frame.
+    """
     rotation, origin = camera_T_plane[:3, :3], camera_T_plane[:3, 3]
     return np.column_stack([rotation[:, 1], rotation[:, 2], origin + rotation[:, 0] * x])
 

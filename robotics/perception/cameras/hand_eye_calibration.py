@@ -133,7 +133,9 @@ def _best_start(
 def _off(
     views: Sequence[HandEyeView], boards: Sequence[PosedBoard], poses: tuple[Transform, Transform]
 ) -> FloatArray:
-    """(n, 6) expected camera_T_board less the seen one: shift in [m] and turn in [rad], in camera axes."""
+    """Return (n, 6) expected camera_T_board less the seen one: shift in [m] and turn in [rad], in camera
+    axes.
+    """
     hand_T_camera, base_T_board = poses
     expected = np.array([inverse(view.base_T_hand @ hand_T_camera) @ base_T_board for view in views])
     seen = np.array([board.camera_T_board for board in boards])
@@ -149,7 +151,7 @@ def _arm_error(
 
 
 def _weight(view: HandEyeView, board: PosedBoard, hand_T_camera: Transform, arm_error: float) -> FloatArray:
-    """(6, 6) that makes what a view is off by uncorrelated and of unit variance."""
+    """Return (6, 6) that makes what a view is off by uncorrelated and of unit variance."""
     camera_T_hand = inverse(hand_T_camera)
     lever = board.camera_T_board[:3, 3] - camera_T_hand[:3, 3]
     x, y, z = lever.tolist()
@@ -167,7 +169,9 @@ def _fit(
     weights: Sequence[FloatArray],
     start: tuple[Transform, Transform],
 ) -> tuple[tuple[Transform, Transform], FloatArray, float]:
-    """Both poses, the jacobian (6 n, 12), and the variance that is left, 1 if the weights are right."""
+    """Return both poses, the jacobian (6 n, 12), and the variance that is left, 1 if the weights are
+    right.
+    """
     weight = np.array(weights)
 
     def residuals(step: FloatArray) -> FloatArray:
@@ -180,7 +184,7 @@ def _fit(
 
 
 def _moved(poses: tuple[Transform, Transform], step: FloatArray) -> tuple[Transform, Transform]:
-    """Both poses moved, in their own frames, by a shift in [m] and a turn in [rad] each (12,)."""
+    """Return both poses moved, in their own frames, by a shift in [m] and a turn in [rad] each (12,)."""
     moved = []
     for pose, part in zip(poses, (step[:6], step[6:]), strict=True):
         change = np.eye(4)

@@ -49,7 +49,8 @@ def draw_overlay(
     outlines: Sequence[FloatArray] = (),
     points: FloatArray | None = None,
 ) -> ByteArray:
-    """A BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and gaps.
+    """Return a BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and
+    gaps.
 
     `outlines` (n, 2) in [px] are drawn closed, `points` (n, 2) as small circles. Spines and gaps are in
     the shelf frame: they are drawn where camera and `camera_T_shelf` are given.

@@ -49,20 +49,20 @@ def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.
 
 
 def pattern() -> FloatArray:
-    """The fields (8, 8) from the upper left: 1 white, 0 black."""
+    """Return the fields (8, 8) from the upper left: 1 white, 0 black."""
     fields = np.zeros((CELLS_ACROSS, CELLS_ACROSS))
     fields[WHITE_FIELD, WHITE_FIELD] = 1.0
     return fields
 
 
 def square_corners(side: float) -> FloatArray:
-    """(4, 3) in [m] of the landmark's frame, in the order of `Landmark.corners`."""
+    """Return (4, 3) in [m] of the landmark's frame, in the order of `Landmark.corners`."""
     half = side / 2
     return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
 
 
 def diagonals_meet(corners: FloatArray) -> FloatArray:
-    """(2,) where the diagonals of a quadrangle (4, 2) meet."""
+    """Return (2,) where the diagonals of a quadrangle (4, 2) meet."""
     a, b, c, d = corners
     along, across, start = c - a, d - b, b - a
     share = (start[0] * across[1] - start[1] * across[0]) / (along[0] * across[1] - along[1] * across[0])
@@ -70,7 +70,7 @@ def diagonals_meet(corners: FloatArray) -> FloatArray:
 
 
 def seen_landmark(rays: FloatArray, camera: CameraModel, score: float) -> Landmark:
-    """The landmark with corners at `rays` (4, 2)."""
+    """Return the landmark with corners at `rays` (4, 2)."""
     both = np.vstack([rays, diagonals_meet(rays)])
     pixels = camera.project(np.column_stack([both, np.ones(5)]))
     right = rays[1] + rays[2] - rays[0] - rays[3]

@@ -84,7 +84,7 @@ def _same(seen: Landmark, guess: FloatArray) -> bool:
 
 
 def _turn(image: ByteArray, corners: FloatArray) -> tuple[FloatArray, float]:
-    """The corners from the upper left one on, and the correlation."""
+    """Return the corners from the upper left one on, and the correlation."""
     turns, score = _correlate(image, corners)
     return np.roll(corners, -turns, axis=0), score
 
@@ -106,7 +106,7 @@ def _correlate(image: ByteArray, corners: FloatArray) -> tuple[int, float]:
 
 @cache
 def _templates() -> FloatArray:
-    """The pattern, unit length (4, n), with its upper left corner at corner 0, 1, 2, 3."""
+    """Return the pattern, unit length (4, n), with its upper left corner at corner 0, 1, 2, 3."""
     fields = np.kron(pattern() - pattern().mean(), np.ones((2, 2)))
     fields /= np.linalg.norm(fields)
     return np.array([np.rot90(fields, -turns).ravel() for turns in range(4)])

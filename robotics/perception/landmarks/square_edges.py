@@ -28,7 +28,7 @@ class SquareEdges(NamedTuple):
 
 
 def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> SquareEdges | None:
-    """The dark square with corners near `guess` (4, 2) in [px], clockwise as seen, at most 8 px off.
+    """Return the dark square with corners near `guess` (4, 2) in [px], clockwise as seen, at most 8 px off.
 
     None if an edge is not there, not straight (the lens undone), not dark inside, or leaves the image.
     Edge points are undistorted, not the image: an image would be interpolated once more.
