@@ -256,7 +256,7 @@ class Localization(ABC):
         if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
         self._scan_jump.roll(left, right, self._wheels.odometry.tread, sideways)
-        rests = self.still > STILL_SCANS
+        rests = self.still > 0
         if (rests and self.still % LOOK_AGAIN != 0) or lidar.silence:
             return
         if self._scan_jump.take(beams_of(lidar), rests):
@@ -290,7 +290,8 @@ class Localization(ABC):
         if self._range_sensor is None:
             return
         if self.still <= STILL_SCANS:
-            self._wheels.correct(self._fresh_points())
+            if self._wheels.CORRECTS_BY_SCANS:
+                self._wheels.correct(self._fresh_points())
         elif self.still % LOOK_AGAIN == 0:
             self.look_again()
 

@@ -99,13 +99,15 @@ class ArmContact:
         self._radius = np.array([radius_about(shape) for shape in shapes])
         self._moved_links, self._mounted_links = self._some(self._links), self._some(self._mounted)
         self._fingers = [(g, i) for g, i in enumerate(self._links) if self._names[i] in FINGER_LINKS]
+        self._own_numbers = np.array(self._own, dtype=np.intp)
         self._own_radii = self._radius[self._own]
+        self._hands_among: dict[int, NDArray[np.intp]] = {}
         self._hands = [g for g, i in enumerate(self._links) if self._names[i] in _HANDS]
         out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
         self._mounted_reach = max(out, default=0.0)
         self._on_hand = {LOAD_NAME, *FINGER_LINKS, *_fixed_on_tip(arm, self._names)}
         self._fixed = [solid.box for solid in scene.solids]
-        self._boxes: list[Box] = []
+        self._take_in([], 0)
         self._stood: dict[str, tuple[Transform, Box]] = {}
         self._changes = -1
         self._reach: tuple[object, float] = (None, 0.0)
@@ -248,14 +250,23 @@ class ArmContact:
         """Return the deepest overlap of the hand and what it holds with the parts of the robot that the arm
         does not move.
         """
-        hands = self._hands + list(range(len(self._links), len(bodies.names)))
-        near = near_spheres(bodies.poses[hands], bodies.radii[hands], poses[self._own], self._own_radii)
+        hands = self._hand_numbers(len(bodies.names))
+        near = near_spheres(
+            bodies.poses[hands], bodies.radii[hands], poses[self._own_numbers], self._own_radii
+        )
         worst = NO_TOUCH
         for g, k in near.tolist():
-            i, hand = self._own[k], hands[g]
+            i, hand = self._own[k], int(hands[g])
             met = meet(bodies.geometry[hand], bodies.poses[hand], self._geometry[i], poses[i])
             worst = max(worst, Touch(met.depth, bodies.names[hand], self._names[i], met.normal, met.point))
         return worst
+
+    def _hand_numbers(self, count: int) -> NDArray[np.intp]:
+        """Return the numbers of the hand's links and of what it holds, among so many moved bodies."""
+        if count not in self._hands_among:
+            held = range(len(self._links), count)
+            self._hands_among[count] = np.array([*self._hands, *held], dtype=np.intp)
+        return self._hands_among[count]
 
     def _refresh(self) -> None:
         """Take things from where they are now."""
@@ -265,11 +276,23 @@ class ArmContact:
         self._changes = key
         things = [thing for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)]
         standing = [self._box(thing) for thing in things]
-        self._boxes = [*self._fixed, *standing]
-        sizes = np.array([box.size for box in self._boxes]).reshape(-1, 3)
+        boxes = [*self._fixed, *standing]
+        if len(boxes) != len(self._boxes):
+            self._take_in(boxes, len(standing))
+            return
+        for number, (box, before) in enumerate(zip(boxes, self._boxes, strict=True)):
+            if box is not before:
+                self._boxes[number] = box
+                self._solids[number] = RigidBody.box(np.array(box.size) - _GIVE)
+                self._arrays.place(number, np.array(box.size), box.pose)
+
+    def _take_in(self, boxes: list[Box], standing: int) -> None:
+        """Take in solids of the world, and behind them the things that stand there now."""
+        self._boxes = boxes
+        sizes = np.array([box.size for box in boxes]).reshape(-1, 3)
         self._solids = [RigidBody.box(size) for size in sizes - _GIVE]
-        self._arrays = Boxes(sizes, np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4))
-        always = np.zeros(len(standing))
+        self._arrays = Boxes(sizes, np.array([box.pose for box in boxes]).reshape(-1, 4, 4))
+        always = np.zeros(standing)
         self._appears = np.append([solid.appears for solid in self._scene.solids], always)
         self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
 

@@ -9,13 +9,18 @@ from handcart.robotics.numerics.compiled import compiled_for
 
 
 class Boxes:
-    """Fixed boxes, as arrays."""
+    """Boxes, as arrays."""
 
     def __init__(self, sizes: FloatArray, poses: FloatArray) -> None:
         """Take them in: sizes (n, 3) in [m], poses (n, 4, 4)."""
         self.middles = np.ascontiguousarray(poses[:, :3, 3])
         self.turns = np.ascontiguousarray(poses[:, :3, :3])
         self.halves = 0.5 * sizes
+
+    def place(self, number: int, size: Floats, pose: Floats) -> None:
+        """Put another box in the place of one: size (3,) in [m], pose (4, 4)."""
+        self.middles[number], self.turns[number] = pose[:3, 3], pose[:3, :3]
+        self.halves[number] = 0.5 * size
 
 
 def near_boxes(poses: FloatArray, radii: FloatArray, boxes: Boxes, there: BoolArray) -> IntArray:

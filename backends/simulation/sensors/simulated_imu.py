@@ -66,7 +66,8 @@ class SimulatedImu(Imu, SimulatedSensor):
     def advance(self, period: int) -> None:
         """Update after a period."""
         turn = self._scene.world_T_base[:3, :3]
-        self._turned = pin.log3(self._turn.T @ turn)
+        stands = turn.tobytes() == self._turn.tobytes()
+        self._turned = np.zeros(3) if stands else pin.log3(self._turn.T @ turn)
         self._turn, self._now = turn, period
 
     def _carried(self) -> FloatArray:

@@ -59,6 +59,8 @@ class Localizer(ABC):
 
     STATE: ClassVar[Mapping[str, Any]] = {}
     """Attributes that change, besides the odometry's, with their types."""
+    CORRECTS_BY_SCANS: ClassVar[bool] = True
+    """False if `correct` does not look at scans: nobody needs to take any for it."""
 
     def __init__(
         self,

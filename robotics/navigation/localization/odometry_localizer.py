@@ -54,6 +54,8 @@ class OdometryLocalizer(Localizer):
         "explained": float,
     }
 
+    CORRECTS_BY_SCANS: ClassVar[bool] = False
+
     def __init__(
         self,
         start: Pose2,

@@ -33,6 +33,8 @@ class PositioningLocalizer(Localizer):
         "_strange": int,
     }
 
+    CORRECTS_BY_SCANS: ClassVar[bool] = False
+
     def __init__(
         self,
         start: Pose2,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.numerics.arrays import FloatArray
@@ -50,7 +48,7 @@ class ScanJump:
             at_rest: whether the base stands: scans are then taken more rarely.
         """
         before = self._reference
-        if before is not None and np.array_equal(before.ranges, beams.ranges, equal_nan=True):
+        if before is not None and _same_ranges(before.ranges, beams.ranges):
             return False  # an old scan given again says nothing of where the base is now
         changed = self._reference is not None and self._is_changed(self._reference, beams)
         self._changes = self._changes + 1 if changed else 0
@@ -69,24 +67,58 @@ class ScanJump:
         far = math.hypot(self._moved.x, self._moved.y) > MAX_REFERENCE_M
         if far or abs(self._moved.theta) > MAX_REFERENCE_RAD or len(before.angles) != len(beams.angles):
             return False
-        points = self._moved.inverse().apply(before.points) - beams.origin
+        back = self._moved.inverse()
         changed, compared = _changed_beams(
-            np.ascontiguousarray(points), np.ascontiguousarray(beams.angles), beams.ranges
+            (before.origin, before.angles, before.ranges),
+            tuple(back),
+            beams.origin,
+            beams.angles,
+            beams.ranges,
         )
         self.share = changed / compared if compared >= MIN_COMPARED else 0.0
         return self.share > MAX_CHANGED_SHARE
 
 
 @compiled
-def _changed_beams(points: FloatArray, angles: FloatArray, ranges: FloatArray) -> tuple[int, int]:
-    """Return how many of the points (n, 2), in [m] from the sensor, the beams do not show any more, and how
-    many were compared.
+def _same_ranges(one: FloatArray, other: FloatArray) -> bool:
+    """Return whether all ranges are the same to the last bit; NaN is the same as NaN."""
+    if len(one) != len(other):
+        return False
+    for i in range(len(one)):
+        if one[i] != other[i] and not (math.isnan(one[i]) and math.isnan(other[i])):
+            return False
+    return True
+
+
+@compiled
+def _changed_beams(
+    before: tuple[FloatArray, FloatArray, FloatArray],
+    moved: tuple[float, float, float],
+    sensor: FloatArray,
+    angles: FloatArray,
+    ranges: FloatArray,
+) -> tuple[int, int]:
+    """Return how many echoes of the scan before the beams do not show any more, and how many were compared.
+
+    Args:
+        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the scan before.
+        moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
+        sensor: (2,) origin of the beams, in [m].
+        angles: (n,) in [rad].
+        ranges: (n,) in [m].
     """
+    origin, rays, reaches = before
+    cos, sin = math.cos(moved[2]), math.sin(moved[2])
     count = len(angles)
     step = (angles[count - 1] - angles[0]) / max(1, count - 1)
     changed, compared = 0, 0
-    for i in range(len(points)):
-        x, y = points[i, 0], points[i, 1]
+    for i in range(len(rays)):
+        if not math.isfinite(reaches[i]):
+            continue
+        ahead = origin[0] + reaches[i] * math.cos(rays[i])
+        left = origin[1] + reaches[i] * math.sin(rays[i])
+        x = moved[0] + cos * ahead - sin * left - sensor[0]
+        y = moved[1] + sin * ahead + cos * left - sensor[1]
         angle, away = math.atan2(y, x), math.sqrt(x * x + y * y)
         at = (angle - angles[0]) % (2.0 * math.pi)
         middle = int(at / step + 0.5)

@@ -138,6 +138,8 @@ def _take(
         row, column = math.floor(ends[i, 0]), math.floor(ends[i, 1])
         if raises[i] and 0 < row < height - 1 and 0 < column < width - 1:
             stamps[row - 1 : row + 2, column - 1 : column + 2] = stamp
+    if not _has_scores(scores, start, ends):
+        return  # as on most floors: there is nothing to lower
     for i in range(len(ends)):
         rows, columns = ends[i, 0] - start[0], ends[i, 1] - start[1]
         length = math.sqrt(rows * rows + columns * columns)
@@ -150,3 +152,19 @@ def _take(
             if scores[row, column] > 0 and stamps[row, column] != stamp:
                 stamps[row, column] = stamp
                 scores[row, column] -= PASS_SCORE
+
+
+@compiled
+def _has_scores(scores: NDArray[np.int8], start: Floats, ends: Floats) -> bool:
+    """Return whether a cell has a score in the rectangle about the sensor and the ends of its beams."""
+    low, high, left, right = start[0], start[0], start[1], start[1]
+    for i in range(len(ends)):
+        low, high = min(low, ends[i, 0]), max(high, ends[i, 0])
+        left, right = min(left, ends[i, 1]), max(right, ends[i, 1])
+    height, width = scores.shape
+    first, last = max(0, math.floor(left)), min(width, math.floor(right) + 1)
+    for row in range(max(0, math.floor(low)), min(height, math.floor(high) + 1)):
+        for column in range(first, last):
+            if scores[row, column] > 0:
+                return True
+    return False

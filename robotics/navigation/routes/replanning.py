@@ -68,6 +68,9 @@ class Replanner:
         self._radius, self._speeds, self._rooms = self._shape.inscribed, speeds, rooms
         self._rounding = max(1.0, top_speed / USUAL_SPEED_M_S)
         self._room = rooms[0]
+        self._blocked: NDArray[np.bool_] | None = None
+        self._squares: BlockedSquares | None = None
+        self._planned_on: BlockedSquares | None = None
 
     def look(
         self,
@@ -90,7 +93,7 @@ class Replanner:
             lead: length of the old route that stays the beginning of another one, in [m].
             better: whether to look for another route although the old one is free.
         """
-        squares = blocked_squares(grid.blocked)
+        squares = self._squares_of(grid)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
         speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)
         old = None if route is None or len(route) < 2 else _Driven(route, grid, squares, self._shape)
@@ -105,13 +108,23 @@ class Replanner:
             return RouteLook("kept", old.points, free, None, speeds)
         head = np.empty((0, 2)) if old is None else old.head(min(lead, 0.5 * free))
         usual = start.distance(goal) if old is None else max(start.distance(goal), path_length(old.points))
+        if old is not None and is_free and self._planned_on is squares:
+            return RouteLook("kept", old.points, free, None, speeds)  # it is what the rest of that plan is
         plan = self._plan(grid, start, goal, front, head, usual)
+        self._planned_on = squares
         if old is not None and (plan is None or (is_free and not plan.is_worth(old.points))):
             return RouteLook("kept" if is_free else "none", old.points, free, obstacle, speeds)
         if plan is None:
             return RouteLook("none", np.array([start[:2]]), 0.0, obstacle, speeds)
         self._room = plan.room
         return RouteLook("new", plan.points, path_length(plan.points), None, speeds)
+
+    def _squares_of(self, grid: GridMap) -> BlockedSquares:
+        """Return the distances to what is blocked, computed again only where that has changed."""
+        blocked = grid.blocked
+        if self._blocked is None or self._squares is None or not np.array_equal(blocked, self._blocked):
+            self._blocked, self._squares = blocked, blocked_squares(blocked)
+        return self._squares
 
     def _plan(
         self,
