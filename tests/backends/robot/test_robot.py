@@ -288,3 +288,20 @@ def test_a_stop_takes_back_what_was_commanded(robot: Robot) -> None:
     robot.stop()
     robot.step()
     assert robot.driven == (0.0, 0.0)
+
+
+def test_driven_base_is_blocked_by_how_far_wheels_and_pose_came(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The distance of a period is the mean of both wheels, not their sum or more."""
+    taken: list[tuple[float, float]] = []
+    monkeypatch.setattr(
+        robot._motion, "update", lambda speed, rolled, before, now: taken.append((speed, rolled))
+    )
+    for _ in range(12):
+        robot.base.drive(0.2, 0.0)
+        robot.step()
+    speed, rolled = taken[-1]
+    assert speed == pytest.approx(0.2)
+    assert rolled == pytest.approx(0.2 * robot.period, rel=0.1)
+    assert robot.blocked is None

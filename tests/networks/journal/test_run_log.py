@@ -186,6 +186,18 @@ def test_a_result_is_kept_before_it_is_journaled_and_told_after(stand: Stand, tm
     assert (events[0].number, events[0].fails, events[2].number) == (1, 2, 1)
 
 
+def test_a_plan_that_a_fault_prevents_is_told_with_its_trace(stand: Stand, tmp_path: Path) -> None:
+    with Journal(tmp_path / "j") as journal:
+        log = RunLog(stand.robot, stand.model, journal, ())
+        try:
+            raise ValueError("the planner is broken")
+        except ValueError as error:
+            log.not_planned("a", error)
+    record = read_journal(tmp_path / "j").records[-1]
+    assert (record["kind"], record["situation"]) == ("PLAN", "a")
+    assert "ValueError: the planner is broken" in record["error"]
+
+
 def test_an_action_that_binds_late_is_told_anew_each_time(stand: Stand, tmp_path: Path) -> None:
     late = Binding(stand.Think, {"name": "x"}, {"text": "cup.name"})
     for binding, told in ((late, ["one", "two"]), (Binding.of(stand.Think(name="x")), ["one", "one"])):

@@ -408,3 +408,23 @@ def test_a_folder_of_somebody_else(folder: Path, control: Any) -> None:
         os._exit(closed)
     _, status = os.waitpid(child, 0)
     assert os.waitstatus_to_exitcode(status) == 2
+
+
+def test_an_answer_that_does_not_fit_at_once_arrives_without_busy_waiting(
+    folder: Path, lines: Callable[[], Line], clock: Clock
+) -> None:
+    """While the rest waits the line is writable for the selector, and afterwards readable again."""
+    long = "x" * 3_000_000
+    with Control(folder, lambda request: {"ok": True, "long": long}, lambda: None, clock) as control:
+        line = lines()
+        line.send(b"{}\n")
+        answers: list[dict[str, Any]] = []
+        for _ in range(200):
+            control.poll(0.5)
+            answers += line.answers()
+            if answers:
+                break
+        assert answers == [{"ok": True, "long": long}]
+        double: Any = control
+        interests = [key.events for key in double._selector.get_map().values()]
+        assert interests == [selectors.EVENT_READ] * 3

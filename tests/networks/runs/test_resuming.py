@@ -291,6 +291,16 @@ def test_what_is_known_and_what_comes_next_is_told(run: Run) -> None:
     assert epoch == ("EPOCH", {"after": past.last, "in_doubt": None}, {})
 
 
+def test_age_of_a_run_is_that_of_its_last_record(run: Run) -> None:
+    run.cut("START", 2)
+    run.forget()
+    past = run.past()
+    for number, record in enumerate(past.contents.records):
+        record["wall"]["unix_s"] = 100.0 * number
+    written = 100.0 * (len(past.contents.records) - 1)
+    assert past.words(written + 7.2, None)[0].startswith(f"known: record {past.last}, 7 s ago")
+
+
 def test_a_recovered_result_and_a_torn_tail_are_told(run: Run) -> None:
     run.cut("RESULT", -1, half=True)
     past = run.past()

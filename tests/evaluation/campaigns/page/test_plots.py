@@ -43,6 +43,16 @@ def test_histogram_counts_each_trial_once_and_marks_failed_ones() -> None:
     assert found.median == pytest.approx(WIDTH * 1.5 / 5.5)
 
 
+def test_histogram_axis_holds_all_bars_and_the_limit() -> None:
+    values, success = np.array([1.0, 1.5, 2.0, 3.0]), np.ones(4, bool)
+    for limit in (None, 0.2, 2.0, 4.0):
+        found = histogram(values, success, limit)
+        assert found.bars[0].x == pytest.approx(0.0 if limit != 0.2 else found.bars[0].x)
+        assert min(found.bars[0].x, found.limit or 0.0) == pytest.approx(0.0)
+        last = found.bars[-1]
+        assert max(last.x + last.width, found.limit or 0.0) == pytest.approx(WIDTH)
+
+
 @given(some.lists(some.floats(-1e9, 1e9), min_size=1, max_size=60))
 def test_whatever_the_values_bars_lie_side_by_side(values: list[float]) -> None:
     found = histogram(np.array(values), np.ones(len(values), bool))

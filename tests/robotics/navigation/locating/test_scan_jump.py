@@ -58,3 +58,24 @@ def test_an_old_scan_given_again_is_no_lifting(library_boxes: Boxes) -> None:
         pose = pose.compose(Pose2(STEP_M, 0.0, 0.0))
     assert not jump.take(seen(library_boxes, pose, 1), at_rest=False)
     assert jump.share < 0.3
+
+
+def test_an_old_scan_with_blind_beams_is_no_lifting(library_boxes: Boxes) -> None:
+    """Given again while the wheels drive on, as long as a lifted base needs to be noticed."""
+    jump, pose = ScanJump(), Pose2(3.0, 3.5, 0.0)
+    old = seen(library_boxes, pose, 0)
+    old.ranges[40:60] = np.nan
+    for _ in range(40):
+        assert not jump.take(old, at_rest=False)
+        jump.roll(-0.5 * STEP_M, 0.5 * STEP_M, TREAD_M)
+    assert jump.share == 0.0
+
+
+def test_scans_of_a_sensor_off_the_middle_fit_while_it_turns(library_boxes: Boxes) -> None:
+    jump, pose, origin = ScanJump(), Pose2(3.0, 3.5, 0.0), np.array([0.3, 0.1])
+    for number in range(40):
+        at = pose.compose(Pose2(*origin.tolist(), 0.0))
+        assert not jump.take(seen(library_boxes, at, number)._replace(origin=origin), at_rest=False)
+        assert jump.share < 0.1
+        jump.roll(-0.5 * STEP_M, 0.5 * STEP_M, TREAD_M)
+        pose = pose.compose(Pose2(0.0, 0.0, STEP_M / TREAD_M))

@@ -84,3 +84,13 @@ def test_speeds_fall_with_the_room_beside_the_footprint(replanner: Replanner) ->
     middle, near = look.speeds.at(np.array([[4.0, 2.0], [4.0, 0.05 + RADIUS]]), 2.0)
     assert middle == 2.0
     assert 0.3 <= near < 0.7
+
+
+def test_a_shorter_way_that_opens_is_taken_although_the_old_one_is_free(replanner: Replanner) -> None:
+    """The map has changed between the looks; on an unchanged one nothing is planned again."""
+    closed = room(FloorBox(4.0, 1.5, 0.0, 0.2, 3.0))
+    long = replanner.look(closed, START, GOAL)
+    assert replanner.look(closed, START, GOAL, route=long.points).kind == "kept"
+    look = replanner.look(room(), START, GOAL, route=long.points)
+    assert look.kind == "new"
+    assert path_length(look.points) < path_length(long.points)
