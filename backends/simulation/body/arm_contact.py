@@ -101,7 +101,7 @@ class ArmContact:
         self._fingers = [(g, i) for g, i in enumerate(self._links) if self._names[i] in FINGER_LINKS]
         self._own_numbers = np.array(self._own, dtype=np.intp)
         self._own_radii = self._radius[self._own]
-        self._hands_among: dict[int, NDArray[np.intp]] = {}
+        self._hands_among: dict[int, IndexArray] = {}
         self._hands = [g for g, i in enumerate(self._links) if self._names[i] in _HANDS]
         out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
         self._mounted_reach = max(out, default=0.0)
@@ -261,7 +261,7 @@ class ArmContact:
             worst = max(worst, Touch(met.depth, bodies.names[hand], self._names[i], met.normal, met.point))
         return worst
 
-    def _hand_numbers(self, count: int) -> NDArray[np.intp]:
+    def _hand_numbers(self, count: int) -> IndexArray:
         """Return the numbers of the hand's links and of what it holds, among so many moved bodies."""
         if count not in self._hands_among:
             held = range(len(self._links), count)

@@ -17,7 +17,7 @@ class Boxes:
         self.turns = np.ascontiguousarray(poses[:, :3, :3])
         self.halves = 0.5 * sizes
 
-    def place(self, number: int, size: Floats, pose: Floats) -> None:
+    def place(self, number: int, size: FloatArray, pose: FloatArray) -> None:
         """Put another box in the place of one: size (3,) in [m], pose (4, 4)."""
         self.middles[number], self.turns[number] = pose[:3, 3], pose[:3, :3]
         self.halves[number] = 0.5 * size

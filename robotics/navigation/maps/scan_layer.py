@@ -155,7 +155,7 @@ def _take(
 
 
 @compiled
-def _has_scores(scores: NDArray[np.int8], start: Floats, ends: Floats) -> bool:
+def _has_scores(scores: Int8Array, start: FloatArray, ends: FloatArray) -> bool:
     """Return whether a cell has a score in the rectangle about the sensor and the ends of its beams."""
     low, high, left, right = start[0], start[0], start[1], start[1]
     for i in range(len(ends)):

@@ -12,7 +12,7 @@ from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, bl
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.room_speeds import RoomSpeeds
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
-from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 from .shortcuts import path_length
 from .swept_route import swept_room
@@ -68,7 +68,7 @@ class Replanner:
         self._radius, self._speeds, self._rooms = self._shape.inscribed, speeds, rooms
         self._rounding = max(1.0, top_speed / USUAL_SPEED_M_S)
         self._room = rooms[0]
-        self._blocked: NDArray[np.bool_] | None = None
+        self._blocked: BoolArray | None = None
         self._squares: BlockedSquares | None = None
         self._planned_on: BlockedSquares | None = None
 
