@@ -70,7 +70,7 @@ class ScanJump:
         back = self._moved.inverse()
         changed, compared = _changed_beams(
             (before.origin, before.angles, before.ranges),
-            tuple(back),
+            (back.x, back.y, back.theta),
             beams.origin,
             beams.angles,
             beams.ranges,

@@ -295,9 +295,7 @@ def test_driven_base_is_blocked_by_how_far_wheels_and_pose_came(
 ) -> None:
     """The distance of a period is the mean of both wheels, not their sum or more."""
     taken: list[tuple[float, float]] = []
-    monkeypatch.setattr(
-        robot._motion, "update", lambda speed, rolled, before, now: taken.append((speed, rolled))
-    )
+    monkeypatch.setattr(robot._motion, "update", lambda speed, rolled, *poses: taken.append((speed, rolled)))
     for _ in range(12):
         robot.base.drive(0.2, 0.0)
         robot.step()

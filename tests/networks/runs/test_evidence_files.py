@@ -54,6 +54,7 @@ def test_evidence_files_hold_pictures_and_points(tmp_path: Path, files: Evidence
     assert sorted(path.name for path in folder.iterdir()) == names
     for key, picture in evidence.pictures.items():
         read = cv2.imread(str(folder / f"003_SKIP_Fail_{key}.png"), cv2.IMREAD_UNCHANGED)
+        assert read is not None
         assert np.array_equal(read, picture)
     with np.load(folder / names[0]) as points:
         assert points["scan"].tolist() == [[1.0, 2.0], [3.0, 4.0]]

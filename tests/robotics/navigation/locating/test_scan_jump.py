@@ -74,7 +74,7 @@ def test_an_old_scan_with_blind_beams_is_no_lifting(library_boxes: Boxes) -> Non
 def test_scans_of_a_sensor_off_the_middle_fit_while_it_turns(library_boxes: Boxes) -> None:
     jump, pose, origin = ScanJump(), Pose2(3.0, 3.5, 0.0), np.array([0.3, 0.1])
     for number in range(40):
-        at = pose.compose(Pose2(*origin.tolist(), 0.0))
+        at = pose.compose(Pose2(float(origin[0]), float(origin[1]), 0.0))
         assert not jump.take(seen(library_boxes, at, number)._replace(origin=origin), at_rest=False)
         assert jump.share < 0.1
         jump.roll(-0.5 * STEP_M, 0.5 * STEP_M, TREAD_M)
