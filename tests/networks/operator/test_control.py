@@ -410,7 +410,7 @@ def test_a_folder_of_somebody_else(folder: Path, control: Any) -> None:
     assert os.waitstatus_to_exitcode(status) == 2
 
 
-def test_an_answer_that_does_not_fit_at_once_arrives_without_busy_waiting(
+def test_answer_that_does_not_fit_at_once_is_sent_when_there_is_room(
     folder: Path, lines: Callable[[], Line], clock: Clock
 ) -> None:
     """While the rest waits the line is writable for the selector, and afterwards readable again."""

@@ -86,7 +86,7 @@ def test_speeds_fall_with_the_room_beside_the_footprint(replanner: Replanner) ->
     assert 0.3 <= near < 0.7
 
 
-def test_a_shorter_way_that_opens_is_taken_although_the_old_one_is_free(replanner: Replanner) -> None:
+def test_shorter_way_that_opens_is_taken_though_the_old_is_free(replanner: Replanner) -> None:
     """The map has changed between the looks; on an unchanged one nothing is planned again."""
     closed = room(FloorBox(4.0, 1.5, 0.0, 0.2, 3.0))
     long = replanner.look(closed, START, GOAL)
