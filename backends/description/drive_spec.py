@@ -45,6 +45,8 @@ class Drive(FileModel):
     turn_acceleration_deg_s2: Positive
     lateral_acceleration_m_s2: Positive | None = None
     """Maximum of speed times turn rate. (default: `acceleration_m_s2`, but at least 1 and at most 2)"""
+    person_distance_m: Annotated[float, Field(ge=0.0, le=5.0)] = 0.5
+    """Distance that MOVE_TO keeps from people where there is room."""
 
     @property
     def lateral_acceleration(self) -> float:

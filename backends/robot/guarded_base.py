@@ -17,6 +17,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.footprint_guard import FootprintGuard
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle, WayGuard
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.tracking.people import People
+from handcart.robotics.navigation.tracking.yielding import safe_share
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .unseen_ground import UnseenGround
@@ -82,6 +84,10 @@ class GuardedBase(HolonomicBase):
         self._slowed_to = math.inf
         self._felt = NO_STANDS
         self._is_located, self._on_map = is_located, True
+        self._people: People | None = None
+        self._yielded = False
+        self.yields = False
+        """True if the base stood in the last period although driven, because of a person."""
 
     @cached_property
     def _map_guard(self) -> WayGuard | FootprintGuard:
@@ -114,7 +120,7 @@ class GuardedBase(HolonomicBase):
         if all(map(math.isfinite, command)) and moves:
             way = command.direction
             along, turn_rate = self._allowed(*self._caught_up(command.along, turn_rate), way)
-            command = DriveCommand.towards(way, along, turn_rate)
+            command = DriveCommand.towards(way, *self._yielding(along, turn_rate, way))
         if isinstance(self._base, HolonomicBase):
             self._base.drive(*command)
         elif command.sideways == 0.0:
@@ -140,6 +146,23 @@ class GuardedBase(HolonomicBase):
         """Keep off (n, 2) points on the map in [m] from now on, where the base ran into an obstacle."""
         self._felt = points
 
+    def keep_off_people(self, people: People) -> None:
+        """Drive into nobody's predicted path until this period ends."""
+        self._people = people
+
+    def _yielding(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
+        """Return the part of a command that leads into nobody's path before the base could stand.
+
+        `direction` of travel in [rad] against the heading, as in `_allowed`.
+        """
+        if self._people is None or speed == 0.0:
+            return speed, turn_rate
+        pose, command = self._pose().compose(Pose2(0.0, 0.0, direction)), (speed, turn_rate)
+        share = safe_share(pose, command, self._people, self._radius, self._braking, self._period)
+        if share < 1.0:
+            self._slowed_to, self._yielded = share * abs(speed), share == 0.0
+        return share * speed, share * turn_rate
+
     @property
     def felt(self) -> FloatArray:
         """(n, 2) points on the map in [m] that it keeps off."""
@@ -151,6 +174,7 @@ class GuardedBase(HolonomicBase):
         The command is zero if there was none: it ends with its period.
         """
         taken = self._command, self._held
+        self.yields, self._yielded, self._people = self._yielded, False, None
         self._command, self._held = DriveCommand(), None
         return taken
 

@@ -41,6 +41,7 @@ from .fresh_pictures import FreshPictures
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
 from .robot_errors import MissingCapability, MissingSensor, NoSidewaysDrive, UnknownStart
+from .seen_people import SeenPeople
 from .unseen_ground import UnseenGround
 
 T = TypeVar("T")
@@ -133,6 +134,8 @@ class Robot:
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
         self._pictures = FreshPictures()
+        self.people = SeenPeople()
+        """People and carts that a drive tracks."""
         self._movers: set[int] = set()
         self._moved: set[int] = set()
 

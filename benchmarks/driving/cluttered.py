@@ -78,6 +78,8 @@ class Trial:
     periods_ms: list[float] = field(default_factory=list)
     """CPU of each period without that of the simulation."""
     track: list[Pose2] = field(default_factory=list)
+    given_s: float = GIVEN_S
+    """Simulated time after which the run is interrupted, in [s]."""
 
     @property
     def reached(self) -> bool:
@@ -113,7 +115,7 @@ class Watch(RunObserver):
         scene, result = self._scene, self._result
         result.nearest_mm = min(result.nearest_mm, 1e3 * base_gap(scene, scene.base)[0])
         result.track.append(scene.base)
-        if robot.time > GIVEN_S:
+        if robot.time > self._result.given_s:
             raise TimeoutError
         self._simulated, self._since = 0.0, time.process_time()
 

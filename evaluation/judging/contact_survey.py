@@ -105,7 +105,7 @@ class ContactSurvey(Survey):
         if self.run.world.held is not None:
             self._held = self.run.world.held.name
         touching = self.run.world.touching
-        speed = max(abs(robot.driven[0]), self._speed)
+        speed = max(abs(robot.command.along), self._speed)
         self._speed = self._base.distance(self.run.world.base) / robot.period
         self._base = self.run.world.base
         if not touching and not self._lasting:

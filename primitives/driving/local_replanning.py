@@ -24,6 +24,7 @@ from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook,
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .driving import no_way, plan_drive
+from .people_watch import PeopleWatch
 
 EXPLAINED_M = 0.08  # from anything on the map: pose error, noise and half a cell together
 MAX_EXPLAINED_M = 0.3  # the same where the pose is uncertain
@@ -61,6 +62,9 @@ class LocalReplanning:
         limits = robot.drive_limits
         self._top, self._shape, self._sensed = limits.speed, robot.spec.footprint_shape, np.empty((0, 2))
         self._replanner = Replanner(robot.spec.footprint_shape, limits.speed, model.speed_limits)
+        self.people = PeopleWatch(robot)
+        self.speed_limit = np.inf
+        """Speed along the route that yields to people, in [m/s]."""
         self._job: Generator[None, None, RouteLook] | None = None
         self._next_look = self._next_better = robot.time
         self.blocked_since: float | None = None
@@ -69,6 +73,17 @@ class LocalReplanning:
         self._anchor, self._held_for = robot.pose, 0.0
         self._backed_off, self._stuck_way = 0, 0.0
         self._nearest, self._nearer_at = np.inf, robot.time
+
+    @property
+    def holds(self) -> bool:
+        """True if the base holds: no way leads on, or somebody has to pass first."""
+        return self.blocked_since is not None or self.speed_limit <= 0.0
+
+    @property
+    def waits_since(self) -> float | None:
+        """Time since which it does not get on, for an obstacle or for people, in [s]; None if it does."""
+        since = [each for each in (self.blocked_since, self.people.waits_since) if each is not None]
+        return min(since, default=None)
 
     @property
     def points(self) -> FloatArray:
@@ -87,11 +102,13 @@ class LocalReplanning:
             margin = min(MAX_EXPLAINED_M, max(margin, 3.0 * robot.localization.sigma[0]))
         self._sensed = robot.pose.apply(scan.points())
         explained[hit] = self._field.read(self._sensed) <= margin
-        self._layer.take(map_T_sensor, scan.angles, ranges, explained, robot.time)
+        moving, left = self.people.take(robot, scan, ranges, explained)
+        self._layer.erase(left)
+        self._layer.take(map_T_sensor, scan.angles, ranges, explained | moving, robot.time)
 
     def keep(self) -> None:
         """Keep what was sensed in the world model."""
-        self._model.sensed_cells = self._layer.cells()
+        self._model.sensed_cells = self.people.without_people(self._layer.cells())
 
     def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
         """Return a route from where the base is; in the meantime it holds.
@@ -117,6 +134,7 @@ class LocalReplanning:
 
     def update(self, robot: Robot, tracker: PathTracker) -> None:
         """Look whether the route still is the one to drive, and change it; once a period."""
+        self.speed_limit = self.people.limit(robot, tracker)
         self._note_progress(robot, tracker)
         if self._job is not None:
             self._advance(self._job, robot, tracker)
@@ -129,6 +147,8 @@ class LocalReplanning:
             self._next_better = robot.time + BETTER_PERIOD_S
         speed = abs(robot.command.along)
         lead = LEAD_S * speed if speed > LEAD_SPEED_M_S else 0.0
+        if better:
+            self.people.try_all_room()
         arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
         self._job = robot.compute(self._answer, *arguments, takes=robot.period)
         self._advance(self._job, robot, tracker)
@@ -149,7 +169,7 @@ class LocalReplanning:
         lead: float = 0.0,
         better: bool = True,
     ) -> RouteLook:
-        grid = self._layer.merged().with_points(avoided)
+        grid = self.people.drawn_on(self._layer.merged().with_points(avoided), pose)
         look = self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
         if self._shape.is_disc or look.kind == "none":
             return look
@@ -160,6 +180,10 @@ class LocalReplanning:
         return avoided_points(robot, self._model)
 
     def _apply(self, look: RouteLook, robot: Robot, tracker: PathTracker) -> None:
+        if look.kind == "none" and not self.people.is_last_attempt:
+            self.people.try_less_room()
+            self._next_look = robot.time
+            return
         self._look = look
         if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
             self._next_look = self._next_better = robot.time
@@ -174,7 +198,7 @@ class LocalReplanning:
 
     def _note_progress(self, robot: Robot, tracker: PathTracker) -> None:
         """Raise `Discrepancy` if the rest of the way has not shrunk for long."""
-        waits = self.blocked_since is not None
+        waits = self.waits_since is not None
         if tracker.remaining < self._nearest - NEARER_M or waits or tracker.closing:
             self._nearest, self._nearer_at = min(self._nearest, tracker.remaining), robot.time
         patience = max(NEARER_TIMEOUT_S, NEARER_FACTOR * tracker.remaining / self._top)
@@ -193,7 +217,7 @@ class LocalReplanning:
 
     def pinned(self, robot: Robot) -> bool:
         """Return whether the guard has held the base at one place, so that it should back off."""
-        pinned = self._held_for > PINNED_S and self.blocked_since is None
+        pinned = self._held_for > PINNED_S and self.waits_since is None
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
@@ -233,6 +257,12 @@ class LocalReplanning:
         self._stuck_way = 0.0
         return sign
 
+    def command(self, robot: Robot, tracker: PathTracker) -> tuple[float, ...]:
+        """Return the command along the route, or to hold."""
+        if self.holds:
+            return tracker.hold(robot.pose, robot.period)
+        return tracker.command(robot.pose, robot.period, self.speed_limit)
+
     def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
         """Return whether something is on the recorded way back that was not there when the base came."""
         if len(ahead) < 2:
@@ -257,20 +287,21 @@ class LocalReplanning:
         tracker = make_tracker(look.points, goal.theta, robot.drive_limits, allowed=look.speeds)
         while not tracker.finished(robot.pose):
             self.update(robot, tracker)
-            waits = self.blocked_since is not None
-            if waits and robot.time > (self.blocked_since or 0.0) + wait_s:
+            since = self.waits_since
+            if since is not None and robot.time > since + wait_s:
                 raise Discrepancy(
                     "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
                 )
             if self.pinned(robot):
                 yield from self.back_off(robot, tracker)
-            robot.base.drive(*(tracker.hold if waits else tracker.command)(robot.pose, robot.period))
+            robot.base.drive(*self.command(robot, tracker))
             yield
 
     def give_up_waiting(self, ahead: FloatArray) -> Discrepancy:
         """Return why the drive ends: an obstacle is on the route, and no other one leads to the goal."""
-        obstacle = self._nearest_to_route(ahead)
-        x, y = obstacle
+        x, y = self._nearest_to_route(ahead)
+        if self.people.waits_since is not None or self.people.is_person(x, y):
+            return self.people.blocked(f"the path to {self._name}", (x, y))
         free = 0.0 if self._look is None else self._look.free
         return Discrepancy(
             f"an obstacle is on the path to {self._name}, at ({x:.2f}, {y:.2f}) m, "

@@ -216,9 +216,18 @@ class MoveTo(ActionPrimitive):
         if self._local is None or not isinstance(tracker, PathTracker):
             return
         self._local.update(robot, tracker)
-        self._blocked_since = self._local.blocked_since
+        self._blocked_since = self._local.waits_since
         if self._local.pinned(robot):
             yield from self._local.back_off(robot, tracker)
+
+    def _command(self, robot: Robot, tracker: PathTracker | CarTracker, looks: bool) -> tuple[float, ...]:
+        """Return speed and turn rate along the route; to hold before obstacles and for looks."""
+        local = self._local if isinstance(tracker, PathTracker) else None
+        if looks or (local is None and self._blocked_since is not None):
+            return tracker.hold(robot.pose, robot.period)
+        if local is None or not isinstance(tracker, PathTracker):
+            return tracker.command(robot.pose, robot.period)
+        return local.command(robot, tracker)
 
     def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
         arm = self._arm(robot, model, lambda: tracker.remaining)
@@ -227,8 +236,7 @@ class MoveTo(ActionPrimitive):
         while not tracker.finished(robot.pose):
             yield from self._replanned(robot, tracker)
             waits = self._blocked_since is not None or looks.due(tracker.remaining)
-            follow = tracker.hold if waits else tracker.command
-            robot.base.drive(*follow(robot.pose, robot.period))
+            robot.base.drive(*self._command(robot, tracker, looks.due(tracker.remaining)))
             self._ahead = tracker.ahead
             if abs(tracker.progress - progress) > 0.01 or waits:
                 progress, since, rolled = tracker.progress, robot.time, 0.0

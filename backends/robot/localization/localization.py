@@ -22,6 +22,7 @@ from handcart.robotics.navigation.locating.local_map import LocalMap
 from handcart.robotics.navigation.locating.scan_jump import ScanJump
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .crowd import Crowd
 from .lidar import Lidar, beams_of
 from .lost import Lost, lifted_by
 from .pose_covariance import SCAN_REPEATABILITY, worst_sigmas
@@ -66,6 +67,8 @@ class Localization(ABC):
         """Number of periods in which the wheels were at rest, apart from deflection."""
         self._stood = self.travel  # what the wheels had travelled when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
+        self.crowd = Crowd()
+        """People around the base."""
         self._map_field: LikelihoodField | None = None
         """Field of the given map; None if no scan is compared with a map."""
         self.lifted: Lost | None = None
@@ -209,17 +212,24 @@ class Localization(ABC):
             self.still += 1
             if self.still == STILL_SCANS:
                 self._stood = travel  # it has come to rest
+                if self._range_sensor is not None:
+                    self.crowd.came_to_rest(self._range_sensor.scan())
         else:
             self._stood = travel
             self.look_again()  # a roll must not hide that the base no longer stood where it stood
             self.still = 0
+            self.crowd.moved()
         self._correct()
+        self.crowd.passed()
 
     def look_again(self) -> None:
         """At rest, check whether the base is still at its pose; if not, find the new one."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
-        if self._wheels.find_again(self._fresh_points()):
+        points, scan = self._fresh_points(), self._range_sensor.scan()
+        if self.crowd.hides_walls(scan, self.pose, self._map_field):
+            return
+        if self._wheels.find_again(points):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
@@ -259,7 +269,8 @@ class Localization(ABC):
         rests = self.still > 0
         if (rests and self.still % LOOK_AGAIN != 0) or lidar.silence:
             return
-        if self._scan_jump.take(beams_of(lidar), rests):
+        jumped = self._scan_jump.take(beams_of(lidar), rests)
+        if jumped and not (rests and self.crowd.hides_walls(lidar.scan(), self.pose, self._map_field)):
             self.lifted = lifted_by(self._scan_jump.share)
             self._displaced()
 
@@ -307,7 +318,9 @@ class Localization(ABC):
         scan = self._range_sensor.scan()
         if not np.array_equal(scan.ranges, self._ranges):
             self._ranges, self._seen_at = scan.ranges.copy(), self.travel
-        return np.empty((0, 2)) if self.travel.away(self._seen_at) > STALE_SCAN_MOTION else scan.points()
+        if self.travel.away(self._seen_at) > STALE_SCAN_MOTION:
+            return np.empty((0, 2))
+        return self.crowd.without(scan.points(), self.pose)
 
     # For a checkpoint
 
@@ -328,7 +341,10 @@ class Localization(ABC):
         Raises:
             NotAState: the data belong to another kind of localization.
         """
+        self.crowd = Crowd()
         parts = self._parts()
+        if isinstance(state, dict) and "crowd" not in state:  # older checkpoints have none
+            state = {**state, "crowd": attributes(Crowd(), Crowd.STATE)}
         if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY, LIFTED_KEY} != parts.keys():
             raise NotAState(f"no state of this localization; needed: {', '.join(parts)}")
         for name, (part, kinds) in parts.items():
@@ -359,6 +375,7 @@ class Localization(ABC):
         """Return the parts that change in a run."""
         return {
             "localization": (self, self.STATE),
+            "crowd": (self.crowd, self.crowd.STATE),
             "wheels": (self._wheels, self._wheels.STATE),
             "odometry": (self._wheels.odometry, self._wheels.odometry.STATE),
         }

@@ -25,6 +25,8 @@ LEG_OFFSET_M = 0.10  # of each leg to its side
 LEG_SWING_M = 0.20  # of each leg along the walk, at most
 STEP_LENGTH_M = 0.7  # from one foot to the other
 PASSER_GREY = 90
+FAR_M = 1e6
+BRUSHING_M = 0.01  # by which a body that walks into the robot overlaps it
 YIELD_ANGLE_COS = 0.3  # of the direction to the robot, from which the robot counts as ahead
 
 
@@ -58,7 +60,7 @@ class PasserShape:
 class Passers:
     """People and carts that walk; one clock for each group."""
 
-    STATE: ClassVar[Kinds] = {"clocks": FloatArray}
+    STATE: ClassVar[Kinds] = {"clocks": FloatArray, "robot": tuple[float, float, float]}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, specs: Sequence[PasserSpec] = (), seed: int = 0) -> None:
@@ -66,6 +68,8 @@ class Passers:
         self._specs = tuple(specs)
         self.clocks = np.zeros(len(specs))
         """(n,) time that each group has walked or paused, in [s]."""
+        self.robot = (FAR_M, FAR_M, 0.0)
+        """x, y and radius of the robot, through whom nobody walks, in [m]; far off at first."""
         self._walks: list[tuple[int, str, Walk]] = []
         for number, spec in enumerate(specs):
             drawn = float(keyed(seed, "passer", number).standard_normal(1)[0])
@@ -90,6 +94,7 @@ class Passers:
             base: world_T_base, to which passers that yield react.
             radius: radius of the robot's footprint, in [m].
         """
+        self.robot = base.x, base.y, radius
         for number, spec in enumerate(self._specs):
             if time - period >= spec.starts_s - 1e-9 and not (
                 spec.yields and self._sees_robot(number, base, radius)
@@ -110,15 +115,26 @@ class Passers:
     def steps(self) -> list[tuple[str, float, WalkStep]]:
         """Return name, radius in [m] and present step of each passer."""
         return [
-            (name, self._specs[number].radius_m, walk.at(float(self.clocks[number])))
+            (name, self._specs[number].radius_m, self._step(number, walk))
             for number, name, walk in self._walks
         ]
+
+    def _step(self, number: int, walk: Walk) -> WalkStep:
+        """Return a walker's step; one whose way leads through the robot brushes along its side."""
+        step, (x, y, radius) = walk.at(float(self.clocks[number])), self.robot
+        off, size = step.position - (x, y), radius + self._specs[number].radius_m - BRUSHING_M
+        if not float(np.hypot(*off)) < size:
+            return step
+        left = np.array([-step.direction[1], step.direction[0]])
+        along, aside = float(off @ step.direction), float(off @ left)
+        aside = math.copysign(math.sqrt(size**2 - along**2), aside)
+        return step._replace(position=np.array([x, y]) + along * step.direction + aside * left)
 
     def parts(self) -> list[PasserPart]:
         """Return the bodies of all passers: legs and trunk, or one disc."""
         found: list[PasserPart] = []
         for number, name, walk in self._walks:
-            spec, step = self._specs[number], walk.at(float(self.clocks[number]))
+            spec, step = self._specs[number], self._step(number, walk)
             x, y = step.position.tolist()
             legs = spec.body == "legs"
             if legs:

@@ -140,17 +140,17 @@ class PathTracker:
         """Return True if the robot is at rest at the end, within tolerance."""
         return self._closing and self._regulator.finished(pose)
 
-    def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+    def command(self, pose: Pose2, dt: float, most: float = math.inf) -> tuple[float, ...]:
         """Return the command of the base for the next `dt` in [s].
 
         Speed in [m/s], negative backwards, turn rate in [rad/s], and of a base that can drive sideways its
-        speed to the left in [m/s].
+        speed to the left in [m/s]. `most` limits the speed along the route, in [m/s].
         """
         self._advance(pose)
         self._closing = self._closing or self._is_near_end
         if self._closing:
             return self._regulator.command(pose, dt)
-        speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)))
+        speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)), most)
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
     def hold(self, pose: Pose2, dt: float) -> tuple[float, ...]:
@@ -180,7 +180,7 @@ class PathTracker:
         best = int(np.argmin(away))
         self._progress = max(self._progress, float(self._along[low + best] + at[best] * lengths[best]))
 
-    def _track(self, pose: Pose2) -> tuple[float, float]:
+    def _track(self, pose: Pose2, most: float) -> tuple[float, float]:
         """Wanted speed along the route and turn rate."""
         reference = self._reference()
         off = reference.relative_to(pose)
@@ -188,7 +188,7 @@ class PathTracker:
             self._turning = True
             return 0.0, rate_to_stop(off.theta, self._limits.turn_rate, self._limits.turn_acceleration)
         self._turning = False
-        planned = float(np.interp(self._progress, self._along, self._speed))
+        planned = min(most, float(np.interp(self._progress, self._along, self._speed)))
         speed = planned * math.cos(
             off.theta
         )  # Kanayama (1990), eq. 12, with x_e = 0 by the choice of reference

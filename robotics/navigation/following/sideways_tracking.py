@@ -58,7 +58,7 @@ class SidewaysTracker(PathTracker):
         return self._limits._replace(turn_rate=math.inf)
 
     @override
-    def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
+    def command(self, pose: Pose2, dt: float, most: float = math.inf) -> tuple[float, ...]:
         self._advance(pose)
         self._closing = self._closing or self._is_near_end
         if self._closing:
@@ -67,16 +67,16 @@ class SidewaysTracker(PathTracker):
         is_last = self.remaining < GOAL_HEADING_DISTANCE_M and self._goal_heading is not None
         heading = self._goal_heading if is_last else wrap(reference.theta + self._flip)
         assert heading is not None
-        x, y = self._velocity(reference, pose, wrap(heading - pose.theta))
+        x, y = self._velocity(reference, pose, wrap(heading - pose.theta), most)
         return self._ramp.towards(x, turn_to(heading, pose, self._limits), dt, y)
 
-    def _velocity(self, reference: Pose2, pose: Pose2, off: float) -> tuple[float, float]:
+    def _velocity(self, reference: Pose2, pose: Pose2, off: float, most: float) -> tuple[float, float]:
         """Return the wanted speed ahead and to the left in [m/s]; the base heads `off` by that in [rad]."""
-        planned = float(np.interp(self._progress, self._along, self._speed))
+        planned = min(most, float(np.interp(self._progress, self._along, self._speed)))
         planned *= max(MIN_TURNING_RATIO, math.cos(0.5 * off) ** 2)
         beside = reference.inverse().apply(np.array([[pose.x, pose.y]]))[0, 1]
-        most = max(MAX_SIDEWAYS_RATIO * planned, MIN_SIDEWAYS_SPEED_M_S)
-        back = max(-most, min(most, -SIDEWAYS_GAIN_PER_S * float(beside)))
+        aside = max(MAX_SIDEWAYS_RATIO * planned, MIN_SIDEWAYS_SPEED_M_S)
+        back = max(-aside, min(aside, -SIDEWAYS_GAIN_PER_S * float(beside)))
         size = max(planned, MIN_SPEED_M_S)
         towards = reference.theta + math.atan2(back, size) - pose.theta
         x, y = math.cos(towards), math.sin(towards)

@@ -89,6 +89,15 @@ class ScanLayer:
         self._scores[rows, columns] = MAX_SCORE
         self._hit_at[rows, columns] = time
 
+    def erase(self, discs: FloatArray) -> None:
+        """Drop what was sensed in discs (k, 3): x, y and radius in [m]."""
+        cells = np.argwhere(self._scores > 0) if len(discs) else np.empty((0, 2), dtype=np.int64)
+        if not len(cells):
+            return
+        off = self._grid.to_point(cells)[:, None] - discs[None, :, :2]
+        inside = (np.hypot(off[..., 0], off[..., 1]) <= discs[None, :, 2]).any(axis=1)
+        self._scores[tuple(cells[inside].T)] = 0
+
     def forget(self, before: float) -> bool:
         """Drop what was last hit before a time in [s]; return whether anything was dropped."""
         old = (self._scores > 0) & (self._hit_at < before)

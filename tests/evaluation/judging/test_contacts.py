@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.simulation.books.book_props import BookProps
@@ -68,7 +69,9 @@ class Hands:
     def step(self, periods: int = 1) -> None:
         for _ in range(periods):
             self.backend.step()
-            robot: Any = SimpleNamespace(time=self.scene.time, period=self.backend.period, driven=(0.0, 0.0))
+            robot: Any = SimpleNamespace(
+                time=self.scene.time, period=self.backend.period, command=DriveCommand()
+            )
             self.survey.look(robot)
 
     def stand(self, x: float, y: float, heading: float) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.base import Base, DriveCommand
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.evaluation.judging.contact_survey import ContactSurvey
@@ -40,7 +40,7 @@ def test_contact_with_a_passer_counts_by_the_robots_speed(
         while not scene.contacts and scene.time < 20.0:
             backend.get(Base).drive(speed, 0.0)  # type: ignore[union-attr, type-abstract]
             backend.step()
-            now: Any = SimpleNamespace(time=scene.time, period=backend.period, driven=(speed, 0.0))
+            now: Any = SimpleNamespace(time=scene.time, period=backend.period, command=DriveCommand(speed))
             survey.look(now)
         figures = survey.figures()
         assert figures["contacts_by_the_robot"] == by_the_robot

@@ -1,0 +1,85 @@
+"""People around a base that localizes itself: their points are no walls, and they hide some."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.capabilities.scan import Scan
+from handcart.backends.plain_values import Kinds
+from handcart.robotics.far import FarArray
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.localization.localizer import (
+    NUDGE_COVARIANCE,
+    SEARCH_COVARIANCE,
+)
+from handcart.robotics.navigation.localization.rest_comparison import disagreement
+from handcart.robotics.navigation.localization.scan_matching import match_scan
+from handcart.robotics.numerics.arrays import FloatArray
+
+MIN_KEPT_SHARE = 0.3  # of a scan's points that must be left beside people
+MIN_INLIER_SHARE = 0.7  # of points that the map explains, below which the pose is looked for farther away
+CLEAR_DIFFERENCE = 0.02  # of two disagreements, from which a motion explains the scan better
+NOBODY = np.empty((0, 3))
+
+
+class Crowd:
+    """Leaves people out of scans, and compares two scans at rest by the beams that nobody hides."""
+
+    STATE: ClassVar[Kinds] = {"_ranges": FarArray, "_is_near": bool}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self) -> None:
+        """Begin with nobody near."""
+        self._discs = NOBODY
+        self._ranges = np.empty(0)
+        """(n,) scan with which the base came to rest, in [m]."""
+        self._is_near = False
+        """True if anybody was near since the base last moved."""
+
+    def put(self, discs: FloatArray) -> None:
+        """Leave out the next scan's points on people: (k, 3) x, y on the map and radius, in [m]."""
+        self._discs = discs
+        self._is_near = self._is_near or len(discs) > 0
+
+    def passed(self) -> None:
+        """Forget where people are: a period has passed."""
+        self._discs = NOBODY
+
+    def moved(self) -> None:
+        """Note that the base moves."""
+        self._is_near = False
+
+    def came_to_rest(self, scan: Scan) -> None:
+        """Keep the scan with which the base has come to rest."""
+        self._ranges = scan.ranges.copy()
+
+    def without(self, points: FloatArray, pose: Pose2) -> FloatArray:
+        """Return the points (n, 2), base frame, in [m], that are not on people; all if few are left."""
+        if not len(self._discs):
+            return points
+        there = pose.apply(points)[:, None] - self._discs[None, :, :2]
+        kept = (np.hypot(there[..., 0], there[..., 1]) > self._discs[None, :, 2]).all(axis=1)
+        return points[kept] if kept.sum() > MIN_KEPT_SHARE * len(points) else points
+
+    def hides_walls(self, scan: Scan, pose: Pose2, field: LikelihoodField | None) -> bool:
+        """Return whether people alone explain that a base at rest seems to be elsewhere.
+
+        The scan agrees better with the one of coming to rest if the base has not moved than if it had moved
+        to where the map says: walls seen between people merely have other errors on the map.
+
+        Args:
+            scan: this period's.
+            pose: map_T_base.
+            field: of the map; None if there is none.
+        """
+        if not self._is_near or field is None or self._ranges.shape != scan.ranges.shape:
+            return False
+        now, then = self.without(scan.points(), pose), scan._replace(ranges=self._ranges).points()
+        match = match_scan(field, now, pose, NUDGE_COVARIANCE)
+        if match.inliers < MIN_INLIER_SHARE:
+            match = match_scan(field, now, pose, SEARCH_COVARIANCE, anneal=True)
+        there = match.pose.relative_to(pose).apply(now)
+        return disagreement(then, now) <= disagreement(then, there) + CLEAR_DIFFERENCE

@@ -1,0 +1,39 @@
+"""People and carts that a drive tracks now, for observers and for the localization."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from handcart.robotics.navigation.tracking.moving_tracks import BODY_MARGIN_M, MIN_BODY_M, BodyTrack
+
+if TYPE_CHECKING:
+    from .localization.localization import Localization
+
+MAX_PEOPLE_AGE_S = 0.3  # of tracks that are shown
+
+
+class SeenPeople:
+    """Latest tracks of people and carts, with their time."""
+
+    def __init__(self) -> None:
+        """Begin with nobody seen."""
+        self._at, self._tracks = -np.inf, list[BodyTrack]()
+
+    def show(self, time: float, tracks: Sequence[BodyTrack], localization: Localization) -> None:
+        """Keep the tracks of a scan; the next scan is matched with the map without them.
+
+        Args:
+            time: of the scan, in [s].
+            tracks: all people and carts.
+            localization: estimate of the base's pose.
+        """
+        self._at, self._tracks = time, list(tracks)
+        discs = [(*each.position, max(each.radius, MIN_BODY_M) + BODY_MARGIN_M) for each in tracks]
+        localization.crowd.put(np.array(discs).reshape(-1, 3))
+
+    def now(self, time: float) -> Sequence[BodyTrack]:
+        """Return the tracks at a time in [s]; empty while no drive tracks anybody."""
+        return self._tracks if time <= self._at + MAX_PEOPLE_AGE_S else ()

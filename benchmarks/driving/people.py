@@ -1,0 +1,149 @@
+"""Drives among walking people: `python -m benchmarks.driving.people [--runs N] [--first SEED]`.
+
+Five people walk to and fro at 1.2 m/s, in offices and corridors in turn; no map shows them, and they do not
+stop for the robot (a disc of 0.22 m, up to 1 m/s). `tasks/drive_map` drives 8 m and more, as `handcart run`
+does it. A run counts as reached if it ended in Success, Fails on the way included. Contacts by the robot are
+those while its base moved; a person who walks into it while it stands is counted apart. Status 1 if a contact
+by the robot or a false outcome happened.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from benchmarks.driving.cluttered import SLOW_MS, TASK, Trial, Watch
+from benchmarks.driving.cluttered_robot import write_robot
+from benchmarks.driving.people_worlds import PeopleWorld, people_world, write_people_world
+from handcart.evaluation.judging.contact_survey import ContactSurvey
+from handcart.evaluation.judging.judge import Judge
+from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_options import RunOptions
+from handcart.networks.task.preparing import prepare
+
+RADIUS_M = 0.22  # of the robot's footprint
+GIVEN_S = 600.0  # simulated time after which a run is interrupted
+WAIT_S = 15.0  # that MOVE_TO waits for people
+
+
+@dataclass
+class PeopleTrial(Trial):
+    """Result of one run."""
+
+    kind: str = ""
+    by_robot: int = 0
+    """Contacts while the base moved."""
+    while_standing: int = 0
+    others: list[str] = field(default_factory=list)
+    """Contacts with anything else than a person."""
+
+    @property
+    def arrived(self) -> bool:
+        """True if the goal was reached, with or without Fails on the way."""
+        return self.outcome == "Success"
+
+
+def try_people(world: PeopleWorld, chosen: argparse.Namespace) -> PeopleTrial:
+    """Drive among the people of a world."""
+    result = PeopleTrial(world.seed, 0.0, best_m=world.best_m, given_s=GIVEN_S, kind=world.kind)
+    with TemporaryDirectory(prefix="people-") as name:
+        folder = Path(name)
+        write_people_world(world, folder, chosen.walk, chosen.body, chosen.yields)
+        settings = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
+        settings |= {
+            "robot": str(write_robot(folder, (RADIUS_M,), chosen.speed, "scan")),
+            "tour": "[goal]",
+            "wait_s": f"{WAIT_S}",
+        }
+        with prepare(TASK, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
+            scene = prepared.backend.scene  # type: ignore[attr-defined]
+            judge, watch = Judge(prepared), Watch(scene, prepared.backend, result)
+            try:
+                done = execute(prepared, folder / "run", RunOptions(observers=(watch, judge)))
+                result.outcome, result.fails = str(done.summary["outcome"]), int(done.summary["fails"])
+                result.reason = result.reason or str(done.summary["reason"])[:300]
+            except TimeoutError:
+                result.outcome = "out of time"
+            result.false = list(judge.untrue)
+            _count(judge, scene, result)
+    return result
+
+
+def _count(judge: Judge, scene: Any, result: PeopleTrial) -> None:
+    survey = judge.surveys.of(ContactSurvey)
+    assert survey is not None
+    of_people = [each for each in survey.contacts if each.other in scene.passers.names]
+    result.while_standing = sum(each.ran_into_it for each in of_people)
+    result.by_robot = len(of_people) - result.while_standing
+    result.others = [f"{each.body} touched {each.other}" for each in survey.contacts if each not in of_people]
+    moving = (each for each in of_people if not each.ran_into_it)
+    result.others += [f"at {each.speed_m_s} m/s, {each.from_s} s" for each in moving]
+
+
+def people_report(results: list[PeopleTrial], speed: float) -> str:
+    """Return the summary of all runs as text."""
+    arrived = [each for each in results if each.arrived]
+    touched = sum(len(each.others) - each.by_robot for each in results)
+    lines = [
+        f"{len(results)} runs: contacts by the robot {sum(each.by_robot for each in results)}; goal reached "
+        f"{len(arrived)} ({100.0 * len(arrived) / max(1, len(results)):.1f} %), without a Fail "
+        f"{sum(each.reached for each in results)}; was run into while standing "
+        f"{sum(each.while_standing for each in results)} times; other contacts {touched}; "
+        f"false outcomes {sum(len(each.false) for each in results)}"
+    ]
+    ends = Counter(f"{each.kind}: {each.outcome}" for each in results)
+    lines.append(", ".join(f"{count} {end}" for end, count in sorted(ends.items())))
+    if arrived:
+        ratios = np.array([each.seconds * speed / each.best_m for each in arrived])
+        low, middle, high = np.percentile(ratios, [5, 50, 95])
+        spread = f"(5 % {low:.2f}, 95 % {high:.2f})"
+        lines.append(f"time over (best way / top speed): median {middle:.2f} {spread}")
+    taken = np.concatenate([each.periods_ms for each in results])
+    lines.append(
+        f"CPU of a period: mean {taken.mean():.2f} ms, 99 % {np.percentile(taken, 99):.2f} ms, "
+        f"above {SLOW_MS:g} ms {100.0 * float((taken > SLOW_MS).mean()):.2f} %"
+    )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Try the worlds one after the other."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--runs", type=int, default=200, help="number of runs (default: 200)")
+    words.add_argument("--first", type=int, default=0, metavar="SEED", help="seed of the first (default: 0)")
+    words.add_argument("--people", type=int, default=5, help="number of people (default: 5)")
+    words.add_argument("--walk", type=float, default=1.2, help="their speed in m/s (default: 1.2)")
+    words.add_argument("--body", choices=("legs", "disc"), default="legs", help="what the lidar sees of them")
+    words.add_argument("--yields", action="store_true", help="they stand before the robot")
+    words.add_argument("--speed", type=float, default=1.0, help="top speed of the robot in m/s (default: 1)")
+    words.add_argument("--backend", default="kinematic", help="kinematic (default), mujoco, pybullet")
+    chosen = words.parse_args()
+    print(
+        f"{chosen.runs} runs on {chosen.backend}, {chosen.people} people at {chosen.walk:g} m/s", flush=True
+    )
+    results = []
+    for seed in range(chosen.first, chosen.first + chosen.runs):
+        result = try_people(people_world(seed, chosen.people, RADIUS_M), chosen)
+        results.append(result)
+        seconds = "-" if math.isnan(result.seconds) else f"{result.seconds:.1f}"
+        print(
+            f"run {seed} ({result.kind}): {result.outcome}, {result.fails} Fails, {seconds} s for "
+            f"{result.best_m:.1f} m, by the robot {result.by_robot}, while standing {result.while_standing}"
+            + ("" if result.reached else f"; {result.reason}")
+            + "".join(f"\n  {each}" for each in result.others)
+            + "".join(f"\n  FALSE: {each}" for each in result.false),
+            flush=True,
+        )
+    print(people_report(results, chosen.speed))
+    raise SystemExit(int(any(each.by_robot or each.false for each in results)))
+
+
+if __name__ == "__main__":
+    main()

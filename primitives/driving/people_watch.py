@@ -1,0 +1,177 @@
+"""People and carts among the beams of a lidar: where they go, and how a drive yields to them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.capabilities.scan import Scan
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.tracking.moving_tracks import STOOD_S, MovingTracks, TrackedScan
+from handcart.robotics.navigation.tracking.people import People, with_people
+from handcart.robotics.navigation.tracking.seen_free import PastScan
+from handcart.robotics.navigation.tracking.yielding import yielding_speed
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
+
+REACH_M = 6.0  # from the lidar, within which people are tracked
+LESS_ROOM_RATIO = 0.4  # of the stated distance, where no way keeps it
+WAITING_MOTION_M = 0.1  # from where it began to wait, beyond which the base gets on
+WAITING_PAUSE_S = 1.0  # between two reasons to stand that are one wait
+NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the person
+
+
+class BeamOrder(NamedTuple):
+    """Order in which a scan's beams turn to the left, evenly."""
+
+    order: IntArray
+    angles: FloatArray
+    """(n,) ascending, in [rad]."""
+
+
+class PeopleWatch:
+    """Tracks people during one drive; keeps no distance to anybody before the first scan."""
+
+    def __init__(self, robot: Robot) -> None:
+        """Begin with nobody seen."""
+        self._keep, self._radius = robot.spec.drive.person_distance_m, robot.spec.footprint_radius_m
+        self._tracks = MovingTracks(REACH_M)
+        self._beams: BeamOrder | None = None
+        self._level = 0
+        self._taken_at = self._waited_at = -np.inf
+        self._waits_at = robot.pose
+        self.people = People.of(())
+        """All persons as of the last scan."""
+        self.waits_since: float | None = None
+        """Time since which the base stands for somebody, in [s]; None while it does not."""
+
+    def take(self, robot: Robot, scan: Scan, ranges: FloatArray, explained: BoolArray) -> TrackedScan:
+        """Take in a scan; the base keeps off the people in it for this period.
+
+        Args:
+            robot: whose lidar it is.
+            scan: this period's.
+            ranges: (n,) in [m], NaN of blind beams.
+            explained: (n,) beams that end at what the map shows.
+
+        Returns:
+            Which beams (n,) end at people who move, and what they have left.
+        """
+        moving = np.zeros(len(ranges), dtype=np.bool_)
+        if robot.time <= self._taken_at or len(ranges) < 3:
+            return TrackedScan(moving, np.empty((0, 3)))
+        self._taken_at = robot.time
+        beams = self._ordered(scan.angles)
+        sensor = robot.pose.compose(scan.base_T_sensor)
+        chosen = beams.order[(np.isfinite(scan.ranges) & ~explained)[beams.order]]
+        points = _ends(sensor, scan.angles[chosen], scan.ranges[chosen])
+        past = PastScan(robot.time, sensor, beams.angles, ranges[beams.order])
+        tracked = self._tracks.take(points, past, robot.localization.covariance)
+        moving[chosen] = tracked.moving
+        tracks = self._tracks.tracks
+        self.people = People.of(tracks)
+        robot.people.show(robot.time, tracks, robot.localization)
+        robot.base.keep_off_people(self.people)
+        return TrackedScan(moving, tracked.left)
+
+    def _ordered(self, angles: FloatArray) -> BeamOrder:
+        """Return the beams of a scan in even steps to the left; where they are uneven, the nearest ones."""
+        if self._beams is None or len(self._beams.order) != len(angles):
+            order = np.argsort(angles, kind="stable")
+            even = np.linspace(angles[order[0]], angles[order[-1]], len(angles))
+            if np.abs(angles[order] - even).max() > 0.25 * abs(even[1] - even[0]):
+                order = order[np.abs(angles[order][None] - even[:, None]).argmin(axis=1)]
+            self._beams = BeamOrder(order, even)
+        return self._beams
+
+    @property
+    def _walking(self) -> People:
+        """Those who move, or have only just stopped: others are obstacles."""
+        return self.people.chosen(self.people.stood_s < STOOD_S)
+
+    def limit(self, robot: Robot, tracker: PathTracker) -> float:
+        """Return the speed along the tracker's route that yields to people, in [m/s]; 0 means to wait."""
+        most, walking = robot.drive_limits.speed, self._walking
+        if len(walking.radii):
+            most = yielding_speed(tracker.ahead, most, walking, self._radius, self._keep)
+        self.note_waiting(robot, most <= 0.0)
+        return most
+
+    def note_waiting(self, robot: Robot, waits: bool) -> None:
+        """Note whether the base stands for somebody in this period; short pauses between count as waiting."""
+        if waits or robot.base.yields:
+            self._waited_at = robot.time
+            if self.waits_since is None:
+                self.waits_since, self._waits_at = robot.time, robot.pose
+        elif self.waits_since is not None:
+            moved = robot.pose.distance(self._waits_at) > WAITING_MOTION_M
+            if moved or robot.time > self._waited_at + WAITING_PAUSE_S:
+                self.waits_since = None
+
+    def blocked(self, way: str, at: tuple[float, float]) -> Discrepancy:
+        """Return that somebody is on a way, near a point on the map in [m]."""
+        x, y = at
+        away = np.inf
+        if len(self.people.radii):
+            off = np.hypot(*(self.people.positions - at).T)
+            nearest = int(np.argmin(off))
+            (x, y), away = self.people.positions[nearest].tolist(), float(off[nearest])
+        return Discrepancy(
+            f"a person is on {way}, at ({x:.2f}, {y:.2f}) m, and does not leave",
+            measured=Measured("RangeSensor", "from the person to the way", away, self._keep, "m"),
+            cause=causes.BLOCKED,
+        )
+
+    def drawn_on(self, grid: GridMap, pose: Pose2) -> GridMap:
+        """Return a map with the people that a route has to lead around, with the distance of this attempt."""
+        if self.is_last_attempt:
+            return grid
+        keep = self._keep * (1.0 if self._level == 0 else LESS_ROOM_RATIO)
+        here = np.array(pose[:2])
+        return with_people(grid, self.people, here, self._radius, keep)
+
+    @property
+    def is_last_attempt(self) -> bool:
+        """True if routes are planned as if there were no people: nobody is there, or none leads around."""
+        return self._level > 1 or not len(self.people.radii)
+
+    def try_less_room(self) -> None:
+        """Plan the next route with less distance to people; in the end as if they were not there."""
+        self._level += 1
+
+    def try_all_room(self) -> None:
+        """Plan the next route with the stated distance to people."""
+        self._level = 0
+
+    def is_person(self, x: float, y: float) -> bool:
+        """Return whether a point on the map, in [m], is at somebody's body."""
+        away = np.hypot(*(self.people.positions - (x, y)).T) - self.people.radii
+        return bool((away < NEAR_PERSON_M).any())
+
+    def without_people(self, cells: FloatArray) -> FloatArray:
+        """Return the rows (n, k) whose first two columns, x and y in [m], are at nobody's body."""
+        if not len(cells) or not len(self.people.radii):
+            return cells
+        off = cells[:, None, :2] - self.people.positions[None]
+        away = np.hypot(off[..., 0], off[..., 1]) - self.people.radii[None]
+        return np.asarray(cells[(away >= NEAR_PERSON_M).all(axis=1)])
+
+    def rows(self) -> FloatArray:
+        """Return all persons for pictures: (p, 7).
+
+        Columns are x, y in [m], the velocity in [m/s], and xx, xy, yy of the position's covariance.
+        """
+        P = self.people.covariances
+        spreads = P[:, [0, 0, 1], [0, 1, 1]]
+        return np.hstack([self.people.positions, self.people.velocities, spreads])
+
+
+def _ends(map_T_sensor: Pose2, angles: FloatArray, ranges: FloatArray) -> FloatArray:
+    """Return the ends (n, 2) of beams on the map, in [m]."""
+    rays = np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.asarray(map_T_sensor.apply(ranges[:, None] * rays))

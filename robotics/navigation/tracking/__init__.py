@@ -1,0 +1,1 @@
+"""Tracking of what moves among the beams of a lidar."""

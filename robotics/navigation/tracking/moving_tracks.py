@@ -1,0 +1,253 @@
+"""Tracks of people and carts from scans alone: birth, assignment, death, and what counts as moving."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
+
+from .constant_velocity import assign, correct, predict
+from .scan_clusters import ScanClusters, cluster_scan
+from .seen_free import PastScan, seen_free
+
+ACCELERATION_DENSITY = 0.15  # [m²/s³] of people, who stop and turn back within half a second
+POSITION_SIGMA_M = 0.11  # of a body's middle: legs swing and hide each other
+FIRST_SPEED_SIGMA_M_S = 1.0
+MEMORY_S = 1.6  # of scans that are asked whether a point was free
+MEMORY_PERIOD_S = 0.25  # between two of them
+MOVING_SPEED_M_S = 0.3  # from which a body counts as moving
+STANDING_SPEED_M_S = 0.2  # below which it stands
+MOVING_D2 = 9.2  # squared Mahalanobis distance of its velocity from zero: 99 %
+MOVED_M = 0.25  # that it has left its first place by
+EVIDENCE_COUNT = 4  # scans that show it where ground was free before, until it counts as moving
+EVIDENCE_SHARE = 0.5  # of its points
+STOOD_S = 1.0  # that a person has stood, until it is an obstacle like any other
+LOST_S = 0.5  # without a measurement, until a body that never moved is forgotten
+PERSON_LOST_S = 1.2  # the same of a person who may be hidden
+SEEN_THROUGH_COUNT = 6  # scans that see through it, until it is forgotten
+MIN_BODY_M = 0.25  # radius of a person, whatever is seen of the legs
+BODY_MARGIN_M = 0.15  # around a body, within which points are its own
+HISTORY = 24  # last positions that are kept
+
+
+class BodyTrack(NamedTuple):
+    """A person or a cart."""
+
+    number: int
+    position: FloatArray
+    """(2,) on the map, in [m]."""
+    velocity: FloatArray
+    """(2,) in [m/s]; zero while it stands."""
+    covariance: FloatArray
+    """(4, 4) of position and velocity."""
+    radius: float
+    """From the middle to the outermost point seen, in [m]."""
+    is_moving: bool
+    """False while a person stands."""
+    stood_s: float
+    """Time that it has stood, in [s]."""
+
+
+@dataclass
+class _Body:
+    """A tracked body, moving or not."""
+
+    number: int
+    mean: FloatArray
+    covariance: FloatArray
+    radius: float
+    anchor: FloatArray
+    """Where it was first, or stood last."""
+    born: float
+    seen: float
+    evidence: int = 0
+    seen_through: int = 0
+    is_person: bool = False
+    is_moving: bool = False
+    stands_since: float = 0.0
+    history: deque[FloatArray] = field(default_factory=lambda: deque(maxlen=HISTORY))
+
+    def speed_d2(self) -> float:
+        """Return the squared Mahalanobis distance of the velocity from zero."""
+        velocity = self.mean[2:]
+        return float(velocity @ np.linalg.solve(self.covariance[2:, 2:], velocity))
+
+
+class TrackedScan(NamedTuple):
+    """What a scan's points belong to."""
+
+    moving: BoolArray
+    """(n,) points of people and carts that move, or stood for less than `STOOD_S`."""
+    left: FloatArray
+    """(k, 3) discs x, y, radius in [m] that moving bodies have left or never filled: nothing stands there."""
+
+
+class MovingTracks:
+    """Tracks all bodies of a person's or a cart's size, and tells those that move.
+
+    A body moves if its velocity is significant, it has left its first place, and scans before saw free
+    ground where it is now. So what comes into view behind something, and edges that wander with the
+    viewpoint, are no movers.
+    """
+
+    def __init__(self, reach: float) -> None:
+        """BodyTrack up to a distance from the lidar, in [m]."""
+        self._reach = reach
+        self._bodies: list[_Body] = []
+        self._past: deque[PastScan] = deque()
+        self._number, self._time = 0, -np.inf
+
+    @property
+    def tracks(self) -> list[BodyTrack]:
+        """Return the people and carts: bodies that move, or have moved before they stood."""
+        return [
+            BodyTrack(
+                each.number,
+                each.mean[:2].copy(),
+                each.mean[2:].copy() if each.is_moving else np.zeros(2),
+                each.covariance.copy(),
+                each.radius,
+                each.is_moving,
+                0.0 if each.is_moving else self._time - each.stands_since,
+            )
+            for each in self._bodies
+            if each.is_person
+        ]
+
+    def take(self, points: FloatArray, scan: PastScan, pose_covariance: FloatArray) -> TrackedScan:
+        """Take in a scan.
+
+        Args:
+            points: (n, 2) echoes that the map does not explain, in the order of their beams, in [m].
+            scan: all beams, with their time and the pose of the lidar.
+            pose_covariance: (3, 3) of the base's pose, in [m] and [rad].
+        """
+        sensor = np.array(scan.map_T_sensor[:2])
+        near = np.hypot(*(points - sensor).T) <= self._reach
+        clusters = cluster_scan(points[near], sensor)
+        labels = np.full(len(points), -1, dtype=np.int64)
+        labels[near] = clusters.labels
+        self._predict(scan.time)
+        owners = self._match(clusters, _noises(clusters.centres, sensor, pose_covariance), scan.time)
+        shares = self._shares_seen_free(points, labels, len(clusters.centres))
+        left = self._judge(owners, shares, scan)
+        self._forget(scan)
+        self._remember(scan)
+        return TrackedScan(self._is_at_mover(points, scan.time), left)
+
+    def _is_at_mover(self, points: FloatArray, now: float) -> BoolArray:
+        """Return which points (n, 2) lie at a body that moves or has just stopped, lone points too."""
+        light = [each for each in self._bodies if self._is_light(each, now)]
+        if not light or not len(points):
+            return np.zeros(len(points), dtype=np.bool_)
+        off = points[:, None] - np.array([each.mean[:2] for each in light])[None]
+        sizes = np.array([max(each.radius, MIN_BODY_M) + BODY_MARGIN_M for each in light])
+        return np.asarray((np.hypot(off[..., 0], off[..., 1]) <= sizes[None]).any(axis=1))
+
+    def _predict(self, now: float) -> None:
+        dt, self._time = max(0.0, now - self._time) if np.isfinite(self._time) else 0.0, now
+        if not self._bodies or dt == 0.0:
+            return
+        means, covariances = predict(*self._stacked(self._bodies), dt, ACCELERATION_DENSITY)
+        for body, mean, covariance in zip(self._bodies, means, covariances, strict=True):
+            body.mean, body.covariance = mean, covariance
+
+    def _match(self, clusters: ScanClusters, noises: FloatArray, now: float) -> list[_Body]:
+        """Return the body of each cluster, after correcting it; new ones for those that fit none."""
+        owners: dict[int, _Body] = {}
+        if self._bodies:
+            means, covariances = self._stacked(self._bodies)
+            pairs = assign(means, covariances, clusters.centres, noises)
+            if pairs:
+                rows, columns = (list(each) for each in zip(*pairs, strict=True))
+                found = correct(means[rows], covariances[rows], clusters.centres[columns], noises[columns])
+                for row, column, mean, covariance in zip(rows, columns, *found, strict=True):
+                    body = owners[column] = self._bodies[row]
+                    body.mean, body.covariance = mean, covariance
+                    body.radius += 0.2 * (float(clusters.radii[column]) - body.radius)
+                    body.seen, body.seen_through = now, 0
+        return [
+            owners.get(index) or self._born(clusters, index, noises[index], now)
+            for index in range(len(clusters.centres))
+        ]
+
+    def _born(self, clusters: ScanClusters, index: int, noise: FloatArray, now: float) -> _Body:
+        self._number += 1
+        covariance = np.zeros((4, 4))
+        covariance[:2, :2], covariance[2:, 2:] = noise, FIRST_SPEED_SIGMA_M_S**2 * np.eye(2)
+        centre = clusters.centres[index]
+        mean = np.append(centre, (0.0, 0.0))
+        body = _Body(self._number, mean, covariance, float(clusters.radii[index]), centre.copy(), now, now)
+        self._bodies.append(body)
+        return body
+
+    def _shares_seen_free(self, points: FloatArray, labels: IntArray, count: int) -> FloatArray:
+        """Return the share (k,) of each cluster's points that lie where an earlier scan saw free ground."""
+        owned = labels >= 0
+        free = np.zeros(int(owned.sum()), dtype=np.bool_)
+        for past in self._past:
+            free |= seen_free(points[owned], past, self._reach)
+        sizes = np.bincount(labels[owned], minlength=count)
+        return np.asarray(np.bincount(labels[owned], free, minlength=count) / np.maximum(sizes, 1))
+
+    def _judge(self, owners: list[_Body], shares: FloatArray, scan: PastScan) -> FloatArray:
+        """Decide who moves; return the discs (k, 3) that newly moving bodies have left behind."""
+        left: list[FloatArray] = []
+        vacated = seen_free(np.array([each.anchor for each in owners]).reshape(-1, 2), scan, self._reach)
+        for body, share, is_vacated in zip(owners, shares.tolist(), vacated.tolist(), strict=True):
+            shows = share >= EVIDENCE_SHARE or is_vacated
+            body.evidence = min(body.evidence + 1, 2 * EVIDENCE_COUNT) if shows else max(0, body.evidence - 1)
+            body.history.append(body.mean[:2].copy())
+            speed = float(np.hypot(*body.mean[2:]))
+            if body.is_moving:
+                if speed < STANDING_SPEED_M_S:
+                    body.is_moving, body.stands_since = False, scan.time
+                    body.anchor = body.mean[:2].copy()
+                continue
+            moved = float(np.hypot(*(body.mean[:2] - body.anchor))) > MOVED_M
+            fast = speed > MOVING_SPEED_M_S and body.speed_d2() > MOVING_D2
+            if moved and fast and body.evidence >= EVIDENCE_COUNT:
+                body.is_moving = body.is_person = True
+                size = max(body.radius, MIN_BODY_M) + BODY_MARGIN_M
+                left += [np.append(place, size) for place in (body.anchor, *body.history)]
+        return np.array(left).reshape(-1, 3)
+
+    def _forget(self, scan: PastScan) -> None:
+        """Drop bodies that were not seen for long, or that beams pass through."""
+        missing = [each for each in self._bodies if each.seen < scan.time]
+        through = seen_free(np.array([each.mean[:2] for each in missing]).reshape(-1, 2), scan, self._reach)
+        for body, is_through in zip(missing, through.tolist(), strict=True):
+            body.seen_through += int(is_through)
+        self._bodies = [
+            each
+            for each in self._bodies
+            if each.seen_through < SEEN_THROUGH_COUNT
+            and scan.time - each.seen <= (PERSON_LOST_S if each.is_person else LOST_S)
+        ]
+
+    def _remember(self, scan: PastScan) -> None:
+        if not self._past or scan.time >= self._past[-1].time + MEMORY_PERIOD_S - 1e-6:
+            self._past.append(scan)
+        while self._past[0].time < scan.time - MEMORY_S:
+            self._past.popleft()
+
+    @staticmethod
+    def _is_light(body: _Body, now: float) -> bool:
+        """Return whether a body is no obstacle that stays: it moves, or has stood for a moment alone."""
+        return body.is_moving or (body.is_person and now - body.stands_since < STOOD_S)
+
+    @staticmethod
+    def _stacked(bodies: list[_Body]) -> tuple[FloatArray, FloatArray]:
+        return np.array([each.mean for each in bodies]), np.array([each.covariance for each in bodies])
+
+
+def _noises(centres: FloatArray, sensor: FloatArray, pose_covariance: FloatArray) -> FloatArray:
+    """Return the covariances (k, 2, 2) of measured middles: the body's, and the pose's at their distance."""
+    rays = centres - sensor
+    across = np.stack([-rays[:, 1], rays[:, 0]], axis=1)
+    turned = across[:, :, None] * across[:, None, :] * pose_covariance[2, 2]
+    return np.asarray(POSITION_SIGMA_M**2 * np.eye(2) + pose_covariance[:2, :2] + turned)

@@ -1,0 +1,124 @@
+"""People where they will be: predicted distances to a robot's motion, and cells to plan around."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+
+from .moving_tracks import ACCELERATION_DENSITY, BodyTrack
+
+PERSON_RADIUS_M = 0.27  # of a body whose legs alone are seen, at least
+MAX_SPREAD_M = 0.15  # of a predicted place that counts as occupied, at most
+FORESEEN_S = 3.0  # of walking that routes lead around
+FORESEEN_STEP_S = 0.25
+CLEAR_OF_ROBOT_M = 0.1  # beside the footprint, where no person is drawn: the way out must stay open
+
+
+class People(NamedTuple):
+    """People and carts at one instant."""
+
+    positions: FloatArray
+    """(p, 2) on the map, in [m]."""
+    velocities: FloatArray
+    """(p, 2) in [m/s]; zero for those who stand."""
+    covariances: FloatArray
+    """(p, 4, 4) of position and velocity."""
+    radii: FloatArray
+    """(p,) of their bodies, in [m]."""
+    stood_s: FloatArray
+    """(p,) time that each has stood, in [s]; 0 while it moves."""
+
+    @classmethod
+    def of(cls, tracks: Sequence[BodyTrack]) -> People:
+        """Return the people of tracks."""
+        return cls(
+            np.array([each.position for each in tracks]).reshape(-1, 2),
+            np.array([each.velocity for each in tracks]).reshape(-1, 2),
+            np.array([each.covariance for each in tracks]).reshape(-1, 4, 4),
+            np.array([max(each.radius, PERSON_RADIUS_M) for each in tracks]),
+            np.array([each.stood_s for each in tracks]),
+        )
+
+    @property
+    def moving(self) -> BoolArray:
+        """(p,) who moves."""
+        return np.asarray((self.velocities != 0.0).any(axis=1))
+
+    def chosen(self, mask: BoolArray) -> People:
+        """Return some of them, by a mask (p,)."""
+        return People(*(each[mask] for each in self))
+
+    def spreads(self, times: FloatArray) -> FloatArray:
+        """Return the sigma of each predicted position (p, t) in [m], at times (t,) in [s] from now."""
+        P, t = self.covariances, times[None]
+        along = [
+            P[:, i, i, None] + 2.0 * t * P[:, i, i + 2, None] + t**2 * P[:, i + 2, i + 2, None]
+            for i in (0, 1)
+        ]
+        walking = 0.5 * (along[0] + along[1]) + ACCELERATION_DENSITY * t**3 / 3.0
+        standing = 0.5 * (P[:, 0, 0] + P[:, 1, 1])[:, None]
+        return np.asarray(np.sqrt(np.where(self.moving[:, None], walking, standing)))
+
+
+def least_gaps(paths: FloatArray, times: FloatArray, people: People, radius: float) -> FloatArray:
+    """Return the least distance between bodies of each motion of a robot, in [m]; below 0: a contact.
+
+    A predicted person is larger by one sigma, by `MAX_SPREAD_M` at most.
+
+    Args:
+        paths: (k, t, 2) positions of the robot on the map, in [m].
+        times: (t,) from now, in [s].
+        people: all persons.
+        radius: radius of the robot's footprint, in [m].
+
+    Returns:
+        (k, p) gap to each person.
+    """
+    there = people.positions[:, None] + times[None, :, None] * people.velocities[:, None]
+    off = paths[:, None] - there[None]
+    away = np.sqrt(off[..., 0] ** 2 + off[..., 1] ** 2)
+    sizes = people.radii[:, None] + np.minimum(people.spreads(times), MAX_SPREAD_M)
+    return np.asarray((away - sizes[None]).min(axis=2) - radius)
+
+
+def with_people(grid: GridMap, people: People, here: FloatArray, radius: float, keep: float) -> GridMap:
+    """Return a map on which people stand where they are and will be in the next `FORESEEN_S`.
+
+    Args:
+        grid: the map with what was sensed.
+        people: those to lead around.
+        here: (2,) position of the robot, around which nothing is drawn.
+        radius: radius of its footprint, in [m].
+        keep: distance to keep from people, in [m].
+    """
+    times = np.arange(0.0, FORESEEN_S + 1e-9, FORESEEN_STEP_S)
+    there = people.positions[:, None] + times[None, :, None] * people.velocities[:, None]
+    sizes = people.radii[:, None] + keep + np.minimum(people.spreads(times), MAX_SPREAD_M)
+    discs = np.column_stack([there.reshape(-1, 2), sizes.ravel()])
+    discs[np.repeat(~people.moving, len(times)) & (np.tile(times, len(people.radii)) > 0.0), 2] = 0.0
+    occupied = grid.occupied.copy()
+    for x, y, size in discs[discs[:, 2] > 0.0].tolist():
+        _draw(occupied, grid, x, y, size)
+    clear = np.zeros_like(occupied)
+    _draw(clear, grid, float(here[0]), float(here[1]), radius + CLEAR_OF_ROBOT_M)
+    occupied = np.where(clear, grid.occupied, occupied)
+    return grid._replace(occupied=occupied, unknown=grid.unknown & ~occupied)
+
+
+def _draw(cells: BoolArray, grid: GridMap, x: float, y: float, size: float) -> None:
+    """Set the cells (h, w) whose centres lie in a disc; all in [m]."""
+    height, width = cells.shape
+    column, row = (x - grid.origin_x) / grid.resolution - 0.5, (y - grid.origin_y) / grid.resolution - 0.5
+    reach = size / grid.resolution
+    left, right = max(0, int(np.ceil(column - reach))), min(width, int(np.floor(column + reach)) + 1)
+    low, high = max(0, int(np.ceil(row - reach))), min(height, int(np.floor(row + reach)) + 1)
+    if left >= right or low >= high:
+        return
+    rows = (np.arange(low, high) - row)[:, None] ** 2
+    columns = (np.arange(left, right) - column)[None] ** 2
+    cells[low:high, left:right] |= rows + columns <= reach**2

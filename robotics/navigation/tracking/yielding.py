@@ -1,0 +1,110 @@
+"""Speeds with which a base yields to people: never into a predicted path within the time to stop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .moving_tracks import STOOD_S
+from .people import People, least_gaps
+
+SPEED_SHARES = (1.0, 0.7, 0.45, 0.25, 0.1, 0.0)  # of a speed that are tried
+REACTION_S = 0.3  # added to the time to stop
+MOVING_GAP_M = 0.15  # to a moving person, that motion leaves until the base stands
+STANDING_GAP_M = 0.05  # the same to one who stands
+TURN_BACK_SPEED_M_S = 1.2  # with which somebody near may turn back towards the base
+STEP_OUT_SPEED_M_S = 0.4  # the same of somebody who has stood for a while
+TURN_BACK_S = 0.1  # added to the time to stop, for that
+CREEPING_M_S = 0.15  # with which the base may leave somebody who stands
+AWAY_GAP_M = 0.03  # down to which the base may move away from a person
+STEP_S = 0.1  # between predicted instants
+FORESEEN_S = 2.5  # of driving along a route
+TOLERANCE_M = 0.05  # by which a faster motion may come nearer than the best one
+
+
+def safe_share(
+    pose: Pose2, command: tuple[float, float], people: People, radius: float, braking: float, period: float
+) -> float:
+    """Return the share of a command that leads into nobody's predicted path before the base stands.
+
+    Besides, the base stands before somebody near who turns back at once reaches it.
+
+    Args:
+        pose: map_T_base.
+        command: speed in [m/s] and turn rate in [rad/s].
+        people: all persons.
+        radius: radius of the footprint, in [m].
+        braking: deceleration in [m/s²].
+        period: control period, in [s].
+
+    Returns:
+        0 to 1; 0 means to stand.
+    """
+    speed, turn = command
+    if speed == 0.0 or not len(people.radii):
+        return 1.0
+    needed = np.where(people.moving, MOVING_GAP_M, STANDING_GAP_M)
+    sudden = np.where(people.stood_s < STOOD_S, TURN_BACK_SPEED_M_S, STEP_OUT_SPEED_M_S)
+    for share in SPEED_SHARES[:-1]:
+        to_stop = share * abs(speed) / braking
+        lasts = period + to_stop + REACTION_S
+        times = np.append(np.arange(0.0, lasts, STEP_S), lasts)
+        along = _braked(share * speed, braking, period, times)
+        stands = np.tile(np.array(pose[:2]), (len(times), 1))
+        paths = np.stack([_on_arc(pose, turn / speed, along), stands])
+        gaps, standing = least_gaps(paths, times, people, radius)
+        leaves = (gaps >= standing - 1e-3) & (gaps >= AWAY_GAP_M)
+        near = least_gaps(paths[1:, :1], times[:1], people, radius)[0]
+        creeps = leaves & (people.stood_s >= STOOD_S) & (share * abs(speed) <= CREEPING_M_S)
+        in_time = near >= sudden * (to_stop + TURN_BACK_S)
+        if (((gaps >= needed) | leaves) & (in_time | creeps)).all():
+            return share
+    return 0.0
+
+
+def yielding_speed(ahead: FloatArray, speed: float, people: People, radius: float, keep: float) -> float:
+    """Return the speed along a route that keeps a distance to people, in [m/s]; 0 means to wait.
+
+    The fastest speed that keeps the distance counts; if none does, the fastest of those that come about
+    as little near as possible. If all of them touch somebody, standing counts unless motion leads away.
+
+    Args:
+        ahead: (n, 2) route from the robot on, in [m].
+        speed: top speed in [m/s].
+        people: all persons.
+        radius: radius of the footprint, in [m].
+        keep: distance to keep from people, in [m].
+    """
+    if len(ahead) < 2 or not len(people.radii):
+        return speed
+    times = np.arange(0.0, FORESEEN_S + 1e-9, STEP_S)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(ahead, axis=0).T))])
+    driven = np.array(SPEED_SHARES)[:, None] * speed * times[None]
+    paths = np.stack([np.interp(driven, along, ahead[:, i]) for i in (0, 1)], axis=-1)
+    gaps = least_gaps(paths, times, people, radius).min(axis=1)
+    best = float(gaps.max())
+    if best < 0.0 and gaps[-1] >= best - TOLERANCE_M:
+        return 0.0
+    wanted = min(keep, best - TOLERANCE_M)
+    return SPEED_SHARES[int(np.argmax(gaps >= wanted))] * speed
+
+
+def _braked(speed: float, braking: float, period: float, times: FloatArray) -> FloatArray:
+    """Return the distance (t,) driven at a speed for a period and then braked, in [m]."""
+    after = np.clip(times - period, 0.0, abs(speed) / braking)
+    driven = abs(speed) * np.minimum(times, period) + abs(speed) * after - 0.5 * braking * after**2
+    return np.asarray(math.copysign(1.0, speed) * driven)
+
+
+def _on_arc(pose: Pose2, curvature: float, along: FloatArray) -> FloatArray:
+    """Return positions (t, 2) on the map after lengths (t,) of an arc, in [m]."""
+    turned = curvature * along
+    if abs(curvature) < 1e-6:
+        local = np.column_stack([along, np.zeros_like(along)])
+    else:
+        local = np.column_stack([np.sin(turned), 1.0 - np.cos(turned)]) / curvature
+    return np.asarray(pose.apply(local))
