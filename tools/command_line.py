@@ -54,6 +54,7 @@ OWN_COMMANDS = {
     "campaign": ("campaigns.campaign", "campaign", "Run a task many times, with seeds, and count."),
     "campaign merge": ("campaigns.merge", "merge", "Merge the parts of a campaign."),
     "campaign compare": ("campaigns.compare", "compare", "Compare two campaigns, paired by seed."),
+    "learn": ("campaigns.learn", "learn", "Write probabilities from campaigns into a task's file."),
     "conformance": ("commands.conformance", "conformance", "Test whether a backend keeps its contract."),
 }
 """Module, function and short help of each command, by its name.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from handcart.networks.chains.policy_chain import Chain, policy_chain
 
 from .process import Process
 
+NO_QUANTILE = Quantile(math.nan, math.nan)
 STOPS = (ChainEnd.NO_WAY, ChainEnd.GIVE_UP)
 CALLS = (*STOPS, ChainEnd.UNKNOWN)
 """Ends that cost a person's time if a person is called in states that were not looked at."""
@@ -61,13 +63,22 @@ def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> 
     return low, low + forecast.cost_high_s - forecast.cost_s + forecast.unknown * start
 
 
-def best_figures(process: Process, policy: Policy, name: str) -> PolicyFigures:
-    """Return the figures of a policy; in states that were not looked at, a person is called."""
+def best_figures(process: Process, policy: Policy, name: str, walks: bool = True) -> PolicyFigures:
+    """Return the figures of a policy; in states that were not looked at, a person is called.
+
+    Args:
+        process: the network with its prices.
+        policy: the decisions.
+        name: name of the policy.
+        walks: whether to estimate the time of 95 % from walks.
+    """
     chain = policy_chain(policy, process.chances)
     ends = chain.ends
     mean = ends.total().first
     price = _price(process, _Part(chain, 1.0, tuple(process.network.situations)), CALLS)
-    quantile = time_quantile([chain.rows], sum(chain.starts), calls=True)
+    quantile = NO_QUANTILE
+    if walks:
+        quantile = time_quantile([chain.rows], sum(chain.starts), calls=True)
     return PolicyFigures(name, (ends.goal.p, ends.goal.p), (mean, mean), quantile, (price, price))
 
 

@@ -1,0 +1,84 @@
+"""`handcart learn`: probabilities from campaigns, as a reviewed change of the task's file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.walked_trials import network_trials
+from handcart.networks.task.task_file import load_task
+from tests.tools.conftest import Said
+
+NETWORK = """\
+start: a
+goal: z
+situations: {a: {}, b: {}, stuck: {}, z: {}}
+actions:
+  # the short way
+  - {do: MODIFY, from: a, to: z, on_fail: stuck, cost_s: 10, p: 0.5, with: {place: shelf_3}}
+  - {do: MODIFY, from: a, to: b, cost_s: 11, p: 0.9, with: {place: shelf_3}}
+  - {do: MODIFY, from: b, to: z, cost_s: 12, p: 0.9, with: {place: shelf_3}}
+"""
+
+
+@pytest.fixture
+def task(tour: Path) -> Path:
+    tour.write_text(tour.read_text().partition("\nstart:")[0] + "\n" + NETWORK)
+    return tour
+
+
+def recorded(task: Path, count: int, name: str) -> Path:
+    """Return a campaign's folder with trials as if they had been run."""
+    asked: dict[str, Any] = {"task": str(task), "level": "run", "shard": None, "first": 0, "trials": count}
+    trials = network_trials(task, {})
+    with CampaignFolder.made(task.parent / name, asked).log() as log:
+        log.append([trials.trial(seed) for seed in range(count)])
+    return task.parent / name
+
+
+def test_counted_probabilities_are_shown_and_written(handcart: Callable[..., Said], task: Path) -> None:
+    campaign = recorded(task, 100, "short")
+    before = task.read_text()
+    said = handcart("learn", campaign)
+    assert said.status == 0, said.err
+    assert task.read_text() == before
+    assert "never started: its values stay" in said.out
+    found = orjson.loads(handcart("learn", campaign, "--json").out)["actions"][0]
+    assert found["successes"] + found["fails"] == 100
+    assert found["p"] == pytest.approx((found["successes"] + 1) / 102.1, abs=1e-3)
+    assert found["p_95"][0] < 0.5 < found["p_95"][1]
+    assert found["mean_s"] == pytest.approx(10.0)
+    assert handcart("learn", campaign, "--write").status == 0
+    assert load_task(task).file.actions[0].p == found["p"]
+    assert "# the short way" in task.read_text()
+    said_beside = rf"# 20\d\d-\d\d-\d\d: {found['successes']} of 100, p 0\.\d+ to 0\.\d+"
+    assert re.search(said_beside, task.read_text())
+
+
+def test_the_policy_is_changed_where_it_is_surely_better(handcart: Callable[..., Said], task: Path) -> None:
+    """The first action of the file is known from trials, the others from the file."""
+    said = handcart("learn", recorded(task, 100, "short"), "--write")
+    assert "the best one is better than the rule in 100.0% of draws" in said.out
+    assert load_task(task).network.policy == "expected_cost"
+
+
+def test_the_policy_stays_where_too_little_is_known(handcart: Callable[..., Said], task: Path) -> None:
+    """After one Success in each of two trials all may still be as the rule takes it."""
+    for number in (7, 8):
+        task.write_text(task.read_text().replace(f"p: 0.{number}", "p: 0.9"))
+    task.write_text(task.read_text().replace("p: 0.5", "p: 0.9"))
+    said = handcart("learn", recorded(task, 3, "few"), "--write")
+    assert "the policy stays rule" in said.out or "decides as the rule does" in said.out
+    assert load_task(task).network.policy == "rule"
+
+
+def test_a_folder_that_is_no_campaign_is_named(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    said = handcart("learn", tmp_path)
+    assert said.status == 2
+    assert "Traceback" not in said.err

@@ -1,0 +1,168 @@
+"""`handcart learn`: write probabilities and times that campaigns have counted into a task's file."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from datetime import UTC
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.evaluation.campaigns.learned.entry_counts import EntryCounts
+    from handcart.networks.deciding.posterior import OutcomeCounts, SwitchVerdict
+    from handcart.networks.task.task_file import Task
+
+FILE_WEIGHT = 1000
+"""Attempts that a probability of the file counts for, if no trial has started its action."""
+
+
+def learn(
+    campaigns: Annotated[list[Path], typer.Argument(help="folders of campaigns of the task")],
+    task: Annotated[
+        Path | None, typer.Option(help="the task's file (default: that of the first campaign)")
+    ] = None,
+    write: Annotated[bool, typer.Option("--write", help="change the task's file")] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="write the changed file there")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+) -> None:
+    """Show what campaigns change in a task's probabilities and times, or write it; comments are kept."""
+    from handcart.evaluation.campaigns.data.campaign_folder import TRIALS, CampaignFolder
+    from handcart.evaluation.campaigns.learned.entry_counts import count_entries
+    from handcart.networks.task.task_file import load_task
+    from handcart.tasks.task_names import task_path
+    from handcart.tools.terminal.writing import write_text
+
+    folders = [CampaignFolder.read_runs(folder) for folder in campaigns]
+    file = task_path(str(task or folders[0].arguments["task"]))
+    read = load_task(file)
+    found = count_entries(read, (trial for folder in folders for trial in folder.trials()))
+    date = _date(max((each.folder / TRIALS).stat().st_mtime for each in folders))
+    verdict = _verdict(read, found)
+    before = file.read_text(encoding="utf-8")
+    after = _changed(before, read, found, date, verdict)
+    if as_json:
+        _print_json(read, found, verdict)
+    else:
+        print("\n".join(_table(read, found)))
+        print(_switch_words(read, verdict))
+        lines = before.splitlines(keepends=True), after.splitlines(keepends=True)
+        print("".join(difflib.unified_diff(*lines, str(file), f"{file}, learned")), end="")
+    if target := output or (file if write else None):
+        write_text(target, after)
+        print(f"written to {target}", file=sys.stderr)
+    elif not as_json:
+        print(f"nothing is changed yet; --write changes {file}, -o FILE writes a copy")
+
+
+def _date(seconds: float) -> str:
+    from datetime import datetime
+
+    return datetime.fromtimestamp(seconds, UTC).date().isoformat()
+
+
+def _table(task: Task, found: Sequence[EntryCounts]) -> Iterator[str]:
+    yield f"{'action':<44}{'attempts':>9}{'p':>8}{'95 %':>17}{'GiveUps':>9}{'mean s':>9}{'95 %':>17}"
+    for entry, each in zip(task.file.actions, found, strict=True):
+        name = f"{entry.do} ({entry.source} to {entry.target})"
+        counts = each.counts
+        if not counts.attempts:
+            yield f"{name:<44}{0:>9}   never started: its values stay"
+            continue
+        (low, high), (short, long) = each.p_95, each.mean_95_s
+        p = f"{each.p:>8.3f}{f'{low:.3f} to {high:.3f}':>17}{counts.give_ups:>9}"
+        yield f"{name:<44}{counts.attempts:>9}{p}{each.mean_s:>9.1f}{f'{short:.1f} to {long:.1f}':>17}"
+        yield from (f"  {cause}: {count}" for cause, count in sorted(each.causes.items()))
+
+
+def _entry_counts(task: Task, found: Sequence[EntryCounts]) -> list[OutcomeCounts] | None:
+    """Return the counts of each action of the file; None if nothing is known of one."""
+    from handcart.networks.deciding.posterior import OutcomeCounts
+
+    counts = []
+    for entry, each in zip(task.file.actions, found, strict=True):
+        if each.counts.attempts or entry.p_success is None:
+            counts.append(each.counts)
+            continue
+        successes, give_ups = round(entry.p_success * FILE_WEIGHT), round(entry.p_give_up * FILE_WEIGHT)
+        counts.append(OutcomeCounts(successes, FILE_WEIGHT - successes - give_ups, give_ups))
+    return counts if all(each.attempts for each in counts) else None
+
+
+def _verdict(task: Task, found: Sequence[EntryCounts]) -> SwitchVerdict | None:
+    from handcart.networks.deciding.posterior import judge_switch
+
+    counts = _entry_counts(task, found)
+    if counts is None:
+        return None
+    network = task.network
+    name: Any = "goal_probability" if network.policy == "goal_probability" else "expected_cost"
+    copies = [None if entry is None else counts[entry] for entry in task.entries]
+    return judge_switch(network, copies, name, network.person_s)
+
+
+def _switch_words(task: Task, verdict: SwitchVerdict | None) -> str:
+    if verdict is None:
+        return "the policy stays: of some actions no probability is known"
+    if verdict.is_same:
+        return "the policy stays: the best one decides as the rule does"
+    saved = f"by {verdict.saved_s:.1f} s in the mean"
+    share = f"better than the rule in {verdict.better_share:.1%} of draws, {saved}"
+    if verdict.is_sure:
+        return f"policy: the best one is {share}"
+    return f"the policy stays {task.network.policy}: the best one is {share}; needed: 95 %"
+
+
+def _changed(
+    text: str, task: Task, found: Sequence[EntryCounts], date: str, verdict: SwitchVerdict | None
+) -> str:
+    from handcart.tools.terminal.yaml_editing import edited
+
+    def change(data: Any) -> None:
+        for number, (entry, each) in enumerate(zip(task.file.actions, found, strict=True)):
+            if not each.counts.attempts:
+                continue
+            row = data["actions"][number]
+            row["cost_s"] = _rounded(each.mean_s, row["cost_s"])
+            if entry.then is None:
+                row["p"] = each.p
+                if each.p_give_up or "p_give_up" in row:
+                    row["p_give_up"] = each.p_give_up
+            data["actions"].yaml_add_eol_comment(f"{date}: {each.words()}", number, column=0)
+        if verdict is not None and verdict.is_sure and task.network.policy == "rule":
+            data.insert(list(data).index("goal") + 1, "policy", "expected_cost")
+
+    return edited(text, change)
+
+
+def _rounded(seconds: float, before: float) -> float:
+    """Return a time as it is written; the value of the file where nothing took any time."""
+    if math.isnan(seconds) or seconds < 0.05:
+        return before
+    return round(seconds, 1)
+
+
+def _print_json(task: Task, found: Sequence[EntryCounts], verdict: SwitchVerdict | None) -> None:
+    import orjson
+
+    rows = [
+        {
+            "action": f"{entry.do} ({entry.source} to {entry.target})",
+            **each.counts._asdict(),
+            "p": each.p,
+            "p_95": each.p_95,
+            "p_give_up": each.p_give_up,
+            "mean_s": each.mean_s,
+            "mean_95_s": each.mean_95_s,
+            "causes": each.causes,
+        }
+        for entry, each in zip(task.file.actions, found, strict=True)
+    ]
+    switch = None if verdict is None else {**verdict._asdict(), "is_sure": verdict.is_sure}
+    print(orjson.dumps({"actions": rows, "switch": switch}).decode())
