@@ -84,7 +84,7 @@ def _words_in(path: Path) -> Iterator[_Word]:
 
 
 def _words(node: Node) -> Iterator[_Word]:
-    """Return all words in a file that may be the name of a file."""
+    """Yield all words in a file that may be the name of a file."""
     content = node.content
     if isinstance(content, dict):
         for each in content.values():

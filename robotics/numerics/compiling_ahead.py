@@ -61,7 +61,7 @@ def types_of(arguments: str) -> tuple[Any, ...]:
 
 
 def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """Return processes for modules in the order in which they were imported."""
+    """Yield processes for modules in the order in which they were imported."""
     count = min(MAX_HELPERS, _cores() - 1, len(modules))
     for number in range(count):
         # -P: nothing is imported from the current folder

@@ -150,7 +150,7 @@ def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def placed_axes(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
-    """Return all drives, with their places in the section `can`."""
+    """Yield all drives, with their places in the section `can`."""
     yield ("left",), spec.left
     yield ("right",), spec.right
     for number, joint in enumerate(spec.joints):
