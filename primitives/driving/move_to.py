@@ -14,6 +14,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.localization.determination import (
+    NO_SHIFT,
     PoseNeed,
     difference,
     room_left,
@@ -165,12 +166,13 @@ class MoveTo(ActionPrimitive):
         place.
         """
         pose, off = robot.localization.repeatability, difference(robot.pose, place.pose)
+        shift = robot.localization.map_shift
         if (
-            undetermined(pose, need.scaled(CLOSER_NEED_RATIO), off) is None
-            or undetermined(pose, need) is not None
+            undetermined(pose, need.scaled(CLOSER_NEED_RATIO), off, shift) is None
+            or undetermined(pose, need, shift=shift) is not None
         ):
             return
-        room = room_left(pose, need)
+        room = room_left(pose, need, shift)
         closer = PoseTolerance(
             max(DOCK_TOLERANCE.position, min(ARRIVAL_TOLERANCE.position, 0.5 * room[0])),
             max(DOCK_TOLERANCE.heading, min(ARRIVAL_TOLERANCE.heading, 0.5 * room[1])),
@@ -180,8 +182,10 @@ class MoveTo(ActionPrimitive):
 
     def _check_determined(self, robot: Robot, place: Place, need: PoseNeed) -> None:
         """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
-        off = (0.0, 0.0, 0.0) if place.docks else difference(robot.pose, place.pose)
-        found = undetermined(robot.localization.repeatability, need, off)
+        off, shift = difference(robot.pose, place.pose), robot.localization.map_shift
+        if place.docks:  # its front was measured, not the map
+            off, shift = (0.0, 0.0, 0.0), NO_SHIFT
+        found = undetermined(robot.localization.repeatability, need, off, shift)
         if found is None:
             return
         size, limit = found.shown

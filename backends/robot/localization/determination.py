@@ -10,6 +10,7 @@ import numpy as np
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.arrays import FloatArray
 
+NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
 MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
 
@@ -89,6 +90,7 @@ def undetermined(
     covariance: FloatArray,
     need: PoseNeed,
     off: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    shift: FloatArray = NO_SHIFT,
 ) -> Undetermined | None:
     """Return the direction in which a pose is determined worst, if it exceeds the need; otherwise None.
 
@@ -96,11 +98,15 @@ def undetermined(
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         need: limit of 3 sigma plus the distance from the wanted pose.
         off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
+        shift: (2,) by which the position may be off at most beyond the covariance, this way or the other.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
     axes, limits = need.axes(covariance)
-    sizes = np.abs(np.array(off[:2]) @ axes) + DETERMINED_SIGMAS * sigmas_along(covariance, axes)
+    if need.across is None and (length := math.hypot(*shift.tolist())) > 0.0:
+        axes, limits = np.column_stack([axes, shift / length]), np.append(limits, need.position)
+    spread = np.hypot(DETERMINED_SIGMAS * sigmas_along(covariance, axes), shift @ axes)
+    sizes = np.abs(np.array(off[:2]) @ axes) + spread
     worst = int(np.argmax(sizes / limits))
     if sizes[worst] > limits[worst]:
         x, y = axes[:, worst].tolist()
@@ -110,20 +116,22 @@ def undetermined(
     return Undetermined(None, turn, need.heading) if turn > need.heading else None
 
 
-def room_left(covariance: FloatArray, need: PoseNeed) -> tuple[float, float]:
+def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHIFT) -> tuple[float, float]:
     """Return what 3 sigma leave of a need: of the position where it leaves least, in [m], and of the heading.
 
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         need: of the pose.
+        shift: (2,), see `undetermined`.
     """
     axes, limits = need.axes(covariance)
-    room = float((limits - DETERMINED_SIGMAS * sigmas_along(covariance, axes)).min())
+    spread = np.hypot(DETERMINED_SIGMAS * sigmas_along(covariance, axes), math.hypot(*shift.tolist()))
+    room = float((limits - spread).min())
     return room, need.heading - DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
 
 
 def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
-    """Return (2,) sigmas of a position in [m] along (2, 2) unit vectors in columns."""
+    """Return (k,) sigmas of a position in [m] along (2, k) unit vectors in columns."""
     variances: FloatArray = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)
     return np.sqrt(np.maximum(variances, 0.0))
 

@@ -134,6 +134,14 @@ class Localization(ABC):
         return self.covariance
 
     @property
+    def map_shift(self) -> FloatArray:
+        """(2,) in [m] by which the position is off at most because the map's cells have a size.
+
+        Added to `repeatability` where a pose is compared with a place on the map.
+        """
+        return np.zeros(2)
+
+    @property
     def sigma(self) -> tuple[float, float]:
         """Sigma of `repeatability` along its worst direction in [m], and of the heading in [rad].
 

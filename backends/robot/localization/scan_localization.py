@@ -13,6 +13,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
 from handcart.robotics.navigation.localization.start_search import SURE_FIT
+from handcart.robotics.navigation.localization.surface_depth import depth_shift
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -42,6 +43,13 @@ class ScanLocalization(Localization):
     @override
     def repeatability(self) -> FloatArray:
         return repeatability_of(self.covariance, self._matching.map_error)
+
+    @property
+    @override
+    def map_shift(self) -> FloatArray:
+        if self._range_sensor is None or not self._matching.sure:
+            return np.zeros(2)
+        return depth_shift(self._matching.field, self._range_sensor.scan().points(), self.pose)
 
     @property
     def displacement(self) -> Belief:

@@ -36,6 +36,19 @@ def test_what_the_pose_is_off_counts_in_its_own_direction_only() -> None:
     assert undetermined(spread, NEED, (0.01, 0.0, 0.0)) is not None
 
 
+def test_a_shift_counts_along_its_own_direction_and_in_the_room() -> None:
+    spread, shift = np.diag([4e-3, 4e-3, 1e-3]) ** 2, np.array([0.025, 0.025])
+    found = undetermined(spread, NEED, (0.002, 0.002, 0.0), shift)
+    assert found is not None
+    assert found.direction == pytest.approx(math.radians(45.0))
+    assert found.size == pytest.approx(math.hypot(0.012, 0.025 * math.sqrt(2.0)) + 0.002 * math.sqrt(2.0))
+    assert undetermined(spread, NEED, (0.002, 0.002, 0.0), 0.5 * shift) is None
+    assert undetermined(spread, NEED, (0.002, -0.002, 0.0), shift) is None
+    assert room_left(spread, NEED, shift)[0] == pytest.approx(
+        0.04 - math.hypot(0.012, 0.025 * math.sqrt(2.0))
+    )
+
+
 @pytest.mark.parametrize("axis", [0.0, 0.7, 0.5 * math.pi, -2.0])
 def test_a_need_by_direction_is_held_along_and_across(axis: float) -> None:
     """500 mm along a heading, 40 across: what is uncertain across counts, however the place is turned."""

@@ -94,7 +94,7 @@ def test_a_tolerance_counts_in_its_own_direction(
 def car(sigma_deg: float) -> Any:
     """A car at its place, 6 degrees turned, whose heading is known that well."""
     covariance = np.diag([0.05, 0.05, math.radians(sigma_deg)]) ** 2
-    where = SimpleNamespace(repeatability=covariance, source="Beacons")
+    where = SimpleNamespace(map_shift=np.zeros(2), repeatability=covariance, source="Beacons")
     spec = SimpleNamespace(drive=SimpleNamespace(kind="ackermann"))
     return SimpleNamespace(pose=Pose2(0.0, 0.0, math.radians(6.0)), localization=where, spec=spec)
 
@@ -150,7 +150,9 @@ def test_it_comes_closer_only_where_that_helps(
 
     monkeypatch.setattr(move_to, "reach_pose", reach)
     monkeypatch.setattr(move_to, "settle", lambda robot: iter(()))
-    where = SimpleNamespace(repeatability=np.diag([std_mm / 1e3, std_mm / 1e3, 0.001]) ** 2)
+    where = SimpleNamespace(
+        map_shift=np.zeros(2), repeatability=np.diag([std_mm / 1e3, std_mm / 1e3, 0.001]) ** 2
+    )
     robot: Any = SimpleNamespace(pose=Pose2(off_mm / 1e3, 0.0, 0.0), localization=where)
     place = Place(x_m=0.0, y_m=0.0, heading_deg=0.0, tolerance_mm=40.0)
     list(MoveTo(place="here")._come_closer(robot, place, place.need_of("differential")))

@@ -1,0 +1,44 @@
+"""Error of a pose by the depth at which surfaces lie in their cells, where walls are seen from one side only.
+
+A surface lies anywhere in its cell, up to half a cell before or behind the centre. How a map was drawn makes
+that depth alike for all walls: those on cell borders are all at the front. Where a scan shows walls on both
+sides, the errors cancel. Where it shows walls on one side, the pose is off by the depth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .likelihood_field import LikelihoodField
+
+MAX_DEPTH_CELLS = 0.5
+NEAR_CELLS = 2.0  # from a surface, within which a point counts as one on it
+SCALE_CELLS = 1.0  # of the robust weights
+MIN_INFORMATION = 1.0  # points: a direction with fewer is not determined by the scan at all
+
+
+def depth_shift(field: LikelihoodField, points: FloatArray, pose: Pose2) -> FloatArray:
+    """Return the shift (2,) of a matched position in [m] if all surfaces lie half a cell deep in their cells.
+
+    Args:
+        field: of the map.
+        points: (n, 2) end points of the scan in the base frame, in [m].
+        pose: map_T_base that fits the scan.
+    """
+    if not len(points):
+        return np.zeros(2)
+    on_map, resolution = pose.apply(points), field.map.resolution
+    reading = field.reading(on_map, pose[:2])
+    away, steep = on_map - pose[:2], np.hypot(*reading.slopes.T)
+    used = (reading.distances < NEAR_CELLS * resolution) & (steep > 0.5)
+    away, normals = away[used], reading.slopes[used] / steep[used, None]
+    normals[np.sum(normals * away, axis=1) > 0.0] *= -1.0  # towards the sensor
+    levers = normals[:, 1] * away[:, 0] - normals[:, 0] * away[:, 1]
+    rows = np.column_stack([normals, levers])
+    weights = 1.0 / (1.0 + (reading.distances[used] / (SCALE_CELLS * resolution)) ** 2) ** 2
+    information = (rows * weights[:, None]).T @ rows + MIN_INFORMATION * np.eye(3)
+    shift = np.linalg.solve(information, rows.T @ weights)
+    return np.asarray(MAX_DEPTH_CELLS * resolution * shift[:2])

@@ -1,0 +1,26 @@
+"""MOVE_TO where walls lie on borders of the map's cells and are seen from one side; ground truth judges."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.driving.cell_borders import Case, drive
+
+EXACT = Case(seed=0, offsets=(0.0, 0.0), thickness_m=0.1, is_drawn=False, tolerance_mm=40.0)
+
+
+def test_walls_on_cell_borders_end_in_no_false_outcome() -> None:
+    arrivals = drive(EXACT, places=2)
+    assert not any(each.false for each in arrivals)
+    assert max(each.pose_off_mm for each in arrivals) < 40.0
+    assert max(each.pose_sigmas for each in arrivals) < 3.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("thickness", [0.01, 0.05, 0.2])
+@pytest.mark.parametrize("is_drawn", [False, True])
+def test_a_place_that_needs_less_is_reached(thickness: float, is_drawn: bool) -> None:
+    case = EXACT._replace(seed=1, thickness_m=thickness, is_drawn=is_drawn, tolerance_mm=80.0)
+    arrivals = drive(case)
+    assert [each.outcome for each in arrivals] == ["Success"] * 4
+    assert not any(each.false for each in arrivals)

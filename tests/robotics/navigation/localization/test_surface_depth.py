@@ -1,0 +1,36 @@
+"""By how much a pose is off where all surfaces lie at the front of their cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
+from handcart.robotics.navigation.localization.surface_depth import depth_shift
+from handcart.robotics.navigation.maps.grid_map import from_boxes
+
+from ..conftest import Boxes
+
+FAR_WALLS: Boxes = [(8.05, 0.0, 0.0, 0.1, 12.0), (1.0, 3.05, 0.0, 14.0, 0.1)]
+NEAR_WALLS: Boxes = [(-2.05, 0.0, 0.0, 0.1, 12.0), (1.0, -3.05, 0.0, 14.0, 0.1)]
+
+
+@pytest.mark.parametrize("walls", [FAR_WALLS, [*FAR_WALLS, NEAR_WALLS[1]], [*FAR_WALLS, *NEAR_WALLS]])
+@pytest.mark.parametrize("pose", [Pose2(5.0, 1.0, 0.3), Pose2(1.0, -1.0, 2.0)])
+def test_the_shift_is_the_error_of_a_map_of_cell_borders(
+    walls: Boxes, pose: Pose2, scan: Callable[..., np.ndarray]
+) -> None:
+    field = LikelihoodField(from_boxes(walls, 0.05, (-4.0, -7.0), (14.0, 14.0)))
+    points = scan(walls, pose, np.random.default_rng(3), 0.002)
+    match = match_scan(field, points, pose, np.diag([0.05, 0.05, 0.02]) ** 2)
+    error = np.subtract(match.pose[:2], pose[:2])
+    assert np.abs(error) == pytest.approx(np.abs(depth_shift(field, points, match.pose)), abs=0.006)
+
+
+def test_points_that_no_wall_explains_shift_nothing() -> None:
+    field = LikelihoodField(from_boxes(FAR_WALLS, 0.05, (-4.0, -7.0), (14.0, 14.0)))
+    assert depth_shift(field, np.empty((0, 2)), Pose2(0.0, 0.0, 0.0)) == pytest.approx(np.zeros(2))
+    assert depth_shift(field, np.full((9, 2), 0.3), Pose2(0.0, 0.0, 0.0)) == pytest.approx(np.zeros(2))
