@@ -10,6 +10,7 @@ import numpy as np
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .bent_way import BentWay
 from .watched_moment import Belief, WatchedMoment
 
 _LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
@@ -46,7 +47,8 @@ class Odometry:
 
     Errors of wheel radius and tread stay the same for the whole drive, so their effect grows with distance,
     not with its square root. They are therefore carried as three more states; a pose that was measured
-    otherwise (`correct`) also teaches them: the wheels are calibrated while driving.
+    otherwise (`correct`) also teaches them: the wheels are calibrated while driving. An error of the
+    heading is not small on long drives, so the covariance includes more than its first order (`BentWay`).
     """
 
     STATE: ClassVar = {
@@ -54,6 +56,7 @@ class Odometry:
         "_scales": FloatArray,
         "_state": FloatArray,
         "_origin": WatchedMoment,
+        "_bent": BentWay,
     }
     """Attributes that change, with their types."""
 
@@ -77,11 +80,10 @@ class Odometry:
         self._errors = errors
         self.slip_factor = 1.0
         """Factor of the slip's variance relative to `errors`."""
-        constants = self._constant_sigmas(errors)
-        self._scales = np.zeros(len(constants))  # relative: left travel, right travel, tread
-        self._state = np.diag([0.0, 0.0, 0.0, *(sigma**2 for sigma in constants)])
-        shared = np.zeros((3, 3 + len(constants)))
-        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), shared)
+        self._bent = BentWay.straight()
+        self._scales = np.zeros(3)  # relative: left travel, right travel, tread
+        self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
+        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
         self.reset(pose, covariance)
         self.set_origin()
 
@@ -122,6 +124,7 @@ class Odometry:
         self._state[:3] = 0.0
         self._state[:, :3] = 0.0
         self._origin.shared[:, :3] = 0.0
+        self._bent = BentWay.straight()
         if covariance is not None:
             self._state[:3, :3] = covariance
 
@@ -152,11 +155,16 @@ class Odometry:
                 [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
             ]
         )
+        before = float(self._state[2, 2])
         self._state = step @ self._state @ step.T
         self._origin = self._origin.stepped(step)
         slip, length = self._errors.slip**2 * self.slip_factor, self._errors.slip_length
         slips = np.array([slip * abs(left) * length, slip * abs(right) * length])
         self._state[:3, :3] += (by_wheel * slips) @ by_wheel.T
+        turn_slip = float(slips.sum()) / tread**2
+        bent = self._bent.stepped(chord, cos, sin, _middle(before, float(self._state[2, 2])), turn_slip)
+        self._state[:2, :2] += bent.covariance - self._bent.covariance
+        self._bent = bent
         self.pose = self.pose.compose(_arc(chord, turn))
 
     def correct(self, pose: Pose2, covariance: FloatArray, kept: FloatArray | None = None) -> None:
@@ -180,6 +188,7 @@ class Odometry:
         self._origin = self._origin._replace(shared=self._origin.shared - lost)
         self._state = self._state + gain @ (covariance - prior) @ gain.T
         self._state[:3, :3] = covariance
+        self._bent = self._bent.corrected(rest)
         self.pose = pose
 
     @property
@@ -204,6 +213,11 @@ class Odometry:
     def doubt_scale(self, size: float) -> None:
         """Expect an error of this size, relative, in the length of ways: both wheels err alike."""
         self._state[3:5, 3:5] += size**2
+
+
+def _middle(before: float, after: float) -> float:
+    """Return the variance half way between two, of an error that grows in proportion to the way."""
+    return 0.25 * (math.sqrt(max(0.0, before)) + math.sqrt(max(0.0, after))) ** 2
 
 
 def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> FloatArray:
