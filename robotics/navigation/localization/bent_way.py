@@ -38,19 +38,18 @@ class BentWay(NamedTuple):
         """(2, 2) of the position, in [m²]."""
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
-    def stepped(self, chord: float, cos: float, sin: float, variance: float, slip: float) -> Self:
+    def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:
         """Return the sums after a step.
 
         Args:
-            chord: length of the step, in [m]; negative backwards.
-            cos: of its direction on the map.
-            sin: of its direction on the map.
+            x: of the step on the map, in [m].
+            y: of the step on the map, in [m].
             variance: of the heading, in [rad²].
             slip: part of the variance that this step has added.
         """
         along, aside = rest_sigmas(variance)
-        rest = self.rest + chord * np.array([[along * cos, along * sin], [-aside * sin, aside * cos]])
-        step = np.array([[1.0, 0.0, 0.0], [chord * cos, 1.0, 0.0], [chord * sin, 0.0, 1.0]])
+        rest = self.rest + np.array([[along * x, along * y], [-aside * y, aside * x]])
+        step = np.array([[1.0, 0.0, 0.0], [x, 1.0, 0.0], [y, 0.0, 1.0]])
         crossed = step @ self.crossed @ step.T
         crossed[0, 0] += slip * min(variance, MAX_CROSSED_VARIANCE)
         return type(self)(rest, crossed)

@@ -53,11 +53,14 @@ class HolonomicOdometry(Odometry):
         along = np.array([across[1], -across[0]])
         step[:2, 2] = across * moved.x - along * moved.y
         step[:3, 3:] = by_body @ by_state
+        before = float(self._state[2, 2])
         self._state = step @ self._state @ step.T
         self._origin = self._origin.stepped(step)
         slips = by_body @ self._slip_covariance(left, right, sideways, tread) @ by_body.T
         self._state[:3, :3] += slips
-        self.pose = self.pose.compose(moved)
+        after = self.pose.compose(moved)
+        self._bend(after.x - self.pose.x, after.y - self.pose.y, before, float(slips[2, 2]))
+        self.pose = after
 
     @override
     def sideways_turn_variance(self, sideways: float) -> float:

@@ -80,10 +80,12 @@ class Odometry:
         self._errors = errors
         self.slip_factor = 1.0
         """Factor of the slip's variance relative to `errors`."""
+        constants = self._constant_sigmas(errors)
         self._bent = BentWay.straight()
-        self._scales = np.zeros(3)  # relative: left travel, right travel, tread
-        self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
-        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), np.zeros((3, 6)))
+        self._scales = np.zeros(len(constants))  # relative: left travel, right travel, tread
+        self._state = np.diag([0.0, 0.0, 0.0, *(sigma**2 for sigma in constants)])
+        shared = np.zeros((3, 3 + len(constants)))
+        self._origin = WatchedMoment(Belief(np.array(pose), np.zeros((3, 3))), shared)
         self.reset(pose, covariance)
         self.set_origin()
 
@@ -161,11 +163,21 @@ class Odometry:
         slip, length = self._errors.slip**2 * self.slip_factor, self._errors.slip_length
         slips = np.array([slip * abs(left) * length, slip * abs(right) * length])
         self._state[:3, :3] += (by_wheel * slips) @ by_wheel.T
-        turn_slip = float(slips.sum()) / tread**2
-        bent = self._bent.stepped(chord, cos, sin, _middle(before, float(self._state[2, 2])), turn_slip)
+        self._bend(chord * cos, chord * sin, before, float(slips.sum()) / tread**2)
+        self.pose = self.pose.compose(_arc(chord, turn))
+
+    def _bend(self, x: float, y: float, before: float, slip: float) -> None:
+        """Add to the covariance what a step adds beyond its first order.
+
+        Args:
+            x: of the step on the map, in [m].
+            y: of the step on the map, in [m].
+            before: variance of the heading before the step, in [rad²].
+            slip: part of it that the step has added.
+        """
+        bent = self._bent.stepped(x, y, _middle(before, float(self._state[2, 2])), slip)
         self._state[:2, :2] += bent.covariance - self._bent.covariance
         self._bent = bent
-        self.pose = self.pose.compose(_arc(chord, turn))
 
     def correct(self, pose: Pose2, covariance: FloatArray, kept: FloatArray | None = None) -> None:
         """Take over a better pose, found with this one as its prior.
