@@ -11,10 +11,11 @@ import numpy as np
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
+from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes, to_plain
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.bent_way import BentWay
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
@@ -356,7 +357,7 @@ class Localization(ABC):
         if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY, LIFTED_KEY} != parts.keys():
             raise NotAState(f"no state of this localization; needed: {', '.join(parts)}")
         for name, (part, kinds) in parts.items():
-            set_attributes(part, kinds, state[name])
+            set_attributes(part, kinds, _complete(state[name]) if name == "odometry" else state[name])
         self._set_local_map(state.get(LOCAL_MAP_KEY))
         share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
         self.lifted = lifted_by(share) if share else None
@@ -387,3 +388,10 @@ class Localization(ABC):
             "wheels": (self._wheels, self._wheels.STATE),
             "odometry": (self._wheels.odometry, self._wheels.odometry.STATE),
         }
+
+
+def _complete(odometry: object) -> object:
+    """Return the state of an odometry with what older checkpoints lack."""
+    if isinstance(odometry, dict) and "_bent" not in odometry:
+        return {**odometry, "_bent": to_plain(BentWay.straight(), BentWay)}
+    return odometry
