@@ -13,6 +13,7 @@ from . import (
     capability_checks,
     command_checks,
     geometry_checks,
+    navigation_checks,
     snapshot_checks,
     time_checks,
 )
@@ -24,6 +25,7 @@ CHECK_MODULES = (
     time_checks,
     snapshot_checks,
     geometry_checks,
+    navigation_checks,
 )
 
 

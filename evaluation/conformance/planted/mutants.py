@@ -127,6 +127,11 @@ _ALL = (
     _in_backend("Undelayed", "reports an old pose of the base as the current one", "positioning"),
     _in_backend("TurnsOtherWay", "its gyros' axes point down", "imu"),
     _in_backend("FixInMillimetres", "tells fixes in mm", "gps"),
+    _in_backend("DropsScans", "loses four of five scans", "navigation"),
+    _in_backend("DelaysScans", "delivers scans 200 ms late", "navigation"),
+    _in_backend("MirrorsScans", "takes left for right in scans", "navigation"),
+    _in_backend("StretchesTravel", "reports a quarter more travel than the wheels roll", "navigation"),
+    _in_backend("SwapsWheels", "takes the left wheel for the right one", "navigation"),
 )
 
 

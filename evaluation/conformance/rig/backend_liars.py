@@ -23,6 +23,9 @@ from handcart.evaluation.layers.layered_backend import LayeredBackend
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 QUEUE_DELAY_PERIODS = 10  # periods by which a queued command comes late
+KEPT_SCAN_PERIOD = 5  # periods of which one scan arrives
+SCAN_DELAY_S = 0.2
+TRAVEL_FACTOR = 1.25  # of what wheels report
 
 
 class KeepsDriving(LayeredBackend):
@@ -212,6 +215,84 @@ class FixInMillimetres(LayeredBackend):
         return None if fix is None else fix._replace(position=1e3 * fix.position)
 
 
+class DropsScans(LayeredBackend):
+    """Four of five scans get lost, and the last one is returned again."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+        self._kept: Scan | None = None
+        self._number = 0
+
+    def step(self) -> None:
+        """Count the periods."""
+        self.inner.step()
+        self._number += 1
+        if self._number % KEPT_SCAN_PERIOD == 0:
+            self._kept = None
+
+    def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
+        """Return the last one that was not lost."""
+        if self._kept is None:
+            self._kept = sensor.scan()
+        return self._kept
+
+
+class DelaysScans(LayeredBackend):
+    """Scans come 200 ms late."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+        self._queue: list[Scan] = []
+        self._length = 1 + round(SCAN_DELAY_S / inner.period)
+
+    def step(self) -> None:
+        """Take this period's scan into the queue."""
+        self.inner.step()
+        sensor = part_of(self.inner, RangeSensor)
+        if sensor is not None:
+            self._queue = [*self._queue, sensor.scan()][-self._length :]
+
+    def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
+        """Return the oldest one in the queue."""
+        return self._queue[0] if self._queue else sensor.scan()
+
+
+class MirrorsScans(LayeredBackend):
+    """The lidar is mounted upside down, and nobody says so."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
+        """Left is right."""
+        scan = sensor.scan()
+        mirrored = np.interp(-scan.angles, scan.angles, np.arange(len(scan.angles)), period=2.0 * math.pi)
+        return scan._replace(ranges=scan.ranges[np.round(mirrored).astype(np.int64) % len(scan.ranges)])
+
+
+class StretchesTravel(LayeredBackend):
+    """The wheels report a quarter more than they roll, as with a wrong radius in the driver."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def base_wheel_travel(self, base: Base) -> WheelTravel:
+        """Longer than true."""
+        return WheelTravel(*(TRAVEL_FACTOR * way for way in base.wheel_travel()))
+
+
+class SwapsWheels(LayeredBackend):
+    """The left wheel's travel is reported as the right one's."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def base_wheel_travel(self, base: Base) -> WheelTravel:
+        """Exchanged."""
+        travel = base.wheel_travel()
+        return travel._replace(left=travel.right, right=travel.left)
+
+
 BACKEND_LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
     kind.__name__: kind
     for kind in (
@@ -226,5 +307,10 @@ BACKEND_LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
         Undelayed,
         TurnsOtherWay,
         FixInMillimetres,
+        DropsScans,
+        DelaysScans,
+        MirrorsScans,
+        StretchesTravel,
+        SwapsWheels,
     )
 }

@@ -64,6 +64,36 @@ def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
     assert finding.skipped == "the robot has no arm"
 
 
+LIARS_OF_NAVIGATION = {
+    "DropsScans": "scans repeated or missing",
+    "DelaysScans": "scans late 0.2",
+    "MirrorsScans": "scans turn the other way than wheels",
+    "StretchesTravel": "turn by wheels off 0.2",
+    "SwapsWheels": "scans turn the other way than wheels",
+}
+
+
+def test_scans_and_wheels_of_an_honest_backend_agree() -> None:
+    finding = checks()["navigation"](KitBench("kinematic", robot="cart"))
+    assert finding.ok, finding.wrong
+    assert not finding.skipped
+
+
+@pytest.mark.parametrize("name", LIARS_OF_NAVIGATION)
+def test_a_liar_about_scans_or_wheels_is_caught(name: str) -> None:
+    caught = try_mutant(name, KitBench("kinematic", robot="cart"))
+    assert caught.by.startswith(f"navigation: {LIARS_OF_NAVIGATION[name]}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["mujoco", "pybullet"])
+def test_navigation_checks_hold_with_physics(backend: str) -> None:
+    bench = KitBench(backend, robot="cart")
+    finding = checks()["navigation"](bench)
+    assert finding.ok, finding.wrong
+    assert all(try_mutant(name, bench).by for name in LIARS_OF_NAVIGATION)
+
+
 @pytest.fixture
 def without_noise(tmp_path: Path) -> KitBench:
     """A cart whose simulation has no errors."""
@@ -125,7 +155,7 @@ def test_a_car_passes_too(name: str) -> None:
 
 
 def test_there_are_23_liars_and_each_tells_its_lie() -> None:
-    assert len(mutants()) == 24
+    assert len(mutants()) == 29
     assert len({mutant.lie for mutant in mutants().values()}) == 24
 
 

@@ -1,0 +1,164 @@
+"""Check of what localization relies on: scans and wheels agree on how the base moves, at the same time.
+
+No ground truth is needed. Each scan is matched with the first one, and the motion that the scans show is
+compared with that of the wheels: scans that are dropped, late or mirrored, and wheels that report another
+motion than the base's, show in it.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.localization.lidar import Lidar
+from handcart.evaluation.conformance.rig.bench import KitBench
+from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS, drivable, steps
+from handcart.evaluation.conformance.rig.skipped import Skipped
+from handcart.evaluation.trials.rig import Rig
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.localization.odometry import Odometry
+from handcart.robotics.navigation.localization.scan_matching import match_scan
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .check import Check, CheckResult
+
+TURN_RATE, SPEED = 0.5, 0.15  # [rad/s], [m/s]
+LEG_S = 1.2  # of driving one way
+MIN_POINTS = 30  # of a scan, to be followed
+MIN_INLIERS = 0.4  # share of a scan that the first one explains, at least
+STEP_SIGMAS = np.diag([0.03, 0.03, 0.04]) ** 2  # [m², rad²] of the motion in a period
+CELL_M, WINDOW_M = 0.04, 24.0  # of the grid that the first scan is drawn on
+MAX_LATE_S = 0.1
+MAX_LAG_S = 0.6  # that is tried
+MAX_REPEATED = 0.2  # share of the scans that may be that of the period before while the base drives
+MAX_WRONG = 0.12  # of the wheels' turn or way, relative
+ROLLED_M = 1e-3  # by a wheel, from which the base drives
+
+
+class _Record(NamedTuple):
+    """What was read in one period."""
+
+    ranges: FloatArray
+    points: FloatArray
+    """(n, 2) in the base frame, in [m]."""
+    left: float
+    """Travel of the left wheel so far, in [m]."""
+    right: float
+
+
+def navigation(bench: KitBench, finding: CheckResult) -> None:
+    """Turn both ways and drive ahead and back; compare the motion by scans with that by the wheels."""
+    with bench.rig() as rig:
+        spec = rig.robot.spec
+        records = _driven(rig)
+        wheels = _by_wheels(records, spec.drive.tread_m)
+        if np.ptp(wheels[:, 2]) < 0.1:
+            raise Skipped("the base does not turn in this world")
+        _count_repeated(records, finding)
+        noise = max(0.01, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else 0.01
+        seen = _by_scans(records, noise)
+        if seen is None:
+            finding.expect(False, "scans taken one after the other show different places")
+            return
+        _compare(wheels, seen, rig.backend.period, finding)
+
+
+def _driven(rig: Rig) -> list[_Record]:
+    """Return the readings of a drive to the left, to the right, ahead and back."""
+    backend, spec = rig.backend, rig.robot.spec
+    base, lidar = needed(backend, Base), Lidar(needed(backend, RangeSensor), spec)
+    steps(backend, SETTLING_PERIODS)
+    legs = [(0.0, TURN_RATE), (0.0, -TURN_RATE), (SPEED, 0.0), (-SPEED, 0.0)]
+    records: list[_Record] = []
+    for speed, turn_rate in legs:
+        command = drivable(spec, speed, turn_rate)
+        for period in range(round(LEG_S / backend.period) + SETTLING_PERIODS):
+            if period < round(LEG_S / backend.period):
+                base.drive(*command)
+            backend.step()
+            scan, travel = lidar.scan(), base.wheel_travel()
+            records.append(_Record(scan.ranges.copy(), scan.points(), travel.left, travel.right))
+    return records
+
+
+def _by_wheels(records: list[_Record], tread: float) -> FloatArray:
+    """(n, 3) poses by the wheels from the first record on; headings are not wrapped."""
+    odometry, poses = Odometry(Pose2(0.0, 0.0, 0.0), tread), [np.zeros(3)]
+    for before, now in pairwise(records):
+        odometry.predict(now.left - before.left, now.right - before.right)
+        poses.append(np.array(odometry.pose))
+    return _unwrapped(np.array(poses))
+
+
+def _by_scans(records: list[_Record], noise: float) -> FloatArray | None:
+    """(n, 3) poses by matching each scan with the first one; None where they can't be followed."""
+    first = records[0].points
+    if len(first) < MIN_POINTS:
+        raise Skipped("the lidar sees next to nothing in this world")
+    count = round(WINDOW_M / CELL_M)
+    nothing = np.zeros((count, count), dtype=np.bool_)
+    grid = GridMap(nothing, nothing, CELL_M, -WINDOW_M / 2, -WINDOW_M / 2)
+    field, pose, poses = LikelihoodField(grid.with_points(first), is_drawn=True), Pose2(0.0, 0.0, 0.0), []
+    for record in records:
+        match = match_scan(field, record.points, pose, STEP_SIGMAS, noise)
+        if len(record.points) >= MIN_POINTS and match.inliers < MIN_INLIERS:
+            return None
+        pose = match.pose
+        poses.append(np.array(pose))
+    return _unwrapped(np.array(poses))
+
+
+def _unwrapped(poses: FloatArray) -> FloatArray:
+    poses[:, 2] = np.unwrap(poses[:, 2])
+    return poses
+
+
+def _count_repeated(records: list[_Record], finding: CheckResult) -> None:
+    """Count the scans that are missing, or that of the period before, while the wheels roll."""
+    repeated = rolling = 0
+    for before, now in pairwise(records):
+        if max(abs(now.left - before.left), abs(now.right - before.right)) > ROLLED_M:
+            rolling += 1
+            repeated += np.array_equal(before.ranges, now.ranges, equal_nan=True) or not len(now.points)
+    finding.at_most("scans repeated or missing while it drives", repeated / max(1, rolling), MAX_REPEATED)
+
+
+def _compare(wheels: FloatArray, seen: FloatArray, period: float, finding: CheckResult) -> None:
+    """Compare both motions: sense and size of the turns, delay, and the way ahead."""
+    times = period * np.arange(len(wheels))
+    lags = np.arange(0.0, MAX_LAG_S, period / 4)
+    fits = [_fitted(np.interp(times - lag, times, wheels[:, 2]), seen[:, 2]) for lag in lags]
+    best = int(np.argmin([rest for rest, _ in fits]))
+    late, ratio = float(lags[best]), fits[best][1]
+    if ratio < 0.0:
+        finding.expect(False, "scans turn the other way than wheels: scans are mirrored, or wheels swapped")
+        return
+    finding.at_most("scans late", late, MAX_LATE_S, "s")
+    finding.at_most("turn by wheels off", abs(ratio - 1.0), MAX_WRONG)
+    half = len(wheels) // 2
+    far_wheels, far_seen = (float(np.ptp(poses[half:] @ _ahead(poses))) for poses in (wheels, seen))
+    finding.at_most("way by wheels off", abs(far_wheels / max(far_seen, 1e-3) - 1.0), MAX_WRONG)
+
+
+def _fitted(wheels: FloatArray, seen: FloatArray) -> tuple[float, float]:
+    """Return the sum of squares that is left of headings by scans, and their ratio to those by wheels."""
+    wheels, seen = wheels - wheels.mean(), seen - seen.mean()
+    ratio = float(wheels @ seen) / max(float(wheels @ wheels), 1e-9)
+    return float(((seen - ratio * wheels) ** 2).sum()), ratio
+
+
+def _ahead(poses: FloatArray) -> FloatArray:
+    """(3,) by which the way ahead is read from poses, by the heading of the second half."""
+    heading = float(np.median(poses[len(poses) // 2 :, 2]))
+    return np.array([math.cos(heading), math.sin(heading), 0.0])
+
+
+CHECKS = (Check("navigation", "scans and wheels agree on how the base moves, at the same time", navigation),)
