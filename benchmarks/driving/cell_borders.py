@@ -136,7 +136,7 @@ def write_files(case: Case, folder: Path) -> RigFiles:
     ]
     world = {"format": "handcart-world/1", "start": start, "furniture": things}
     (folder / "world.yaml").write_text(json.dumps(world))
-    write_robot(folder, 0.22, 1.0, "scan")
+    write_robot(folder, (0.22,), 1.0, "scan")
     return RigFiles(folder / "world.yaml", folder / "map.yaml", folder / "places.yaml", {}, "place 0")
 
 

@@ -200,7 +200,7 @@ class Odometry:
         self._origin = self._origin._replace(shared=self._origin.shared - lost)
         self._state = self._state + gain @ (covariance - prior) @ gain.T
         self._state[:3, :3] = covariance
-        self._bent = self._bent.corrected(rest)
+        self._bent = self._bent.corrected(np.asarray(rest))
         self.pose = pose
 
     @property
