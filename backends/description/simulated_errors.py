@@ -23,6 +23,10 @@ class Errors(FileModel):
     wheel_radius_percent: NotNegative = 0.2
     tread_percent: NotNegative = 0.5
     slip_percent: NotNegative = 1.0
+    scrub_percent: NotNegative = 0.0
+    """Slip of each turn, new in each period, of a base that is steered by its sides (skid steering), because
+    its wheels slide sideways. With physics the engine computes it.
+    """
     sideways_percent: NotNegative = 1.0
     """Relative error of the distance that a `holonomic` base drives sideways, beyond that of its wheels'
     radii.

@@ -59,7 +59,7 @@ class Rolling:
         self._left_scale = 1.0 + errors.wheel_radius_percent / 100 * left
         self._right_scale = 1.0 + errors.wheel_radius_percent / 100 * right
         self._true_tread = robot.drive.tread_m * (1.0 + errors.tread_percent / 100 * tread)
-        self._slip = errors.slip_percent / 100
+        self._slip, self._scrub = errors.slip_percent / 100, errors.scrub_percent / 100
 
     def motion(self, left: float, right: float, period: int) -> Pose2:
         """Pose of the base after a period in that before it, if nothing is in its way.
@@ -73,7 +73,10 @@ class Rolling:
             return Pose2(0.0, 0.0, 0.0)
         slips = self._slip * keyed_normal(self._seed, "slip", period, 2)
         left, right = left * self._left_scale * (1.0 - slips[0]), right * self._right_scale * (1.0 - slips[1])
-        return _arc(float(left + right) / 2, float((right - left) / self._true_tread))
+        turn = float((right - left) / self._true_tread)
+        if self._scrub > 0.0:
+            turn *= 1.0 - self._scrub * float(keyed_normal(self._seed, "scrub", period, 1)[0])
+        return _arc(float(left + right) / 2, turn)
 
 
 def _arc(length: float, turn: float) -> Pose2:

@@ -27,6 +27,10 @@ MAX_SHOWN_LINES = 10
 DEFAULT_REACH_M = 40.0
 """Readings from here on say that nothing came back, in logs that state no reach: SICK's write 81.83."""
 MAX_BEAMS = 10_000
+CENTRED = Pose2(0.0, 0.0, 0.0)
+MAX_MOUNT_M = 2.0
+"""Distance of the lidar from the base's middle from which on a line states no mounting: the laser's pose is
+corrected there, and the robot's is not."""
 AFTER_RANGES = 9
 """Words of a FLASER line behind its ranges."""
 
@@ -41,6 +45,8 @@ class _Scans(NamedTuple):
     """Odometry that the scan's line states."""
     track: list[tuple[float, ...]]
     """x, y, heading and time of each ODOM line."""
+    mounts: list[Pose2]
+    """Mounting of the lidar on the base by each scan's line."""
 
 
 def read_carmen(path: Path) -> ScanLog:
@@ -52,7 +58,7 @@ def read_carmen(path: Path) -> ScanLog:
     Raises:
         FileError: the file has no scans, or lines that cannot be read; lists the first of them.
     """
-    found, findings = _Scans([], [], [], []), Findings()
+    found, findings = _Scans([], [], [], [], []), Findings()
     for number, line in enumerate(_text(path).splitlines(), start=1):
         words = line.split()
         if not words or words[0] not in _LINE_READERS:
@@ -102,6 +108,7 @@ def _flaser(words: list[str], found: _Scans) -> str:
     width = step * (beams - 1)
     found.scans.append((np.array(values[:beams]), -0.5 * width, width, DEFAULT_REACH_M))
     found.poses.append(tuple(values[beams + 3 : beams + 6]))
+    found.mounts.append(CENTRED)
     found.times.append(values[beams + 6])
     return ""
 
@@ -124,6 +131,8 @@ def _robot_laser(words: list[str], found: _Scans) -> str:
         return "a word is no number; allowed: decimal numbers"
     found.scans.append((np.array(ranges), values[1], values[2], min(values[4], DEFAULT_REACH_M)))
     found.poses.append(tuple(rest[3:6]))
+    mount = Pose2(*rest[:3]).relative_to(Pose2(*rest[3:6]))
+    found.mounts.append(mount if mount.distance(CENTRED) < MAX_MOUNT_M else CENTRED)
     found.times.append(rest[11])
     return ""
 
@@ -164,4 +173,5 @@ def _log(path: Path, found: _Scans) -> ScanLog:
     ranges = np.array([found.scans[row][0] for row in rising])
     ranges[(ranges >= reach) | (ranges <= 0.0)] = math.nan
     angles = start + width * np.arange(beams) / (beams - 1)
-    return ScanLog(times[rising], odometry[rising], angles, ranges, Pose2(0.0, 0.0, 0.0), reach, tuple(notes))
+    mount = found.mounts[rising[0]]
+    return ScanLog(times[rising], odometry[rising], angles, ranges, mount, reach, tuple(notes))

@@ -213,8 +213,8 @@ def _in_frame_of(spread: FloatArray, second: FloatArray, first: FloatArray) -> F
         second: (3,) pose of the second keyframe.
         first: (3,) pose of the first keyframe.
     """
-    turn = np.eye(3)  # seen from the first, a turn of it moves the second
-    turn[0, 2], turn[1, 2] = second[1] - first[1], -(second[0] - first[0])
+    turn = np.eye(3)  # seen from the first, a turn of it moves the second the other way
+    turn[0, 2], turn[1, 2] = first[1] - second[1], second[0] - first[0]
     moved = turn @ spread @ turn.T
     cos, sin = np.cos(first[2]), np.sin(first[2])
     rotation = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

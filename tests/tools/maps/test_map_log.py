@@ -12,14 +12,18 @@ import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.evaluation.mapping.csv_scans import HEADER_MARK, POSE_COLUMNS
+from handcart.evaluation.trials.running import run_task
 from handcart.files.maps.map_file import load_map
+from handcart.networks.runs.run_options import RunOptions
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.box_walls import surface_distances
+from handcart.robotics.navigation.mapping.map_comparison import compare_maps
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 from handcart.tools.main import main
 
 from .drives import small_drive, small_floor
 
+ROOT = Path(__file__).parents[3]
 HEADER = "---\nformat: handcart-scans/1\nlidar: {first_deg: -90, last_deg: 90, reach_m: 10}\n---\n"
 TITLES = "time_s,x_m,y_m,heading_rad,r0,r1,r2\n"
 
@@ -163,3 +167,30 @@ def test_missing_log_and_unknown_kind_are_refused(tmp_path: Path, capsys: pytest
     (tmp_path / "a.jpg").write_bytes(b"")
     assert status(str(tmp_path / "a.jpg"), "-o", str(tmp_path / "map")) == 2
     assert "no kind of log is named '.jpg'; allowed:" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_run_folder_is_mapped_and_said_as_the_page_has_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The page's sample, but for its numbers and the reasons that a run may not have."""
+    options = RunOptions(settings={"robot": "cart", "tour": "[meeting_room, kitchen]"}, playback=True)
+    summary, code = run_task(ROOT / "tasks" / "drive_map" / "task.yaml", tmp_path / "runs", options)
+    assert code == 0
+    capsys.readouterr()
+    assert status(str(summary["run_dir"]), "-o", str(tmp_path / "again")) == 0
+    page = (ROOT / "docs" / "how_to" / "map.md").read_text(encoding="utf-8")
+    sample = page[page.index("note: a run records") :].split("```", 1)[0]
+    said = capsys.readouterr().out.replace(str(tmp_path) + "/", "")
+    assert words_of(said)[:2] == words_of(sample)[:2]
+    assert words_of(said)[-2:] == words_of(sample)[-2:]
+    shown = load_map(ROOT / "tasks" / "drive_map" / "map.yaml")[0]
+    found = compare_maps(load_map(tmp_path / "again" / "map.yaml")[0], shown)
+    median, _, missing = found.figures(found.first)
+    assert median < 0.04
+    assert missing < 0.02
+
+
+def words_of(text: str) -> list[str]:
+    """Return the lines of a text without their numbers."""
+    return [re.sub(r"[0-9.]+", "#", line) for line in text.strip().splitlines()]

@@ -1,0 +1,102 @@
+"""Scans of ROS bags: odometry from a topic, and where the lidar is on the base, upright or upside down."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.evaluation.mapping.bag_scans import read_bag_scans
+from handcart.robotics.geometry.pose2 import Pose2
+
+pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
+
+ANGLES = np.linspace(-1.0, 1.5, 6)
+RANGES = np.array([[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [1.5, 2.5, 3.5, math.inf, 5.5, math.nan]])
+MOUNT = (0.3, -0.2, 0.4)
+ON_PLATE = (0.05, 0.02, 0.1)
+"""Of the lidar on a plate, which is at MOUNT on the base, and may be upside down."""
+ODOMETRY = ((0.0, 0.0, 0.0), (0.5, 0.25, 0.1), (1.0, 0.5, 0.2))
+
+
+def turned(heading: float, is_flipped: bool) -> tuple[float, float, float, float]:
+    """Return the quaternion of a heading in [rad], after half a turn about x if it is upside down."""
+    z, w = math.sin(heading / 2), math.cos(heading / 2)
+    return (w, z, 0.0, 0.0) if is_flipped else (0.0, 0.0, z, w)
+
+
+def write_bag(path: Path, is_flipped: bool) -> None:
+    """Write two scans, at 0.5 s and 1.0 s, odometry at 0, 1 and 2 s, and the mounting on tf_static."""
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds: Any = store.types
+
+    def header(time: float, frame: str) -> Any:
+        stamp = kinds["builtin_interfaces/msg/Time"](int(time), round((time % 1) * 1e9))
+        return kinds["std_msgs/msg/Header"](stamp, frame)
+
+    def pose(x: float, y: float, quaternion: tuple[float, ...]) -> Any:
+        point = kinds["geometry_msgs/msg/Point"](x, y, 0.0)
+        return kinds["geometry_msgs/msg/Pose"](point, kinds["geometry_msgs/msg/Quaternion"](*quaternion))
+
+    names = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"
+    with Writer(path, version=9) as writer:
+        topics = [
+            writer.add_connection(topic, name, typestore=store)
+            for topic, name in zip(("/scan", "/odom", "/tf_static"), names, strict=True)
+        ]
+
+        def write(number: int, time: float, content: Any) -> None:
+            writer.write(topics[number], int(time * 1e9), store.serialize_cdr(content, names[number]))
+
+        links = [("base", "plate", MOUNT, is_flipped), ("plate", "laser", ON_PLATE, False)]
+        for parent, child, (x, y, heading), flips in links:
+            vector = kinds["geometry_msgs/msg/Vector3"](x, y, 0.2)
+            quaternion = kinds["geometry_msgs/msg/Quaternion"](*turned(heading, flips))
+            moved = kinds["geometry_msgs/msg/Transform"](vector, quaternion)
+            link = kinds["geometry_msgs/msg/TransformStamped"](header(0.0, parent), child, moved)
+            write(2, 0.0, kinds[names[2]]([link]))
+        zero = kinds["geometry_msgs/msg/Vector3"](0.0, 0.0, 0.0)
+        still = kinds["geometry_msgs/msg/TwistWithCovariance"](
+            kinds["geometry_msgs/msg/Twist"](zero, zero), np.zeros(36)
+        )
+        for when, (ox, oy, turn) in enumerate(ODOMETRY):
+            there = kinds["geometry_msgs/msg/PoseWithCovariance"](
+                pose(ox, oy, turned(turn, False)), np.zeros(36)
+            )
+            write(1, float(when), kinds[names[1]](header(float(when), "odom"), "base", there, still))
+        # Seen from above, the beams of a lidar that is upside down run clockwise.
+        angles, ranges = (-ANGLES[::-1], RANGES[:, ::-1]) if is_flipped else (ANGLES, RANGES)
+        for time, row in zip((0.5, 1.0), ranges, strict=True):
+            limits = float(angles[0]), float(angles[-1]), float(angles[1] - angles[0]), 0.0, 0.1, 0.05, 12.0
+            content = header(time, "laser"), *limits, row.astype(np.float32), np.zeros(0, np.float32)
+            write(0, time, kinds[names[0]](*content))
+
+
+@pytest.mark.parametrize("is_flipped", [False, True])
+def test_points_in_the_base_frame_are_those_of_the_world(tmp_path: Path, is_flipped: bool) -> None:
+    """Upright and upside down, the same walls lie at the same places."""
+    write_bag(tmp_path / "bag", is_flipped)
+    log = read_bag_scans(tmp_path / "bag")
+    rays = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
+    x, y, heading = ON_PLATE
+    inner = Pose2(x, -y, -heading) if is_flipped else Pose2(x, y, heading)
+    expected = Pose2(*MOUNT).compose(inner).apply(RANGES[0][:, None] * rays)
+    found_rays = np.column_stack([np.cos(log.angles), np.sin(log.angles)])
+    assert log.mount.apply(log.ranges[0][:, None] * found_rays) == pytest.approx(expected, abs=1e-6)
+    assert log.ranges[1] == pytest.approx(RANGES[1], nan_ok=True)
+    assert (np.diff(log.angles) > 0.0).all()
+    assert any("upside down" in note for note in log.notes) is is_flipped
+
+
+def test_odometry_of_a_topic_is_read_at_the_scans_times(tmp_path: Path) -> None:
+    write_bag(tmp_path / "bag", False)
+    log = read_bag_scans(tmp_path / "bag")
+    assert log.times.tolist() == [0.0, 0.5]
+    assert log.odometry == pytest.approx(np.array([[0.25, 0.125, 0.05], [0.5, 0.25, 0.1]]))
+    assert "odometry: the topic /odom" in log.notes
