@@ -125,8 +125,8 @@ def _package_folder(point: EntryPoint) -> Path | None:
 def _may_have(folder: str, section: str) -> bool:
     """Return whether an entry of Python's path may hold a package with that section; True for archives."""
     try:
-        changed = os.stat(folder).st_mtime_ns
-        return any(section in text for text in _entry_points_in(folder, changed))
+        infos = _infos_in(folder, os.stat(folder).st_mtime_ns)
+        return any(section in _entry_points_text(info) for info in infos)
     except NotADirectoryError:
         return True
     except OSError:
@@ -134,8 +134,8 @@ def _may_have(folder: str, section: str) -> bool:
 
 
 @lru_cache(maxsize=256)
-def _entry_points_in(folder: str, changed: int) -> tuple[str, ...]:
-    """Return the declarations of the packages in a folder; read again after one was added or removed.
+def _infos_in(folder: str, changed: int) -> tuple[str, ...]:
+    """Return the entry-point files that packages in a folder may have; listed again after a change.
 
     Args:
         folder: an entry of Python's path.
@@ -149,11 +149,25 @@ def _entry_points_in(folder: str, changed: int) -> tuple[str, ...]:
         for name in os.listdir(folder)
         if name.endswith((".dist-info", ".egg-info")) or name == "EGG-INFO"
     )
-    return tuple(filter(None, (_text(Path(folder, name, "entry_points.txt")) for name in infos)))
+    return tuple(os.path.join(folder, name, "entry_points.txt") for name in infos)
 
 
-def _text(path: Path) -> str:
+def _entry_points_text(path: str) -> str:
+    """Return the declarations of a package, empty if it has none; read again after the file has changed.
+
+    A development install rewrites the file in its place, which leaves the folder's time as it is.
+    """
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
+        found = os.stat(path)
+    except OSError:
+        return ""
+    return _text(path, found.st_mtime_ns, found.st_size)
+
+
+@lru_cache(maxsize=1024)
+def _text(path: str, changed: int, size: int) -> str:
+    """Return the text of a file; `changed` in [ns] and `size` in [bytes] tell versions of it apart."""
+    try:
+        return Path(path).read_text(encoding="utf-8", errors="replace")
     except OSError:
         return ""

@@ -83,15 +83,19 @@ def robot_clock(now: Callable[[], float]) -> Iterator[None]:
         _robot_time.reset(token)
 
 
-_served = {"modules": 0}
-"""Number of the modules that were loaded when `serve_library` last looked through them."""
+_served: dict[str, object] = {"count": 0, "last": None}
+"""Number of modules, and the last one imported, when `serve_library` last looked through them.
+
+The number alone stays the same where a module is removed and another one imported.
+"""
 
 
 def serve_library() -> None:
     """Give `TickTime` to each loaded module of py_trees that has imported `time`."""
-    if len(sys.modules) == _served["modules"]:
+    count, last = len(sys.modules), sys.modules[next(reversed(sys.modules))]
+    if _served["count"] == count and _served["last"] is last:
         return  # each tick of a tree asks
-    _served["modules"] = len(sys.modules)
+    _served.update(count=count, last=last)
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] == TREE_LIBRARY and vars(module).get("time") is time:
             vars(module)["time"] = TICK_TIME

@@ -55,3 +55,14 @@ def test_an_archive_on_the_path_is_looked_into(path: Path) -> None:
         packed.writestr("packed-1.0.dist-info/entry_points.txt", f"[{GROUP}]\nmint = packed:M\n")
     sys.path.append(str(archive))
     assert [each.name for each in entry_points_of(GROUP)] == ["mint"]
+
+
+def test_declarations_that_are_rewritten_in_place_are_read_again(path: Path) -> None:
+    """As by a development install: the folder's own time of change stays."""
+    package(path, "one", "[console_scripts]\nbasil = one:main\n")
+    assert entry_points_of(GROUP) == []
+    file, changed = path / "one-1.0.dist-info" / "entry_points.txt", path.stat().st_mtime_ns
+    for name in ("mint", "aster"):
+        file.write_text(f"[{GROUP}]\n{name} = one:M\n", encoding="utf-8")
+        assert path.stat().st_mtime_ns == changed
+        assert [each.name for each in entry_points_of(GROUP)] == [name]

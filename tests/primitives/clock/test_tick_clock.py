@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from types import ModuleType
 from typing import Any
 
 import py_trees
@@ -142,3 +143,17 @@ def test_a_generator_leaf_may_end_beside_a_timer() -> None:
     for _ in ticked(root, lambda: clock[0]):
         clock[0] += 0.5
     assert clock[0] == 3.0
+
+
+def test_module_imported_in_the_place_of_another_is_served(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The number of loaded modules is then the same as at the tick before."""
+    monkeypatch.setitem(sys.modules, "tick_clock_placeholder", ModuleType("tick_clock_placeholder"))
+    with robot_clock(lambda: 0.0):
+        pass
+    late = ModuleType("py_trees.late_timers")
+    vars(late)["time"] = time
+    monkeypatch.delitem(sys.modules, "tick_clock_placeholder")
+    monkeypatch.setitem(sys.modules, late.__name__, late)
+    with robot_clock(lambda: 7.0):
+        assert vars(late)["time"] is TICK_TIME
+        assert vars(late)["time"].monotonic() == 7.0
