@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,13 +63,27 @@ class RunPosition:
         return self
 
 
-def standing(network: ActionNetwork, records: Sequence[Record]) -> RunPosition:
+def has_fingerprint(header: Record, network: ActionNetwork) -> bool:
+    """Return whether a journal's first record names a network by its fingerprint."""
+    return bool(header.get("network") == network.fingerprint())
+
+
+def standing(
+    network: ActionNetwork,
+    records: Sequence[Record],
+    is_of: Callable[[Record, ActionNetwork], bool] = has_fingerprint,
+) -> RunPosition:
     """Follow a journal through the network that it was written for.
+
+    Args:
+        network: the task's network.
+        records: of the journal.
+        is_of: returns whether a journal's first record belongs to a network.
 
     Raises:
         NeedsOperator: the journal is of another network, or doesn't fit this one.
     """
-    if not records or records[0].get("network") != network.fingerprint():
+    if not records or not is_of(records[0], network):
         raise NeedsOperator("the task is not the one that was run: its network is another one")
     return RunPosition(RunDecisions(network, planner_of(network))).followed(records[1:])
 

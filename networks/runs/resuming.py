@@ -20,6 +20,7 @@ from handcart.networks.journal.waiting import may_have_begun
 from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journal
 
 from .checkpoint import CHECKPOINT_FILE, Checkpoint, load_checkpoint
+from .run_header import is_of_network
 
 if TYPE_CHECKING:
     from handcart.backends.robot.robot import Robot
@@ -143,7 +144,7 @@ def read_past(folder: Path, network: ActionNetwork) -> Past:
             up and that was not acknowledged.
     """
     contents = read_run_journal(folder)
-    here = standing(network, contents.records)
+    here = standing(network, contents.records, is_of_network)
     if here.gave_up is not None:
         record = here.gave_up
         how = f"when all is as it was before that action: handcart ack {folder} {record['q']}"

@@ -5,13 +5,17 @@ from __future__ import annotations
 import hashlib
 import os
 import time
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import orjson
+
 from handcart.backends.description.robot_file import RobotFile
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.journal.journal import JOURNAL_SCHEMA
+from handcart.networks.journal.retracing import has_fingerprint
 from handcart.networks.task.preparing import Prepared
 
 _KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
@@ -76,6 +80,31 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
         "actions": rows,
         **_aims(network),
     }
+
+
+def is_of_network(header: Mapping[str, Any], network: ActionNetwork) -> bool:
+    """Return whether a journal's first record was written for a network.
+
+    A later version may know further parameters of a primitive, which change the fingerprint. Then the
+    network in the header is compared: a parameter that its file does not give is at its default.
+    """
+    if has_fingerprint(header, network):
+        return True
+    kept = header.get("plan_on")
+    if not isinstance(kept, Mapping):
+        return False
+    try:
+        return _by_names(kept) == _by_names(orjson.loads(orjson.dumps(network_fields(network))))
+    except (LookupError, TypeError, ValueError):  # a damaged header is of no network
+        return False
+
+
+def _by_names(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a network with actions by column name; what primitives read may change."""
+    rows = [dict(zip(fields["keys"], row, strict=True)) for row in fields["actions"]]
+    for row in rows:
+        row.pop("uses", None)
+    return {**fields, "keys": None, "actions": rows}
 
 
 def _counts_otherwise(action: Action) -> bool:
