@@ -114,9 +114,7 @@ def _reached(task: Task, uses: dict[int, _Use]) -> dict[str, list[Held]]:
 def _follow(task: Task, action: Action, use: _Use | None, held: Held) -> Iterator[tuple[str, Held]]:
     """Yield the situations after an action, with the possible content of the hand there."""
     then = held if use is None else _after(task, action, use, held)
-    for target, state in ((action.target, then), (action.on_fail, held)):
-        if target is None:
-            continue
+    for target, state in ((action.target, then), *((to, held) for to in action.fail_situations)):
         yield target, _agreed(state, Held(*_by_facts(task, target)))
 
 

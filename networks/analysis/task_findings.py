@@ -12,6 +12,7 @@ from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 
+from .cause_findings import cause_findings, causes_into
 from .fact_findings import fact_findings
 from .hand_findings import denied_hand_facts
 from .worst_cases import WorstCases
@@ -23,7 +24,8 @@ def task_findings(task: Task) -> list[Finding]:
     These are situations that no run reaches or that lead nowhere, and facts that cannot change as stated,
     or that an action's effect on the hand contradicts.
     """
-    return [*_unreached(task), *_dead_ends(task), *fact_findings(task), *denied_hand_facts(task)]
+    facts = [*fact_findings(task), *denied_hand_facts(task)]
+    return [*_unreached(task), *_dead_ends(task), *cause_findings(task), *facts]
 
 
 def _unreached(task: Task) -> list[Finding]:
@@ -51,7 +53,9 @@ def _dead_ends(task: Task) -> list[Finding]:
             continue
         way = " to ".join(nx.shortest_path(graph, network.start, name))
         if name in failed_into:
-            words = f"a run that comes there ({way}) ends with status 3; allowed, if that is meant"
+            failed = " or ".join(causes_into(network, name))
+            after = f", after a Fail of {failed}," if failed else ""
+            words = f"a run that comes there ({way}){after} ends with status 3; allowed, if that is meant"
         else:
             words = f"no plan leads there ({way}); needed: an action that leads on from it, or leave it out"
         plain = plain_name(task, name)

@@ -146,8 +146,10 @@ def _ended(policy: Policy) -> list[Path]:
             found.setdefault(state.situation, state)
             continue
         after = [(each, "") for each in step.succeeded]
-        for each, word in (*after, (step.failed, FAILS), (step.for_good, FOR_GOOD)):
-            there = here[0] + _UNLIKELY.get(word, 0), here[1] + 1
+        causes = [f"{FAILS} ({each.cause})" for each in step.action.fail_endings]
+        failed = zip(step.all_failed, (FAILS, *causes), strict=True)
+        for each, word in (*after, *failed, (step.for_good, FOR_GOOD)):
+            there = here[0] + _UNLIKELY.get(word, bool(word)), here[1] + 1
             if each is not None and there < known.get(each, (math.inf, 0)):
                 known[each], came[each] = there, _Come(state, step.action.index, word)
                 heapq.heappush(heap, (there, next(order), each))
@@ -167,4 +169,4 @@ def _end(path: tuple[tuple[Action, str], ...], start: str) -> str:
     if not path:
         return start
     action, failed = path[-1]
-    return (action.on_fail or action.source) if failed else action.target
+    return action.after_fail(failed.partition("(")[2].rstrip(")")) if failed else action.target

@@ -6,7 +6,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from .chance import Chance
-from .policy import Chances, Policy, success_shares
+from .policy import Chances, Policy, fail_shares, success_shares
 from .step_maker import State, Step
 
 
@@ -68,7 +68,8 @@ class ChainRows:
         self._row(action.index, action.cost_s)
         for share, state in zip(success_shares(action), step.succeeded, strict=True):
             self._lead(row, state, chance.success * share, self.succeeds, False)
-        self._lead(row, step.failed, chance.fail, self.fails, True)
+        for share, state in zip(fail_shares(action), step.all_failed, strict=True):
+            self._lead(row, state, chance.fail * share, self.fails, True)
         if chance.give_up:
             self.ends.append((row, ChainEnd.GIVE_UP, chance.give_up, False))
 

@@ -188,8 +188,21 @@ def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:
     for share, state in zip(success_shares(action), step.succeeded, strict=True):
         if state is not None:
             yield chance.success * share, state
-    if step.failed is not None:
-        yield chance.fail, step.failed
+    for share, state in zip(fail_shares(action), step.all_failed, strict=True):
+        if state is not None:
+            yield chance.fail * share, state
+
+
+def fail_shares(action: Action) -> list[float]:
+    """Return the shares of the situations that a Fail leads to, by its causes, all others first; their sum
+    is 1.
+    """
+    known = [each.p for each in action.fail_endings]
+    fail = 0.0 if action.p_success is None else 1.0 - action.p_success - action.p_give_up
+    if action.p_success is None or None in known:
+        return [1.0 / (1 + len(known))] * (1 + len(known))
+    every = [min(1.0, (p or 0.0) / fail) if fail > 0.0 else 0.0 for p in known]
+    return [max(0.0, 1.0 - sum(every)), *every]
 
 
 def success_shares(action: Action) -> list[float]:

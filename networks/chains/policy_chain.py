@@ -112,11 +112,19 @@ class _Solution:
                 gain[row] += p * (end == ChainEnd.GOAL)
                 success[row] += p
         gain /= np.maximum(success, 1e-300)
-        for row, to, _ in self._rows.fails:
-            gain[row] -= goal[to]
-        for row, end, _, failed in self._rows.ends:
-            gain[row] -= 1.0 if end == ChainEnd.GOAL and failed else 0.0
-        return gain
+        return gain - self._after_fail(goal)
+
+    def _after_fail(self, goal: FloatArray) -> FloatArray:
+        """Return for each row P(goal) after a Fail: the mean over its causes, all alike if none happens."""
+        links = [(row, p, float(goal[to])) for row, to, p in self._rows.fails]
+        links += [(row, p, float(end == ChainEnd.GOAL)) for row, end, p, failed in self._rows.ends if failed]
+        total, count, mean = np.zeros(self._size), np.zeros(self._size), np.zeros(self._size)
+        for row, p, _ in links:
+            total[row] += p
+            count[row] += 1
+        for row, p, value in links:
+            mean[row] += value * (p / total[row] if total[row] > 0.0 else 1.0 / count[row])
+        return mean
 
 
 def _endless(rows: ChainRows, links: Sequence[ChainLink]) -> set[int]:

@@ -43,7 +43,9 @@ class Stage:
         """Return what planning depends on besides: results, shared attempts and renewals."""
         others = tuple((place[each.target], each.p) for each in a.others)
         p = a.p if a.others else None
-        return a.counter, a.unlimited, a.renewals, self.network.renewed_by.get(a.index, ()), others, p
+        counts = a.counter, a.unlimited, a.renewals, self.network.renewed_by.get(a.index, ())
+        fails = tuple((None if e.target is None else place[e.target], e.p) for e in a.fail_endings)
+        return *counts, others, p, fails, (a.p_success, a.p_give_up) if fails else ()
 
     def with_one_more(self, numbers: Collection[int]) -> Stage:
         """Return the stage with one more attempt of those actions, given by their numbers in the whole."""

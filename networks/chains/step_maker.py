@@ -41,14 +41,21 @@ class Step(NamedTuple):
     """State after its Fail; None if it never fails."""
     for_good: State | None = None
     """State after its Fail for good; None if that is not considered."""
+    failed_by: tuple[State | None, ...] = ()
+    """States after its Fails of the causes in `Action.fail_endings`."""
     person: bool = False
     """True if there is no action because calling a person is better."""
 
     def following(self) -> Iterator[State]:
         """Yield the states that may follow."""
-        for each in (*self.succeeded, self.failed, self.for_good):
+        for each in (*self.succeeded, *self.all_failed, self.for_good):
             if each is not None:
                 yield each
+
+    @property
+    def all_failed(self) -> tuple[State | None, ...]:
+        """States after its Fails, that of all causes without a situation of their own first."""
+        return (self.failed, *self.failed_by)
 
 
 class StepMaker:
@@ -101,9 +108,8 @@ class StepMaker:
         if action.binding is None:
             return Step(action, succeeded)
         good = self.after.fail(action, fails, for_good=True) if self._for_good else None
-        if chance is not None and chance.fail <= _NEVER:
-            return Step(action, succeeded, None, good)
-        return Step(action, succeeded, self.after.fail(action, fails), good)
+        failed, *by_cause = self.after.fails(action, fails, chance is None or chance.fail > _NEVER)
+        return Step(action, succeeded, failed, good, tuple(by_cause))
 
 
 class Aftermath:
@@ -147,6 +153,17 @@ class Aftermath:
         allowed, count = action.allowance, fails.get(action.counter, 0)
         after = allowed.used_up(count) if for_good else allowed.failed(count)
         return self.at(action.on_fail or action.source, {**fails, action.counter: after})
+
+    def fails(self, action: Action, fails: Mapping[int, int], happens: bool = True) -> list[State | None]:
+        """Return the states after a Fail, of all causes without a situation of their own first.
+
+        Those are None that never happen.
+        """
+        if not happens:
+            return [None] * (1 + len(action.fail_endings))
+        after = {**fails, action.counter: action.allowance.failed(fails.get(action.counter, 0))}
+        every = [action.on_fail, *(each.target for each in action.fail_endings)]
+        return [self.at(to or action.source, after) for to in every]
 
     def at(self, situation: str, fails: Mapping[int, int], committed: tuple[int, ...] = ()) -> State:
         """Return the state in a situation, with the Fails that can still matter there."""

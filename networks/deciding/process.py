@@ -7,7 +7,7 @@ from typing import NamedTuple
 import networkx as nx
 
 from handcart.networks.chains.chance import Chance
-from handcart.networks.chains.policy import Chances, success_shares
+from handcart.networks.chains.policy import Chances, fail_shares, success_shares
 from handcart.networks.chains.step_maker import Aftermath, State, Step
 from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action, ActionNetwork
@@ -77,11 +77,13 @@ class Process:
         return [max(1, count) for count in left]
 
     def endings(self, action: Action) -> list[tuple[float, str]]:
-        """Return the situations that an action may lead to, each with its probability; Fail is the last."""
+        """Return the situations that an action may lead to, each with its probability; Fails are the last."""
         chance = Chance(1.0) if action.binding is None else self.chances[action.index] or Chance(1.0)
         nexts = [action.target, *(each.target for each in action.others)]
         found = [(chance.success * p, to) for p, to in zip(success_shares(action), nexts, strict=True)]
-        return [*found, (chance.fail, action.on_fail or action.source)]
+        failed = [action.on_fail, *(each.target for each in action.fail_endings)]
+        pairs = zip(fail_shares(action), failed, strict=True)
+        return [*found, *((chance.fail * p, to or action.source) for p, to in pairs)]
 
     def options(self, state: State) -> list[ProcessOption]:
         """Return the actions that can be started in a state."""
@@ -97,13 +99,13 @@ class Process:
         fails = dict(state.fails)
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]
-        failed = None if chance is None or chance.fail <= NEVER else self.after.fail(action, fails)
-        return Step(action, succeeded, failed)
+        failed, *by = self.after.fails(action, fails, chance is not None and chance.fail > NEVER)
+        return Step(action, succeeded, failed, failed_by=tuple(by))
 
     def _option(self, state: State, action: Action, fails: dict[int, int]) -> ProcessOption:
         step, chances = self.step(state, action), self.endings(action)
         leads: dict[State, float] = {}
-        for (p, _), after in zip(chances, (*step.succeeded, step.failed), strict=True):
+        for (p, _), after in zip(chances, (*step.succeeded, *step.all_failed), strict=True):
             if after is not None and p > 0.0 and after.situation != self.network.goal:
                 leads[after] = leads.get(after, 0.0) + p
         stays = leads.pop(state, 0.0)

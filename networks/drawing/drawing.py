@@ -30,6 +30,8 @@ def to_mermaid(network: ActionNetwork, title: str = "") -> str:
         lines.append(f'    {number[way.source]} -->|"{label}"| {number[way.target]}')
         if way.on_fail:
             lines.append(f'    {number[way.source]} -.->|"{way.do} fails"| {number[way.on_fail]}')
+        for cause, to in way.fails:
+            lines.append(f'    {number[way.source]} -.->|"{way.do} fails: {_escaped(cause)}"| {number[to]}')
     return "\n".join(lines) + "\n"
 
 
@@ -56,6 +58,9 @@ def to_dot(network: ActionNetwork, title: str = "") -> str:
         if way.on_fail:
             dashed = f'label="{way.do} fails", style=dashed'
             lines.append(f"    {number[way.source]} -> {number[way.on_fail]} [{dashed}];")
+        for cause, to in way.fails:
+            dashed = f'label="{way.do} fails: {_escaped(cause)}", style=dashed'
+            lines.append(f"    {number[way.source]} -> {number[to]} [{dashed}];")
     return "\n".join([*lines, "}"]) + "\n"
 
 

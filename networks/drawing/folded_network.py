@@ -35,6 +35,8 @@ class FoldedAction:
     source: Spot
     target: Spot
     on_fail: Spot | None
+    fails: tuple[tuple[str, Spot], ...]
+    """Situations that Fails of named causes lead to, by cause."""
     do: str
     members: tuple[int, ...]
     """Numbers of the actions in the network."""
@@ -119,6 +121,7 @@ def _way(copies: Sequence[Action], of: Mapping[str, Spot]) -> FoldedAction:
         of[last.source],
         of[last.target],
         of[last.on_fail] if last.on_fail else None,
+        tuple((each.cause, of[each.target]) for each in last.fail_endings if each.target),
         last.do,
         tuple(each.index for each in copies),
         ", ".join(words),

@@ -254,9 +254,10 @@ class _Drawing:
             kinds.append((failed > 0, False))
             edges.append(LayerEdge(way, self._target(way.target, part, failed=False), middle))
             kinds.append((came > 0, False))
-            if way.on_fail is not None:
+            spots = [way.on_fail, *(to for _, to in way.fails)]
+            for spot in dict.fromkeys(each for each in spots if each is not None):
                 below = middle + 0.3 * sizes[way].height
-                edges.append(LayerEdge(way, self._target(way.on_fail, part, failed=True), below))
+                edges.append(LayerEdge(way, self._target(spot, part, failed=True), below))
                 kinds.append((self._count(way, "Fail") > 0, True))
         for each, drawn in inner.items():
             for leaving, (down, travelled) in drawn.exits.items():

@@ -118,6 +118,18 @@ class Ending:
 
 
 @dataclass(frozen=True)
+class FailEnding:
+    """Situation that a Fail of an action leads to, decided by its cause."""
+
+    cause: str
+    """Name of a `CauseKind`."""
+    target: str | None = None
+    """The situation; None: it remains as it is."""
+    p: float | None = None
+    """Probability that an attempt ends so."""
+
+
+@dataclass(frozen=True)
 class Action:
     """A transition from one situation to another by a primitive with its parameters, and its cost."""
 
@@ -151,6 +163,8 @@ class Action:
     """Name of the attempts that it shares with other actions; empty: its own."""
     counter: int = -1
     """Number of the first action that shares its attempts."""
+    fail_endings: tuple[FailEnding, ...] = ()
+    """Where Fails of certain causes lead; all others lead to `on_fail`."""
 
     @cached_property
     def allowance(self) -> Attempts:
@@ -160,8 +174,18 @@ class Action:
     @property
     def leads_to(self) -> tuple[str, ...]:
         """All situations that it may lead to, that of Success first."""
-        on_fail = () if self.on_fail is None else (self.on_fail,)
-        return (self.target, *(each.target for each in self.others), *on_fail)
+        return (self.target, *(each.target for each in self.others), *self.fail_situations)
+
+    @property
+    def fail_situations(self) -> tuple[str, ...]:
+        """Other situations that a Fail may lead to, each once."""
+        named = (*(each.target for each in self.fail_endings), self.on_fail)
+        return tuple(dict.fromkeys(each for each in named if each is not None))
+
+    def after_fail(self, cause: str = "") -> str:
+        """Return the situation after a Fail of a cause."""
+        every = {each.cause: each.target for each in self.fail_endings}
+        return every.get(cause, self.on_fail) or self.source
 
     @property
     def p_success(self) -> float | None:
@@ -181,6 +205,8 @@ class Action:
             found += "then", self.p, self.others
         if self.unlimited or self.renewals or self.budget:
             found += "attempts", self.unlimited, self.renewals, self.fresh_after, self.counter
+        for each in self.fail_endings:
+            found += "fail", each.cause, each.target, each.p if with_chances else None
         return found
 
     def target_of(self, result: str) -> str:
@@ -325,6 +351,7 @@ def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str,
     """
     named = [("from", action.source), ("to", action.target), ("on_fail", action.on_fail)]
     named += [("then", each.target) for each in action.others]
+    named += [("on_fail", each.target) for each in action.fail_endings]
     wrong = [
         (key, f"unknown situation {name!r}{suggest(name, known)}")
         for key, name in named
@@ -334,10 +361,11 @@ def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str,
         wrong.append(("cost_s", f"cost_s is {action.cost_s}; allowed: above 0, at most {MAX_COST_S:g}"))
     if not 1 <= action.attempts <= MAX_ATTEMPTS:
         wrong.append(("attempts", f"attempts is {action.attempts}; allowed: 1 to {MAX_ATTEMPTS}"))
-    before, after = known.get(action.source), known.get(action.on_fail or "")
-    if before and after and dict(before.facts) != dict(after.facts):
-        said = f"{after.name!r} has other physical facts than {before.name!r}, and a Fail changes none"
-        wrong.append(("on_fail", f"{said}; allowed: a situation with the same facts"))
+    before, nexts = known.get(action.source), (known.get(name) for name in action.fail_situations)
+    for after in nexts:
+        if before and after and dict(before.facts) != dict(after.facts):
+            said = f"{after.name!r} has other physical facts than {before.name!r}, and a Fail changes none"
+            wrong.append(("on_fail", f"{said}; allowed: a situation with the same facts"))
     return wrong
 
 

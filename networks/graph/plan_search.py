@@ -264,4 +264,5 @@ def _hopes_of(action: Action) -> list[str]:
     """Return the situations that it may lead to besides its target, with a probability above zero."""
     others = [each.target for each in action.others if each.p != 0.0]
     certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12
-    return others if action.on_fail is None or certain else [*others, action.on_fail]
+    never = {each.target for each in action.fail_endings if each.p == 0.0} - {action.on_fail}
+    return others if certain else [*others, *(to for to in action.fail_situations if to not in never)]

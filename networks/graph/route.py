@@ -97,7 +97,7 @@ class RunDecisions:
             case Success(_, result):
                 self._succeeded(result)
             case Fail(reason, permanent):
-                self.failed(reason, permanent)
+                self.failed(reason, permanent, outcome.cause.name)
             case Elsewhere(reason, situation):
                 self.failed(reason)
                 self.situation = situation
@@ -115,10 +115,13 @@ class RunDecisions:
         if renewed or (self._ahead and self._ahead[-1].source != self.situation):
             self._ahead = []
 
-    def failed(self, reason: str, permanent: bool = False) -> None:
-        """Note a Fail of the action that was `next`; a permanent Fail uses up all its attempts."""
+    def failed(self, reason: str, permanent: bool = False, cause: str = "") -> None:
+        """Note a Fail of the action that was `next`; a permanent Fail uses up all its attempts.
+
+        Its cause may decide to which situation it leads.
+        """
         action = self.next
         self.taken += 1
         self.planner.failed(action, reason, permanent=permanent)
         self._ahead = []
-        self.situation = action.on_fail or self.situation
+        self.situation = action.after_fail(cause)

@@ -147,7 +147,8 @@ def _take(found: RunPosition, record: Record) -> None:
         found.route.took(Success({}, record.get("result", "")))
     else:
         found.fails += 1
-        found.route.failed(record["reason"], record["permanent"])
+        causes = record.get("cause") or [{}]
+        found.route.failed(record["reason"], record["permanent"], str(causes[0].get("kind", "")))
 
 
 def _look(found: RunPosition, record: Record) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from typing_extensions import override
 
-from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, FailEnding, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 
@@ -64,6 +64,7 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
             renewals=row.get("renewals", 0),
             fresh_after=tuple(row.get("fresh_after", ())),
             budget=row.get("budget", ""),
+            fail_endings=tuple(FailEnding(*each) for each in row.get("fails", ())),
         )
         for row in rows
     ]

@@ -19,7 +19,7 @@ from handcart.networks.journal.retracing import has_fingerprint
 from handcart.networks.task.preparing import Prepared
 
 _KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
-_CHANCE_KEYS = ("p", "p_give_up", "others", "unlimited", "renewals", "fresh_after", "budget")
+_CHANCE_KEYS = ("p", "p_give_up", "others", "unlimited", "renewals", "fresh_after", "budget", "fails")
 """Columns of networks with probabilities, several results or shared attempts."""
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
@@ -59,7 +59,8 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
     primitive may read. A skip has no `do`. `elements` names those of a `repeat`.
     """
     more = any(
-        action.p is not None or action.others or _counts_otherwise(action) for action in network.actions
+        action.p is not None or action.others or action.fail_endings or _counts_otherwise(action)
+        for action in network.actions
     )
     rows = [
         (
@@ -114,7 +115,8 @@ def _counts_otherwise(action: Action) -> bool:
 def _chance_fields(action: Action) -> tuple[Any, ...]:
     others = [[each.target, each.result, each.p] for each in action.others]
     counted = action.unlimited, action.renewals, action.fresh_after, action.budget
-    return action.p, action.p_give_up, others, *counted
+    fails = [[each.cause, each.target, each.p] for each in action.fail_endings]
+    return action.p, action.p_give_up, others, *counted, fails
 
 
 def _aims(network: ActionNetwork) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_node import KeyPath
-from handcart.networks.graph.network import Action, Binding, Ending, Situation, faults_of
+from handcart.networks.graph.network import Action, Binding, Ending, FailEnding, Situation, faults_of
 
 from .repeating import Copied
 from .task_model import ActionEntry, TaskFile
@@ -44,6 +44,7 @@ def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Map
         renewals=limit.renewals if limit.fresh_after else 0,
         fresh_after=listed_names(limit.fresh_after),
         budget=limit.budget or (f"{entry.do} {copied.entry}" if limit.shared else ""),
+        fail_endings=_fail_endings(entry, copied.fails),
     )
 
 
@@ -59,7 +60,13 @@ def entry_faults(
         done: names of all primitives in the file.
     """
     target, others = entry.endings[0].target, _others(entry)
-    plain = Action(entry.source, target, None, entry.cost_s, on_fail=entry.on_fail, others=others)
+    fails = _fail_endings(entry, tuple(each.to for each in entry.fail_entries.values()))
+    plain = Action(
+        *(entry.source, target, None, entry.cost_s),
+        on_fail=entry.on_fail,
+        others=others,
+        fail_endings=fails,
+    )
     for key, fault in faults_of(plain, known):
         yield ("then" if key == "to" and entry.then else key,), fault
     yield from _attempt_faults(entry, budgets, done)
@@ -69,6 +76,20 @@ def entry_faults(
     elif entry.p_give_up > left + 1e-12:
         wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
         yield ("p_give_up",), wrong
+    yield from _cause_faults(entry, left - entry.p_give_up)
+
+
+def _cause_faults(entry: ActionEntry, left: float) -> Faults:
+    """Yield what is wrong with the probabilities of causes; all others share what is `left` of a Fail."""
+    every = entry.fail_entries
+    if entry.p_success is not None:
+        for cause, each in every.items():
+            if each.p is None:
+                yield ("on_fail", cause), f"the Fail by {cause!r} has no p; needed: p, as {entry.do} has one"
+    total = sum(each.p or 0.0 for each in every.values())
+    if total > left + 1e-12:
+        wrong = f"p of all causes together is {total:g}; allowed: at most {max(0.0, left):g}, that of a Fail"
+        yield ("on_fail",), wrong
 
 
 def _attempt_faults(entry: ActionEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
@@ -92,6 +113,12 @@ def chance_faults(file: TaskFile) -> Faults:
 def listed_names(names: str | list[str] | None) -> tuple[str, ...]:
     """Return one name or several as a tuple."""
     return (names,) if isinstance(names, str) else tuple(names or ())
+
+
+def _fail_endings(entry: ActionEntry, nexts: tuple[str | None, ...]) -> tuple[FailEnding, ...]:
+    """Return where Fails of named causes lead, given their situations in the network."""
+    pairs = zip(entry.fail_entries.items(), nexts, strict=True)
+    return tuple(FailEnding(cause, to, each.p) for (cause, each), to in pairs)
 
 
 def _others(entry: ActionEntry) -> tuple[Ending, ...]:

@@ -59,8 +59,9 @@ def _entered_elsewhere(part: Repetition, entries: Mapping[int, ActionEntry]) -> 
     inside = part.inner - {part.repeat.start}
     allowed = f"allowed: {part.repeat.start}, where the part begins"
     for number, entry in entries.items():
-        keys = ["to" if entry.then is None else "then"] * len(entry.endings) + ["on_fail"]
-        for key, name in zip(keys, entry.leads_to, strict=False):
+        keys = ["to" if entry.then is None else "then"] * len(entry.endings)
+        keys += ["on_fail"] * len(entry.fail_situations)
+        for key, name in zip(keys, entry.leads_to, strict=True):
             if entry.source not in part.inner and name in inside:
                 yield ("actions", number, key), f"leads into the middle of the repeated part; {allowed}"
 
@@ -71,7 +72,7 @@ def _changed_by_fail(
     """Fails that end an element, though other facts hold where the next one begins."""
     start, goal = part.repeat.start, part.repeat.goal
     for number, entry in entries.items():
-        ends = entry.source in part.inner and entry.on_fail == goal
+        ends = entry.source in part.inner and goal in entry.fail_situations
         changing = any(isinstance(fact, Each) for fact in situations.get(start, {}).values())
         if ends and (changing or situations.get(entry.source) != situations.get(start)):
             wrong = f"leads to the next element's {start!r}, where other facts hold than in {entry.source!r}"

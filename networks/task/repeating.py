@@ -25,6 +25,8 @@ class Copied:
     """Element that the copy belongs to; None: it is outside the repeated parts."""
     others: tuple[str, ...] = ()
     """Further situations that Success may lead to."""
+    fails: tuple[str | None, ...] = ()
+    """Situations that Fails of named causes lead to; None: it remains as it is."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,8 @@ def repeated(
 def _plain(number: int, entry: ActionEntry) -> Copied:
     usual, *others = entry.endings
     nexts = tuple(each.target for each in others)
-    return Copied(entry.source, usual.target, entry.on_fail, number, None, nexts)
+    fails = tuple(each.to for each in entry.fail_entries.values())
+    return Copied(entry.source, usual.target, entry.on_fail, number, None, nexts, fails)
 
 
 class _Copier:
@@ -127,19 +130,29 @@ class _Copier:
                 yield name, (called, element)
 
     def _action(self, action: Copied) -> Iterator[Copied]:
-        part, fail = self._around.get(action.source), action.on_fail
+        part = self._around.get(action.source)
         if not part:
             others = tuple(map(self._entered, action.others))
-            target, failed = self._entered(action.target), fail and self._entered(fail)
-            yield replace(action, target=target, on_fail=failed, others=others)
+            target, (failed, *by_cause) = self._entered(action.target), self._entered_by_fail(action)
+            yield replace(action, target=target, on_fail=failed, others=others, fails=tuple(by_cause))
             return
         for each in self._elements[part]:
             source, target = part.of(action.source, each.number), self._after(action.target, part, each)
-            # Where start and goal are one, a Fail leads back to the element's own start.
-            back = fail in part.inner
-            on_fail = fail and (part.of(fail, each.number) if back else self._after(fail, part, each))
+            every = (action.on_fail, *action.fails)
+            on_fail, *by_cause = (self._failed(to, part, each) for to in every)
             others = tuple(self._after(other, part, each) for other in action.others)
-            yield Copied(source, target, on_fail, action.entry, each, others)
+            yield Copied(source, target, on_fail, action.entry, each, others, tuple(by_cause))
+
+    def _entered_by_fail(self, action: Copied) -> list[str | None]:
+        return [to and self._entered(to) for to in (action.on_fail, *action.fails)]
+
+    def _failed(self, name: str | None, part: Repetition, element: Element) -> str | None:
+        """Return the new situation after a Fail inside the part.
+
+        Where start and goal are one, a Fail leads back to the element's own start.
+        """
+        back = name in part.inner
+        return name and (part.of(name, element.number) if back else self._after(name, part, element))
 
     def _skips(self, part: Repetition) -> Iterator[Copied]:
         """Yield skips to the next element, from each situation with the same facts as the part's start."""

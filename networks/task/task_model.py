@@ -78,6 +78,19 @@ class AttemptsEntry(FileModel):
     """How often they are forgotten, at most."""
 
 
+class FailEntry(FileModel):
+    """What a Fail of a cause leads to."""
+
+    to: str | None = None
+    """The situation: same facts, other knowledge (default: it remains as it is)."""
+    p: Probability | None = None
+    """Probability that an attempt fails so."""
+
+
+OTHER_CAUSES = "else"
+"""Key for the causes that are not named."""
+
+
 class ActionEntry(FileModel):
     """One action of the network."""
 
@@ -89,8 +102,10 @@ class ActionEntry(FileModel):
     """The situation that Success leads to; `then` if there are several."""
     then: Annotated[list[ThenEntry], Field(min_length=1)] | None = None
     """The situations that Success may lead to, the usual one first."""
-    on_fail: str | None = None
-    """The situation that Fail leads to: same facts, other knowledge (default: Fail changes nothing)."""
+    fails: Annotated[str | dict[str, str | FailEntry] | None, Field(alias="on_fail")] = None
+    """The situation that Fail leads to: same facts, other knowledge (default: Fail changes nothing); or one
+    for each cause, and `else`.
+    """
     cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
     """Expected duration; each Fail doubles its weight in planning."""
     attempts: Count | AttemptsEntry = 3
@@ -130,7 +145,33 @@ class ActionEntry(FileModel):
     @property
     def leads_to(self) -> list[str]:
         """All situations that it may lead to, that of a Fail last."""
-        return [*(each.target for each in self.endings), *([self.on_fail] if self.on_fail else [])]
+        return [*(each.target for each in self.endings), *self.fail_situations]
+
+    @property
+    def on_fail(self) -> str | None:
+        """The situation that a Fail leads to whose cause has none of its own."""
+        if isinstance(self.fails, str):
+            return self.fails
+        named = self._by_cause.get(OTHER_CAUSES)
+        return None if named is None else named.to
+
+    @property
+    def fail_entries(self) -> dict[str, FailEntry]:
+        """What Fails of named causes lead to."""
+        return {cause: each for cause, each in self._by_cause.items() if cause != OTHER_CAUSES}
+
+    @property
+    def fail_situations(self) -> list[str]:
+        """All situations that a Fail may lead to, that of unnamed causes last."""
+        return [each for each in (*(e.to for e in self.fail_entries.values()), self.on_fail) if each]
+
+    @property
+    def _by_cause(self) -> dict[str, FailEntry]:
+        if not isinstance(self.fails, dict):
+            return {}
+        return {
+            cause: FailEntry(to=each) if isinstance(each, str) else each for cause, each in self.fails.items()
+        }
 
     @property
     def p_success(self) -> float | None:

@@ -41,14 +41,14 @@ class WalkTable:
     """Table of the coordinator's decisions, each computed when a walk first reaches its state.
 
     Raises:
-        NotWalked: a Success of an action may lead to several situations.
+        NotWalked: a Success, or a Fail by its cause, may lead to several situations.
     """
 
     def __init__(self, network: ActionNetwork) -> None:
         """Create the table of a network; only the decision at the start is computed."""
-        several = next((action for action in network.actions if action.others), None)
+        several = next((a for a in network.actions if a.others or a.fail_endings), None)
         if several is not None:
-            words = f"{several} has several results; allowed with --level network: one for each action"
+            words = f"{several} differs by result or cause; allowed with --level network: one situation"
             raise NotWalked(words)
         if network.policy != "rule":
             raise NotWalked(f"the policy is {network.policy}; allowed with --level network: rule")

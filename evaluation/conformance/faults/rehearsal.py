@@ -105,7 +105,7 @@ def rehearsed(task: Task) -> list[Action]:
     for action in plan.actions:
         for other in network.actions:
             thinks = other.binding is not None and other.binding.kind.only_knowledge
-            here = other.source in (action.source, action.on_fail)
+            here = other.source in (action.source, *action.fail_situations)
             if thinks and here and other not in plan.actions:
                 result.append(other)
         result.append(action)

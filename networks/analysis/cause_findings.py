@@ -1,0 +1,39 @@
+"""Findings on the causes in `on_fail`: those that no Fail of the action has, and where others lead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from handcart.files.errors import Finding
+from handcart.files.suggest import suggest
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.task.task_file import Task
+from handcart.primitives.contract.raised_causes import possible_causes
+
+
+def cause_findings(task: Task) -> Iterator[Finding]:
+    """Yield the causes that no attempt of the action's primitive can have, by its code."""
+    kinds = {
+        number: action.binding.kind
+        for number, action in zip(task.entries, task.network.actions, strict=True)
+        if number is not None and action.binding is not None
+    }
+    for number, entry in enumerate(task.file.actions):
+        if number not in kinds or not entry.fail_entries:
+            continue
+        possible = [each.name for each in possible_causes(kinds[number])]
+        for cause in entry.fail_entries:
+            if cause not in possible:
+                wrong = f"no Fail of {entry.do} has the cause {cause!r}{suggest(cause, possible)}"
+                yield task.document.finding(("actions", number, "on_fail", cause), wrong)
+
+
+def causes_into(network: ActionNetwork, situation: str) -> list[str]:
+    """Return the actions whose Fails of a certain cause lead to a situation, with the cause, in words."""
+    found = {
+        f"{action.do} by {each.cause!r}"
+        for action in network.actions
+        for each in action.fail_endings
+        if each.target == situation
+    }
+    return sorted(found)
