@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from handcart.networks.deciding.best_planner import planner_of
+from handcart.networks.deciding.option_values import OptionValue, OptionValues
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.plan_search import PlanSearch
 from handcart.networks.graph.planner import NoWay, Plan, Planner
@@ -34,6 +36,15 @@ class Option:
     """Cheapest route to the goal that begins with it; None if it was used up, or nothing leads on."""
     out: str
     """Reason why it was excluded; empty if it was open."""
+    value: OptionValue | None = None
+    """What a run came to with it, by the probabilities in the file; None if they are not known."""
+
+    def threshold_s(self, chosen: OpenRoute) -> float | None:
+        """Return the cost below which the rule would choose it, in [s]; None if there is none."""
+        if self.way is None:
+            return None
+        cost = (self.weight - (self.way.cost - chosen.cost)) / 2.0**self.fails
+        return cost if cost > 0.0 else None
 
 
 @dataclass(frozen=True)
@@ -49,6 +60,8 @@ class Choice:
     """The cheapest other way, which may part from the plan later on; None where there was none."""
     after_fail: OpenRoute | None
     """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
+    policy: str = "rule"
+    """How the run chose, as the task's file names it."""
 
 
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:
@@ -73,6 +86,7 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
         tuple(options),
         min(ways, key=lambda way: way.cost, default=None),
         then.after_fail(chosen),
+        then.network.policy,
     )
 
 
@@ -85,6 +99,7 @@ class _Then:
         self._search = PlanSearch(self.network)
         self._events = list(_counted(run, action))
         self._planner = self._new_planner()
+        self._values = OptionValues(self.network)
         self._for_good = {index for index, word in self._events if word == FOR_GOOD}
 
     def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
@@ -107,14 +122,18 @@ class _Then:
             return Option(action, weight, fails, None, f"used up: {why}")
         others = [each for each in self.network.actions if each.source == action.source]
         rest = self.plan(action.target, without=others)
+        value = self._values.of(action, self._planner.counts) if self._values.are_known else None
         if isinstance(rest, Plan):
-            return Option(action, weight, fails, OpenRoute((action, *rest.actions), weight + rest.cost), "")
+            route = OpenRoute((action, *rest.actions), weight + rest.cost)
+            return Option(action, weight, fails, route, "", value)
         leads = isinstance(self.plan(action.target), Plan)
         out = "leads only back here" if leads else f"nothing leads on from {action.target}"
-        return Option(action, weight, fails, None, out)
+        return Option(action, weight, fails, None, out, value)
 
     def _new_planner(self) -> Planner:
         planner = Planner(self.network, self._search)
+        if self.network.policy != "rule":
+            planner = planner_of(self.network)
         for index, word in self._events:
             if word == SUCCEEDED:
                 planner.succeeded(self.network.actions[index])

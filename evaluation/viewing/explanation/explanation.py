@@ -215,7 +215,10 @@ def _action_json(action: PastAction) -> dict[str, Any]:
 def _choice_json(choice: Choice) -> dict[str, Any]:
     return {
         "way": _way_json(choice.way),
-        "options": [_option_json(each) for each in choice.options],
+        "policy": choice.policy,
+        "options": [
+            {**_option_json(each), "chosen_below_s": each.threshold_s(choice.way)} for each in choice.options
+        ],
         "next_best": choice.next_best and _way_json(choice.next_best),
         "after_fail": choice.after_fail and _way_json(choice.after_fail),
     }
@@ -230,6 +233,8 @@ def _option_json(option: Option) -> dict[str, Any]:
         "fails": option.fails,
         "way": option.way and _way_json(option.way),
         "out": option.out,
+        "p_goal": option.value and option.value.goal,
+        "mean_s": option.value and option.value.mean_s,
     }
 
 

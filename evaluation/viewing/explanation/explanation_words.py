@@ -107,12 +107,12 @@ def choice_words(choice: Choice) -> Iterator[str]:
     """Yield the reasons for choosing an action: its route to the goal, and the alternatives."""
     chosen, *others = choice.options
     fails = f", failed {_times(chosen.fails)} before" if chosen.fails else ""
-    yield f"cheapest way to the goal, {_cost(choice.way)}: {_steps(choice.way)}"
+    yield f"{_chosen_words(choice)}: {_steps(choice.way)}{_value_words(chosen)}"
     yield f"{chosen.action.do} counted {_seconds(chosen.weight)} of it{fails}"
     if not others:
         yield f"nothing else leads out of {choice.chosen.source}"
     for each in others:
-        yield f"instead {each.action}: {_instead(each)}"
+        yield f"instead {each.action}: {_instead(each)}{_value_words(each)}{_change_words(each, choice)}"
     later = choice.next_best
     if later is not None and later.actions[0] is choice.chosen:
         yield f"the next best way parts from it later, {_cost(later)}: {_steps(later)}"
@@ -121,6 +121,30 @@ def choice_words(choice: Choice) -> Iterator[str]:
     if choice.after_fail is not None:
         rest = f"{_cost(choice.after_fail)} from the goal: {_steps(choice.after_fail)}"
         yield f"a Fail leads to {choice.chosen.on_fail}, then {rest}"
+
+
+def _chosen_words(choice: Choice) -> str:
+    if choice.policy == "goal_probability":
+        return "largest probability of the goal"
+    if choice.policy == "expected_cost":
+        return f"least expected price, {_seconds(choice.way.cost)}"
+    return f"cheapest way to the goal, {_cost(choice.way)}"
+
+
+def _value_words(option: Option) -> str:
+    """Return what a run came to with an action, if the file has the probabilities."""
+    value = option.value
+    return "" if value is None else f"; P(goal) {value.goal:.4f}, {value.mean_s:.1f} s in the mean"
+
+
+def _change_words(option: Option, choice: Choice) -> str:
+    """Return what would have made the rule choose an action."""
+    if choice.policy != "rule" or option.way is None or option.action.binding is None:
+        return ""
+    below = option.threshold_s(choice.way)
+    if below is None:
+        return "; chosen at no cost"
+    return f"; chosen below {below:g} s instead of {option.action.cost_s:g} s"
 
 
 def _instead(option: Option) -> str:

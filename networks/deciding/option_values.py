@@ -1,0 +1,80 @@
+"""What each action out of a situation comes to: probability of the goal and time, if it is done next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.policy import Policy, TooLarge, policy
+from handcart.networks.chains.policy_chain import policy_chain
+from handcart.networks.chains.step_maker import State
+from handcart.networks.graph.network import Action, ActionNetwork
+
+from .best_planner import chances_of
+from .best_policy import BestPolicy, PolicyName
+from .process import NEVER, Process
+
+VALUE_STEPS = 200_000
+"""Budget of the figures that follow one state."""
+
+
+class OptionValue(NamedTuple):
+    """What a run comes to if an action is done now, and the network's policy decides from then on."""
+
+    goal: float
+    """Probability that the goal is reached with nothing left undone."""
+    mean_s: float
+    """Expected time from now to the run's end, in [s]."""
+
+
+class OptionValues:
+    """Figures of the actions of one network, by the probabilities in its file."""
+
+    def __init__(self, network: ActionNetwork) -> None:
+        """Prepare the figures."""
+        self._network, self._chances = network, chances_of(network)
+        self._process = Process(network, self._chances, network.person_s)
+        self._known: dict[State, OptionValue] = {}
+
+    @property
+    def are_known(self) -> bool:
+        """True if each action has a probability."""
+        return all(a.p_success is not None for a in self._network.actions if a.binding is not None)
+
+    def of(self, action: Action, counts: Mapping[int, int]) -> OptionValue | None:
+        """Return the figures of an action that is done now; None if there are too many states.
+
+        Args:
+            action: the action.
+            counts: counts of Fails by counter, as the planner keeps them.
+        """
+        process, goal, mean = self._process, 0.0, action.cost_s if action.binding else 0.0
+        step = process.step(process.after.at(action.source, counts), action)
+        nexts = zip(process.endings(action), (*step.succeeded, *step.all_failed), strict=True)
+        for (p, _), state in nexts:
+            if state is None or p <= NEVER:
+                continue
+            try:
+                after = self._after(state)
+            except TooLarge:
+                return None
+            goal, mean = goal + p * after.goal, mean + p * after.mean_s
+        return OptionValue(goal, mean)
+
+    def _after(self, state: State) -> OptionValue:
+        if state.situation == self._network.goal:
+            return OptionValue(1.0, 0.0)
+        if state not in self._known:
+            ends = policy_chain(self._policy(state), self._chances).ends
+            self._known[state] = OptionValue(ends.goal.p, ends.total().first)
+        return self._known[state]
+
+    def _policy(self, start: State) -> Policy:
+        if self._network.policy == "rule":
+            return policy(self._network, effort=Effort(VALUE_STEPS), start=start, chances=self._chances)
+        name: PolicyName = (
+            "goal_probability" if self._network.policy == "goal_probability" else "expected_cost"
+        )
+        best = BestPolicy(self._network, self._chances, name, self._network.person_s, Effort(VALUE_STEPS))
+        return best.policy(start)
