@@ -7,7 +7,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-LAST = {"T": 18, "N": 14, "D": 12, "S": 12, "C": 22, "K": 14, "U": 14}
+LAST = {"T": 18, "N": 14, "D": 12, "S": 12, "C": 22, "K": 18, "U": 14}
 NAMED = [f"{kind}{number}" for kind, last in LAST.items() for number in range(1, last + 1)]
 
 

@@ -23,6 +23,7 @@ from handcart.evaluation.viewing.drawing.palette import (
     VERMILION,
 )
 from handcart.evaluation.viewing.drawing.place_arrows import draw_places
+from handcart.evaluation.viewing.drawing.track_lines import track_lines
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_files.telemetry import RunTrack, load_track
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER
@@ -241,6 +242,10 @@ def _draw_drive(axis: Any, run_dir: Path, track: RunTrack) -> None:
         )
     if sensed:
         axis.plot(*np.vstack(sensed).T, ".", color=SENSED_COLOUR, ms=2.5, label="sensed, not on the map")
+    people = [rows for rows in _named(run_dir, "people") if len(rows)]
+    for number, line in enumerate(track_lines(np.vstack(people)) if people else ()):
+        label = None if number else "people in the way, and their next second"
+        axis.plot(*line.T, color=BUMPED_COLOUR, lw=1.2, label=label, zorder=4)
     for number, front in enumerate(_named(run_dir, "bumped")):
         axis.plot(
             *front.T, color=BUMPED_COLOUR, lw=3.0, label=None if number else "ran into something", zorder=4

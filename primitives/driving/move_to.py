@@ -352,7 +352,8 @@ class MoveTo(ActionPrimitive):
             return
         if self._blocked_since is None or robot.time < self._blocked_since + self.wait_s:
             return
-        self.evidence.points |= {"sensed": self._local.points, "ahead": self._ahead}
+        rows = self._local.people.people.rows
+        self.evidence.points |= {"sensed": self._local.points, "ahead": self._ahead, "people": rows}
         self._local.keep()
         raise self._local.give_up_waiting(self._ahead)
 

@@ -161,15 +161,6 @@ class PeopleWatch:
         away = np.hypot(off[..., 0], off[..., 1]) - self.people.radii[None]
         return np.asarray(cells[(away >= NEAR_PERSON_M).all(axis=1)])
 
-    def rows(self) -> FloatArray:
-        """Return all persons for pictures: (p, 7).
-
-        Columns are x, y in [m], the velocity in [m/s], and xx, xy, yy of the position's covariance.
-        """
-        P = self.people.covariances
-        spreads = P[:, [0, 0, 1], [0, 1, 1]]
-        return np.hstack([self.people.positions, self.people.velocities, spreads])
-
 
 def _ends(map_T_sensor: Pose2, angles: FloatArray, ranges: FloatArray) -> FloatArray:
     """Return the ends (n, 2) of beams on the map, in [m]."""

@@ -37,7 +37,11 @@ class Crowd:
         self._ranges = np.empty(0)
         """(n,) scan with which the base came to rest, in [m]."""
         self._is_near = False
+
+    @property
+    def is_near(self) -> bool:
         """True if anybody was near since the base last moved."""
+        return self._is_near
 
     def put(self, discs: FloatArray) -> None:
         """Leave out the next scan's points on people: (k, 3) x, y on the map and radius, in [m]."""

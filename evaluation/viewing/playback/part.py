@@ -70,6 +70,11 @@ class RecordingPart(NamedTuple):
     shapes: ByteArray
     """JSON bytes of a list of `ThingShape`, one for each thing that appears first in this part."""
 
+    people_time: FloatArray
+    """(q,) time of each tracked person's row; equal for those of one scan."""
+    people: FloatArray
+    """(q, 7) tracked people, as `People.rows`."""
+
     @classmethod
     def of(cls, arrays: dict[str, NDArray[Any]]) -> Self:
         """Create a part from the arrays of a file.
@@ -77,6 +82,7 @@ class RecordingPart(NamedTuple):
         Raises:
             ValueError: an array is missing, or has a wrong type or shape.
         """
+        arrays = {"people_time": np.empty(0), "people": np.empty((0, 7)), **arrays}  # older files have none
         if missing := [name for name in cls._fields if name not in arrays]:
             raise ValueError(f"it has no {', '.join(missing)}")
         part = cls(**{name: arrays[name] for name in cls._fields})
@@ -108,12 +114,9 @@ class RecordingPart(NamedTuple):
 
     def before(self, time: float) -> RecordingPart:
         """Return the part's data from before a time in [s]."""
-        rows, scans, clouds, pictures, moves = (
-            int(np.searchsorted(each, time))
-            for each in (self.time, self.scan_time, self.cloud_time, self.picture_time, self.moved_time)
-        )
+        counts = [int(np.searchsorted(getattr(self, leader), time)) for leader in _LEADERS]
         cut: dict[str, Any] = {}
-        for names, count in zip(_GROUPS, (rows, scans, clouds, pictures, moves), strict=True):
+        for names, count in zip(_GROUPS, counts, strict=True):
             cut |= {name: getattr(self, name)[:count] for name in names}
         return self._replace(**cut)
 
@@ -124,10 +127,11 @@ _GROUPS: Sequence[Sequence[str]] = (
     ("cloud_time", "cloud"),
     ("picture_time", "picture_end"),
     ("moved_time", "moved_name", "moved_pose"),
+    ("people_time", "people"),
 )
-_LEADERS = ("time", "scan_time", "cloud_time", "picture_time", "moved_time")
+_LEADERS = ("time", "scan_time", "cloud_time", "picture_time", "moved_time", "people_time")
 _KINDS = {"action": "i", "restoring": "b", "scan_mm": "uf", "picture_end": "i", "moved_name": "i"}
-_WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)}
+_WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,), "people": (7,)}
 
 
 def millimetres(ranges: FloatArray) -> Uint16Array:

@@ -23,6 +23,7 @@ from handcart.networks.events.events import Ended, Event, Restoring, Started
 from handcart.networks.events.run_end import RunEnd
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
+from handcart.robotics.navigation.tracking.people import People
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .part import PART_FILE_FORMAT, PLAYBACK_FOLDER, SCENERY_FILE, SHAPES_ADAPTER, millimetres
@@ -153,12 +154,18 @@ class PlaybackRecorder(RunObserver):
         if self._range is not None:
             self._scan_times.append(robot.time)
             self._scans.append(self._range.scan().rep117())
+        self._take_people(robot)
         cloud = robot.localization.particles
         if cloud is not None:
             self._cloud_times.append(robot.time)
             self._clouds.append(
                 cloud.T[:: max(1, cloud.shape[1] // MAX_CLOUD_PARTICLES)][:MAX_CLOUD_PARTICLES]
             )
+
+    def _take_people(self, robot: Robot) -> None:
+        rows = People.of(robot.people.now(robot.time)).rows
+        self._people += rows.tolist()
+        self._people_times += [robot.time] * len(rows)
 
     def _take_picture(self, robot: Robot) -> None:
         """Record the picture that a primitive requested last, if it is a new one."""
@@ -193,6 +200,8 @@ class PlaybackRecorder(RunObserver):
         self._rows: dict[str, list[Any]] = {name: [] for name in ROW_COLUMNS}
         self._scan_times: list[float] = []
         self._scans: list[FloatArray] = []
+        self._people_times: list[float] = []
+        self._people: list[list[float]] = []
         self._cloud_times: list[float] = []
         self._clouds: list[FloatArray] = []
         self._picture_times: list[float] = []
@@ -234,6 +243,8 @@ class PlaybackRecorder(RunObserver):
             "action": rows["action"].astype(np.int32),
             "scan_time": np.array(self._scan_times),
             "scan_mm": millimetres(np.array(self._scans)),
+            "people_time": np.array(self._people_times),
+            "people": np.array(self._people).reshape(-1, 7),
             "cloud_time": np.array(self._cloud_times),
             "cloud": np.array(self._clouds, dtype=np.float32),
             "picture_time": np.array(self._picture_times),

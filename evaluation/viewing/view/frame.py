@@ -36,3 +36,5 @@ class Frame:
     """(n, 2) path driven so far, in [m]."""
     restored: BoolArray = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
     """(n,) whether each point of `driven` was driven while restoring."""
+    people: FloatArray | None = None
+    """(p, 7) tracked people, as `People.rows`."""

@@ -14,6 +14,7 @@ from handcart.evaluation.viewing.playback.playback import PlaybackMoment
 from handcart.evaluation.viewing.playback.recorder import jpeg_of
 from handcart.evaluation.viewing.playback.scenery import PosedBox, Scenery, ThingShape, thing_shapes
 from handcart.evaluation.viewing.playback.seven import sevens
+from handcart.robotics.navigation.tracking.people import People
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .frame import Frame
@@ -77,6 +78,7 @@ class LiveFrames:
             robot.base.felt,
             np.array(self._way),
             np.array(self._back, dtype=np.bool_),
+            People.of(robot.people.now(robot.time)).rows,
         )
 
     def _sense(self) -> None:

@@ -26,6 +26,7 @@ LAYER_NODES = {
     "range sensor": ("rays", "hits"),
     "planned path": ("planned",),
     "what it ran into": ("bumped",),
+    "people that it tracks": ("people",),
     "driven path": ("driven", "restored"),
 }
 ESTIMATE_LABEL = "where it believes to be"
@@ -94,6 +95,8 @@ class Page:
         if frame.bumped is not None:
             flat = np.column_stack((frame.bumped, np.full(len(frame.bumped), 0.03)))
             world.bumped.points = flat.astype(np.float32)
+        if frame.people is not None:
+            world.track(frame.people)
         if frame.planned is not None:
             world.draw(world.planned, frame.planned)
         if frame.driven is not None:

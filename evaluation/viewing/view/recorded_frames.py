@@ -11,6 +11,7 @@ from .frame import Frame
 from .rays import height_of, rays_of
 
 PATH_STEP_M = 0.05  # between two points of the drawn path
+PEOPLE_AGE_S = 0.25  # of a scan whose people are drawn
 PATH_PERIOD_S = 0.5  # after which the driven path is drawn again
 
 
@@ -45,6 +46,7 @@ class RecordedFrames:
             bumped=self._playback.bumped(moment.action) if changed else None,
             driven=driven,
             restored=restored,
+            people=self._people(moment.time),
         )
 
     def _moved(self, time: float) -> dict[str, FloatArray | None]:
@@ -68,6 +70,15 @@ class RecordedFrames:
             return None
         self._cloud = number
         return np.asarray(self._playback.rows.cloud[number], dtype=np.float64)
+
+    def _people(self, time: float) -> FloatArray:
+        """Return the rows of the people whom the latest scan showed."""
+        times = self._playback.rows.people_time
+        end = int(np.searchsorted(times, time + 1e-6))
+        if not end or times[end - 1] < time - PEOPLE_AGE_S:
+            return np.empty((0, 7))
+        begin = int(np.searchsorted(times, times[end - 1]))
+        return np.asarray(self._playback.rows.people[begin:end])
 
     def _new_picture(self, time: float) -> bytes | None:
         """Return the latest picture if it is new; before the first picture was taken, the first."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from handcart.evaluation.viewing.drawing.track_lines import track_lines
 from handcart.evaluation.viewing.playback.scenery import (
     FREE,
     OCCUPIED,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 SEE_THROUGH_HEIGHT_M = 1.6  # higher solids are drawn transparent
 SEE_THROUGH_OPACITY = 0.28
+TRACK_HEIGHT_M = 0.05  # of the tracks of people
 LINE_HEIGHT_M = 0.015  # of lines above the floor
 ELLIPSE_CORNERS = 48
 ELLIPSE_SIGMAS = 3.0
@@ -55,6 +57,7 @@ class WorldNodes:
         self.hits = self._points("/hits", colours.HIT_RGB, 0.025)
         self.bumped = self._points("/bumped", colours.BUMPED_RGB, 0.04)
         self.planned = self._lines("/planned", none, colours.PLANNED_RGB, 0.015)
+        self.people = self._lines("/people", none, colours.PEOPLE_RGB, 0.02)
         self.driven = self._lines("/driven", none, colours.DRIVEN_RGB, 0.012)
         self.restored = self._lines("/restored", none, colours.RESTORED_RGB, 0.015)
         self.ellipse = self._lines("/ellipse", none, colours.CLOUD_RGB, 0.015)
@@ -107,6 +110,13 @@ class WorldNodes:
         if not np.isfinite(radii).all():
             radii = np.zeros(2)
         self.draw(self.ellipse, (vectors @ (np.maximum(radii, 0.02)[:, None] * unit)).T + pose[:2])
+
+    def track(self, rows: FloatArray) -> None:
+        """Draw ellipses and velocities of tracked people, rows (p, 7) as of `People.rows`."""
+        steps = [np.zeros((0, 2, 2)), *(np.stack((a[:-1], a[1:]), axis=1) for a in track_lines(rows))]
+        flat = np.concatenate(steps)
+        height = np.full((*flat.shape[:2], 1), TRACK_HEIGHT_M)
+        self.people.points = np.concatenate((flat, height), axis=2).astype(np.float32)
 
     @staticmethod
     def draw(lines: Any, path: FloatArray, chosen: BoolArray | None = None) -> None:

@@ -49,6 +49,14 @@ class People(NamedTuple):
         """(p,) who moves."""
         return np.asarray((self.velocities != 0.0).any(axis=1))
 
+    @property
+    def rows(self) -> FloatArray:
+        """All persons for pictures: (p, 7).
+
+        Columns are x, y in [m], the velocity in [m/s], and xx, xy, yy of the position's covariance.
+        """
+        return np.hstack([self.positions, self.velocities, self.covariances[:, [0, 0, 1], [0, 1, 1]]])
+
     def chosen(self, mask: BoolArray) -> People:
         """Return some of them, by a mask (p,)."""
         return People(*(each[mask] for each in self))

@@ -1,0 +1,123 @@
+"""MOVE_TO among people who walk and do not stop for the robot, on the kinematic backend."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
+from tests.primitives.conftest import Rig
+
+STANDING_SPEED_M_S = 0.02
+DOORWAY = """\
+  - {name: left wing, x_m: 2.75, y_m: 4.3, size_m: [5.4, 0.1, 1.0]}
+  - {name: right wing, x_m: 7.2, y_m: 4.3, size_m: [1.5, 0.1, 1.0]}
+"""
+
+
+class Among(NamedTuple):
+    """Course of a drive among people."""
+
+    outcome: Outcome
+    by_robot: int
+    """Contacts that began while the base moved."""
+    while_standing: int
+    standing_s: float
+
+
+def drive(
+    rig: Rig, primitive: MoveTo, cancel: Callable[[], bool] = lambda: False, limit_s: float = 200.0
+) -> Among:
+    """Run a drive, and count its contacts by the true speed of the base."""
+    counts, before, stood = [0, 0], len(rig.scene.contacts), 0.0
+    base, was, step = rig.scene.base, 0.0, rig.robot.step
+
+    def watched_step(paused: bool = False) -> None:
+        nonlocal before, stood, base, was
+        step(paused)
+        assert rig.robot.time < limit_s
+        speed = max(abs(rig.robot.command.along), was)
+        counts[int(speed < STANDING_SPEED_M_S)] += len(rig.scene.contacts) - before
+        before, was = len(rig.scene.contacts), base.distance(rig.scene.base) / rig.robot.period
+        base, stood = rig.scene.base, stood + rig.robot.period * (speed < STANDING_SPEED_M_S)
+
+    rig.robot.step = watched_step  # type: ignore[method-assign]
+    outcome = rig.run(primitive, cancel)
+    return Among(outcome, counts[0], counts[1], stood)
+
+
+def people(*lines: str, more: str = "") -> str:
+    """Lines of a world's file."""
+    return "passers:\n" + "".join(f"  - {{{line}}}\n" for line in lines) + more
+
+
+@pytest.mark.slow
+def test_person_who_steps_in_front_of_the_base_is_let_pass(make_rig: Callable[..., Rig]) -> None:
+    """K15: the base brakes in time and goes on behind the person."""
+    rig = make_rig(people("name: anna, waypoints_m: [[4.4, 0.6], [4.4, 5.4]], starts_s: 5.5, at_end: stay"))
+    found = drive(rig, MoveTo(place="shelf_1"))
+    assert isinstance(found.outcome, Success), found
+    assert found.by_robot == 0
+    assert rig.restored == []
+
+
+@pytest.mark.slow
+def test_person_who_stands_on_the_goal_is_a_named_restored_fail(make_rig: Callable[..., Rig]) -> None:
+    """K16: waiting is bounded; the Fail names the person, who is not kept as an obstacle."""
+    rig = make_rig(people("name: anna, waypoints_m: [[4.5, 2.6], [6.5, 4.6]], starts_s: 9, at_end: stay"))
+    before = rig.scene.base
+    found = drive(rig, MoveTo(place="shelf_1", wait_s=2.0))
+    assert isinstance(found.outcome, Fail), found
+    assert "a person is on the path to shelf_1" in found.outcome.reason
+    assert found.outcome.cause.name == "blocked"
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert found.by_robot == 0
+    near = np.hypot(*(rig.model.sensed_cells[:, :2] - (6.5, 4.6)).T) < 0.3
+    assert not near.any()
+
+
+@pytest.mark.slow
+def test_crowd_that_never_ends_is_a_fail_within_the_wait(make_rig: Callable[..., Rig]) -> None:
+    """K17: two who never leave the only doorway; the drive ends restored, and touches nobody."""
+    crowd = "name: crowd, waypoints_m: [[5.9, 3.9], [5.9, 4.7]], speed_m_s: 0.6, group_m: [0.5]"
+    rig = make_rig(people(crowd, more="surprises:\n" + DOORWAY))
+    before = rig.scene.base
+    found = drive(rig, MoveTo(place="shelf_1", wait_s=3.0))
+    assert isinstance(found.outcome, Fail), found
+    assert "on the path to shelf_1" in found.outcome.reason
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert found.by_robot == 0
+
+
+def test_person_from_behind_while_restoring_is_let_pass(make_rig: Callable[..., Rig]) -> None:
+    """K18: the base stands until the person has gone on, and is restored after."""
+    walk = "name: anna, waypoints_m: [[1.0, 5.2], [1.0, 3.4], [4.4, 0.9]], starts_s: 8, speed_m_s: 0.8"
+    rig = make_rig(people(f"{walk}, at_end: stay"))
+    before = rig.scene.base
+    found = drive(rig, MoveTo(place="shelf_1"), lambda: rig.robot.time > 9.0)
+    assert isinstance(found.outcome, Fail), found
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert found.by_robot == 0
+
+
+@pytest.mark.slow
+def test_standing_base_that_is_run_into_stays_and_knows_its_pose(make_rig: Callable[..., Rig]) -> None:
+    head_on = "name: bert, waypoints_m: [[1.0, 5.4], [1.0, 0.5]], at_end: stay"
+    rig = make_rig(people(head_on))
+    found = drive(rig, MoveTo(place="shelf_1"))
+    assert isinstance(found.outcome, Success), found
+    assert found.by_robot == 0
+    assert rig.robot.localization.displacements == 0
+
+
+@pytest.mark.slow
+def test_walker_leaves_no_smear_in_what_is_sensed(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(people("name: anna, waypoints_m: [[2.0, 2.0], [2.0, 5.4]], at_end: stay, starts_s: 1"))
+    drive(rig, MoveTo(place="shelf_1"))
+    on_the_way = (np.abs(rig.model.sensed_cells[:, 0] - 2.0) < 0.4) & (rig.model.sensed_cells[:, 1] < 4.5)
+    assert not on_the_way.any()
