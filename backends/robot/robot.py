@@ -76,6 +76,7 @@ class Robot:
         spec: RobotFile,
         start: Pose2 | None,
         grid: GridMap | None = None,
+        is_start_exact: bool = False,
     ) -> None:
         """Connect a robot to its backend.
 
@@ -83,8 +84,8 @@ class Robot:
             backend: backend that drives the robot.
             spec: the robot's file.
             start: map_T_base as the task states it, known to about 50 mm and 2 degrees; None if unknown.
-            grid: map that scans are compared with; without it, or without a lidar, the pose comes from the
-                wheels alone.
+            grid: map that scans are compared with; without it, or a lidar, the pose comes from the wheels.
+            is_start_exact: whether the start defines the frame, because there is no map.
 
         Raises:
             UnknownStart: the start is unknown, and the robot cannot find its pose by scans.
@@ -125,7 +126,7 @@ class Robot:
         if spec.localizer in OUTDOOR_LOCALIZERS:
             self.get(Imu)  # type: ignore[type-abstract]
         where = Pose2(0.0, 0.0, 0.0) if start is None else start
-        self.localization = localization_of(backend, spec, where, grid, self.lidar)
+        self.localization = localization_of(backend, spec, where, grid, self.lidar, is_start_exact)
         """Estimate of the base's pose, from the sensors that the robot has."""
         if start is None:
             if not self.localization.can_relocate:

@@ -31,6 +31,7 @@ from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
 from .task_file import SPEED_MASK_KEYS, Primitives, Task, load_task
 from .unknown_start import drawn_pose, start_findings
+from .without_map import is_without_map, open_floor, started_exactly
 
 T = TypeVar("T")
 
@@ -181,6 +182,8 @@ def _read(
     findings, name = Findings(), backend or task.file.backend
     spec = _collected(findings, lambda: load_robot(task.robot, only_looked or _has_drives(name)))
     spec = spec if errors or spec is None else spec.without_errors()
+    if spec is not None and is_without_map(task.document):
+        spec = started_exactly(spec)
     known = _collected(findings, lambda: load_model(task))
     if backend is None and name not in backend_names():
         findings.add(task.document.finding(("backend",), str(UnknownBackend(name))))
@@ -279,7 +282,8 @@ def _checked(read: _Read) -> Checked:
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
     """Return the robot, standing where the task says that it starts."""
     grid = model.map if task.file.knowledge else None
-    return Robot(backend, spec, task.knowledge.start if task.knowledge.is_start_known else None, grid)
+    start = task.knowledge.start if task.knowledge.is_start_known else None
+    return Robot(backend, spec, start, grid, is_start_exact=is_without_map(task.document))
 
 
 def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:
@@ -296,7 +300,7 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
         task.path("knowledge", "keepout"),
         task.path(*SPEED_MASK_KEYS),
     )
-    loaded = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
+    loaded = _collected(findings, lambda: load_map(chart)) if chart else (_floor_of(task), None)
     zones = _collected(findings, lambda: read_occupancy(keepout).grid) if keepout else None
     spec = task.file.knowledge.speed_limits if task.file.knowledge else None
     limits = _collected(findings, lambda: load_speed_limits(mask, spec)) if mask and spec else None
@@ -315,6 +319,13 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     sections = task.knowledge.fresh_sections()
     model = WorldModel(grid, task.knowledge.all_places(), speed_limits=limits, sections=sections)
     return model, (warning,) if warning else ()
+
+
+def _floor_of(task: Task) -> GridMap:
+    """Return what a task without a map drives on."""
+    if not is_without_map(task.document):
+        return nowhere()
+    return open_floor(place.pose for place in task.knowledge.all_places().values())
 
 
 def nowhere() -> GridMap:

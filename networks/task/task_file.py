@@ -54,6 +54,7 @@ from .task_knowledge import (
 from .task_model import MAX_TASK_BYTES, MAX_TASK_NODES, ActionEntry, GivenFact, Repeat, TaskFile
 from .unknown_start import Parts, with_locate
 from .unwritten import unwritten
+from .without_map import MAP_KEY, NO_MAP
 
 SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
 MAP_KEYS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), SPEED_MASK_KEYS)
@@ -357,7 +358,7 @@ class _Reader:
 
 def _resolved(document: Document, key: KeyPath) -> Path | None:
     node, there = document.root.deepest(key)
-    if not there or not isinstance(node.content, str):
+    if not there or not isinstance(node.content, str) or (key == MAP_KEY and node.content == NO_MAP):
         return None
     if node.line == 0:  # from the command line: the user's own words
         return Path(node.content)

@@ -21,7 +21,7 @@ class GeneralFiles(FileModel):
     """Prior knowledge of the robot: files next to the task's."""
 
     map: str | None = None
-    """A map in ROS format, or a `.map` of MovingAI."""
+    """A map in ROS format, or a `.map` of MovingAI; `none`: places are relative to the start."""
     keepout: str | None = None
     """A mask in ROS format over the map (nav2's keepout filter): no way leads where it is occupied."""
     speed_limits: SpeedMask | None = None

@@ -26,10 +26,16 @@ from .wheel_localization import WheelLocalization
 
 LEAST_RANGE = 0.01  # [m]: no range sensor is believed to be better
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
+EXACT_START = np.diag([0.002**2, 0.002**2, 0.001**2])  # the same where the start defines the frame
 
 
 def localization_of(
-    backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None, lidar: RangeSensor | None
+    backend: Backend,
+    spec: RobotFile,
+    start: Pose2,
+    grid: GridMap | None,
+    lidar: RangeSensor | None,
+    is_start_exact: bool = False,
 ) -> Localization:
     """Return the localization named in the robot's file; wheels alone if its sensors are missing.
 
@@ -39,19 +45,21 @@ def localization_of(
         start: map_T_base as the task states it.
         grid: map that scans are compared with.
         lidar: lidar whose scans are compared with the map; None without one.
+        is_start_exact: whether the start defines the frame, because there is no map.
     """
+    known = EXACT_START if is_start_exact else START_SIGMA
     tread, positioning, errors = spec.drive.tread_m, spec.positioning, odometry_errors(spec)
     if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
         sigma = positioning.sigma_mm / 1e3, positioning.heading_sigma_mrad / 1e3
         return PositioningLocalization(
-            backend, PositioningLocalizer(start, tread, sigma, errors, START_SIGMA), lidar
+            backend, PositioningLocalizer(start, tread, sigma, errors, known), lidar
         )
     noise = range_noise(spec)
     field = LikelihoodField(grid) if grid is not None and lidar is not None else None
     if field is not None and spec.localizer not in ("odometry", *OUTDOOR_LOCALIZERS):
-        matching = ScanLocalizer(field, start, tread, errors, START_SIGMA, noise)
+        matching = ScanLocalizer(field, start, tread, errors, known, noise)
         return ScanLocalization(backend, matching, lidar)
-    wheels = OdometryLocalizer(start, tread, errors, START_SIGMA, field, noise)
+    wheels = OdometryLocalizer(start, tread, errors, known, field, noise)
     if spec.localizer in OUTDOOR_LOCALIZERS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna), lidar)
     return WheelLocalization(backend, wheels, lidar)
