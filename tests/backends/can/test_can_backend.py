@@ -57,7 +57,7 @@ def test_counts_have_the_sign_of_the_file(make: Make) -> None:
     left, right = (backend.bench.drives[node].position for node in (LEFT, RIGHT))
     assert left == pytest.approx(0.3 * COUNTS_PER_M, rel=1e-4)
     assert right == pytest.approx(-left)
-    assert backend.get(Base).wheel_travel() == pytest.approx((0.3, 0.3), rel=1e-4)
+    assert backend.get(Base).wheel_travel()[:2] == pytest.approx((0.3, 0.3), rel=1e-4)
 
 
 def test_travel_goes_on_where_32_bits_go_over(make: Make) -> None:
@@ -81,7 +81,7 @@ def test_what_no_robot_may_do_is_refused(make: Make, command: tuple[float, float
     with pytest.raises(CommandError, match="allowed"):
         backend.get(Base).drive(*command)
     backend.step()
-    assert backend.get(Base).wheel_travel() == (0.0, 0.0)
+    assert backend.get(Base).wheel_travel()[:2] == (0.0, 0.0)
 
 
 def test_a_command_that_is_not_renewed_lives_one_period(make: Make) -> None:
@@ -100,7 +100,7 @@ def test_a_command_does_nothing_before_its_step(make: Make) -> None:
     backend = make()
     there = backend.ground_truth().base
     backend.get(Base).drive(0.3, 0.0)
-    assert backend.get(Base).wheel_travel() == (0.0, 0.0)
+    assert backend.get(Base).wheel_travel()[:2] == (0.0, 0.0)
     assert backend.ground_truth().base == there
 
 

@@ -92,7 +92,7 @@ def test_two_periods_of_lateness_are_tolerated_and_more_are_not(make: Make, robo
         for drive in backend.bench.drives.values():
             drive.wrong.late = late
         move(backend, 30)
-        assert min(backend.get(Base).wheel_travel()) > 0.2
+        assert min(backend.get(Base).wheel_travel()[:2]) > 0.2
         assert {drive.life.state for drive in backend.bench.drives.values()} == {"OPERATION ENABLED"}
     assert_told("away from where it should be", fault_of(make(robot=robot, room=False), "late", JOINT_1))
 

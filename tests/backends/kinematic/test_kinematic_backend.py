@@ -37,7 +37,7 @@ def test_a_drive_is_nearly_what_the_encoders_say(make: Make) -> None:
     start = backend.scene.base
     run(backend, 20, speed=-0.3)
     travel = backend.get(Base).wheel_travel()
-    assert travel == pytest.approx((-0.3, -0.3))
+    assert travel[:2] == pytest.approx((-0.3, -0.3))
     moved = start.distance(backend.scene.base)
     assert moved == pytest.approx(0.3, rel=0.02)
     assert moved != pytest.approx(0.3, rel=1e-5)
