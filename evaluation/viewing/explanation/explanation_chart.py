@@ -167,8 +167,13 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         axis.plot(*points["bumped"].T, color=BUMPED_COLOUR, lw=3.0, label="ran into something here")
     if "in the way" in points:
         axis.plot(*points["in the way"].T, "x", color="black", ms=10, mew=2, label="in the way")
-    axis.set_xlim(middle[0] - VIEW_RADIUS_M, middle[0] + VIEW_RADIUS_M)
-    axis.set_ylim(middle[1] - VIEW_RADIUS_M, middle[1] + VIEW_RADIUS_M)
+    shown = middle[None]
+    if "hypotheses" in points:
+        shown = np.vstack([shown, points["hypotheses"]])
+        axis.plot(*points["hypotheses"].T, "*", color=COMMAND_COLOUR, ms=9.0, label="may be here")
+    low, high = shown.min(axis=0) - VIEW_RADIUS_M, shown.max(axis=0) + VIEW_RADIUS_M
+    axis.set_xlim(low[0], high[0])
+    axis.set_ylim(low[1], high[1])
     axis.set_aspect("equal")
     axis.set_xlabel("x [m] on the map")
     axis.set_ylabel("y [m]")
