@@ -62,7 +62,7 @@ class BestPolicy:
         return self._process
 
     def is_rule_better(self) -> bool:
-        """Return whether the rule surely costs less than what was found within the budget.
+        """Return whether the rule costs less than what was found within the budget.
 
         Only a search that was not finished can find less than the rule.
         """
@@ -74,8 +74,12 @@ class BestPolicy:
         found = self.decision(State(self.network.start, ()))
         if found.cost - found.low <= MAX_GAP * found.cost:
             return False
-        forecaster = Forecaster(self.network, self._process.chances)
-        return rule_price(self._process, forecaster, forecaster.forecast())[1] < found.cost
+        effort = Effort(2.0 * budget_of(self.network))
+        forecaster = Forecaster(self.network, self._process.chances, effort)
+        forecast = forecaster.forecast()
+        # Runs of the rule that were not followed to their end count as short of the goal, and as long again.
+        left = forecast.unknown * (self._process.stop_price(self.network.start) + forecast.cost_s)
+        return rule_price(self._process, forecaster, forecast)[0] + left < found.cost
 
     def state(self, situation: str, counts: dict[int, int]) -> State:
         """Return the state in a situation with these counts of Fails."""
