@@ -169,15 +169,18 @@ class RuleEnds(NamedTuple):
     no_way: float
 
 
-def rule_ends(net: PlainNetwork, unknown: float = 1e-6, limit_s: float = 60.0) -> RuleEnds:
+def rule_ends(
+    net: PlainNetwork, unknown: float = 1e-6, limit_s: float = 60.0, begin: State | None = None
+) -> RuleEnds:
     """Follow the rule from the start until the probability of the states ahead is small.
 
     Args:
         net: the network.
         unknown: probability at which it ends.
         limit_s: CPU time after which it ends.
+        begin: another state to begin in than the start.
     """
-    root = net.at(net.start, (0,) * len(net.edges))
+    root = begin or net.at(net.start, (0,) * len(net.edges))
     mass, ahead = {root: 1.0}, 1.0
     heap = [(-1.0, root)]
     decided: dict[State, tuple[int, bool] | None] = {}

@@ -42,16 +42,19 @@ class OptionValues:
         """True if each action has a probability."""
         return all(a.p_success is not None for a in self._network.actions if a.binding is not None)
 
-    def of(self, action: Action, counts: Mapping[int, int]) -> OptionValue | None:
+    def of(self, action: Action, counts: Mapping[int, int], hopes: bool = False) -> OptionValue | None:
         """Return the figures of an action that is done now; None if there are too many states.
 
         Args:
             action: the action.
             counts: counts of Fails by counter, as the planner keeps them.
+            hopes: True if its Fail is needed: then its Success uses up an attempt.
         """
         process, goal, mean = self._process, 0.0, action.cost_s if action.binding else 0.0
-        step = process.step(process.after.at(action.source, counts), action)
-        nexts = zip(process.endings(action), (*step.succeeded, *step.all_failed), strict=True)
+        here = process.after.at(action.source, counts)
+        step = process.step(here, action)
+        succeeded = process.after.successes(action, dict(here.fails), (), hopes)
+        nexts = zip(process.endings(action), (*succeeded, *step.all_failed), strict=True)
         for (p, _), state in nexts:
             if state is None or p <= NEVER:
                 continue

@@ -122,13 +122,21 @@ class _Then:
             return Option(action, weight, fails, None, f"used up: {why}")
         others = [each for each in self.network.actions if each.source == action.source]
         rest = self.plan(action.target, without=others)
-        value = self._values.of(action, self._planner.counts) if self._values.are_known else None
+        value = self._value(action)
         if isinstance(rest, Plan):
             route = OpenRoute((action, *rest.actions), weight + rest.cost)
             return Option(action, weight, fails, route, "", value)
         leads = isinstance(self.plan(action.target), Plan)
         out = "leads only back here" if leads else f"nothing leads on from {action.target}"
         return Option(action, weight, fails, None, out, value)
+
+    def _value(self, action: Action) -> OptionValue | None:
+        """Return what a run comes to with an action; None if that is not known."""
+        if not self._values.are_known:
+            return None
+        plan = self.plan(action.source)
+        hopes = isinstance(plan, Plan) and plan.hopes and plan.actions == (action,)
+        return self._values.of(action, self._planner.counts, hopes)
 
     def _new_planner(self) -> Planner:
         planner = Planner(self.network, self._search)
