@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.numerics.arrays import FloatArray
@@ -46,7 +47,7 @@ def draw_robot(path: Path, robot: RobotFile, reach: HandReach | None) -> None:
     axes = figure.subplots(len(VIEW_AXES), len(columns), squeeze=False, sharex=True, sharey="row")
     for row, (view, (across, up)) in zip(axes, VIEW_AXES.items(), strict=True):
         for each, (name, bodies) in zip(row, columns.items(), strict=True):
-            _draw(each, bodies, still, (across, up), reach, robot.footprint_radius_m)
+            _draw(each, bodies, still, (across, up), reach, robot.footprint_shape)
             each.set_title(f"{name}, {view}" if name else view, fontsize=8)
         row[0].set_ylabel("z [m]" if up == 2 else "y [m], left up", fontsize=8)
     for each in axes[-1]:
@@ -82,9 +83,9 @@ def _draw(
     still: set[str],
     view: tuple[int, int],
     reach: HandReach | None,
-    radius: float,
+    footprint: Footprint,
 ) -> None:
-    from matplotlib.patches import Circle, Polygon
+    from matplotlib.patches import Polygon
 
     across, up = view
     if reach is not None:
@@ -97,7 +98,7 @@ def _draw(
     if up == 2:
         axes.axhline(0.0, color=EDGE, linewidth=0.8)
     else:
-        axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor=FRONT, linewidth=0.9, linestyle="--"))
+        axes.plot(*footprint.outline(0.0, 0.0, 0.0).T, color=FRONT, linewidth=0.9, linestyle="--")
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.tick_params(labelsize=7)

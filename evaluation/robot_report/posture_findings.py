@@ -12,6 +12,7 @@ from handcart.backends.description.robot_names import robot_path
 from handcart.files.errors import Finding
 from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import read_document
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
@@ -33,6 +34,8 @@ class PostureFacts(NamedTuple):
     """Largest distance of the arm from the base's axis, in [m]."""
     farthest: str
     """Link with that distance."""
+    outside: float
+    """Largest distance of the arm beyond the footprint, in [m]; negative inside."""
     travels: bool
     """True if the base drives in this posture."""
 
@@ -44,7 +47,11 @@ def posture_facts(robot: RobotFile) -> list[PostureFacts]:
     arm = opened_arm(robot)
     collision = CollisionModel(arm)
     moved = moved_links(arm)
-    return [_facts(name, np.array(robot.posture(name)), arm, collision, moved) for name in robot.arm.postures]
+    shape = robot.footprint_shape
+    return [
+        _facts(name, np.array(robot.posture(name)), arm, collision, moved, shape)
+        for name in robot.arm.postures
+    ]
 
 
 def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
@@ -63,9 +70,12 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
         if each.touching:
             pairs = listed(f"{one} with {other}" for one, other in each.touching)
             yield document.finding(key, f"in posture {each.name!r} the robot touches itself: {pairs}")
-        if each.travels and each.reach > robot.footprint_radius_m + ROUNDING_M:
+        if each.travels and each.outside > ROUNDING_M:
             wrong = f"the base drives in posture {each.name!r}, and {each.farthest} is {each.reach:.3f} m"
             allowed = f"from its middle; allowed: within the footprint, {robot.footprint_radius_m:g} m"
+            if not robot.footprint_shape.is_disc:
+                wrong = f"the base drives in posture {each.name!r}, and the arm is {each.outside:.3f} m"
+                allowed = "outside the footprint; allowed: within it"
             yield document.finding(key, f"{wrong} {allowed}")
 
 
@@ -89,12 +99,19 @@ def moved_links(arm: ArmModel) -> set[str]:
 
 
 def _facts(
-    name: str, joints: FloatArray, arm: ArmModel, collision: CollisionModel, moved: Collection[str]
+    name: str,
+    joints: FloatArray,
+    arm: ArmModel,
+    collision: CollisionModel,
+    moved: Collection[str],
+    footprint: Footprint,
 ) -> PostureFacts:
     shapes = [shape for shape in arm.link_shapes(joints) if shape.name in moved]
     out = {shape.name: 0.0 for shape in shapes}
     for shape in shapes:
         out[shape.name] = max(out[shape.name], float(np.hypot(*corners_of(shape)[:, :2].T).max()))
+    spots = np.vstack([np.zeros((1, 2)), *(corners_of(shape)[:, :2] for shape in shapes)])
+    outside = float(footprint.distances(spots).max())
     farthest = max(out, key=lambda link: out[link], default="")
     touching = tuple(collision.contacts(joints))
-    return PostureFacts(name, touching, out.get(farthest, 0.0), farthest, name in TRAVEL_POSTURES)
+    return PostureFacts(name, touching, out.get(farthest, 0.0), farthest, outside, name in TRAVEL_POSTURES)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from handcart.backends.capabilities.gripper import Gripper
@@ -72,13 +70,20 @@ def _unmet_by_arm(primitive: ActionPrimitive, robot: Robot) -> str:
     """
     if not primitive.needs_arm_inside() or robot.spec.arm is None:
         return ""
-    hand, radius = robot.base_T("hand"), robot.spec.footprint_radius_m
-    out = math.hypot(*hand[:2, 3])
+    hand, shape = robot.base_T("hand"), robot.spec.footprint_shape
+    spots = [hand[:2, 3]]
     if is_holding(robot):  # what is held reaches to the finger tips at least
         ahead = np.array([robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])
-        out = max(out, math.hypot(*(hand @ ahead)[:2]))
-    if out <= radius:
+        spots.append((hand @ ahead)[:2])
+    away = shape.distances(np.array(spots))
+    if away.max() <= 0.0:
         return ""
+    if not shape.is_disc:
+        return (
+            f"the hand is {away.max():.2f} m outside the robot's footprint: the arm goes home before the "
+            "base drives"
+        )
+    out, radius = float(away.max()) + shape.radius, shape.radius
     return (
         f"the hand stands out beyond the robot's footprint, {out:.2f} m from its middle where {radius:.2f} m "
         "are allowed: the arm goes home before the base drives"

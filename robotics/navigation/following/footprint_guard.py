@@ -12,10 +12,11 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.wall_cells import WallCells
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
-from handcart.robotics.numerics.compiled import compiled_for
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
-from .way_guard import RETURN_NOISE_M, START_RETREAT_RATIO, HoldingObstacle
+from .way_guard import NO_STANDS, RETURN_NOISE_M, START_RETREAT_RATIO, HoldingObstacle
 
+SENSED_CELL_M = 0.08  # from a cell's centre to a point of the scan that shows it
 MIN_STEP_M = 0.002  # between two looks along a motion
 LEAST_ROOM_M = 0.002  # that is kept along a wall, however near the robot has come to it
 WALL_POINTS = 8  # points nearer than the margin, from which they count as a wall that it may drive along
@@ -33,9 +34,10 @@ class _Stand(NamedTuple):
 class FootprintGuard:
     """Foresees what a polygon sweeps over, against the map and the latest scan.
 
-    Cells of the map that the lidar sees count by their centres, because the scan shows what is there more
-    exactly; others count as complete squares. If something is nearer than it may be, the robot may move along
-    it or away from it, and return to the pose where it began (`stand_at`).
+    Where the lidar sees something at a cell of the map, the scan counts alone, because it needs no pose and
+    is more exact. Other cells in its field of view count by their centres, the rest as complete squares. If
+    something is nearer than it may be, the robot may move along it or away from it, and return to the pose
+    where it began (`stand_at`).
     """
 
     def __init__(self, shape: Footprint, margin: float, grid: GridMap | None = None) -> None:
@@ -84,7 +86,7 @@ class FootprintGuard:
         """
         shape = self._shape.turned(direction) if direction else self._shape
         view = view if view is None or not direction else view.turned(direction)
-        mapped = self._mapped(pose, abs(length), view)
+        mapped = self._mapped(pose, abs(length), view, scan)
         points = np.ascontiguousarray(np.vstack([mapped, scan]))
         if not len(points):
             return None
@@ -100,16 +102,21 @@ class FootprintGuard:
         shown: Literal["map", "scan"] = "map" if found < len(mapped) else "scan"
         return HoldingObstacle(shown, x, y, math.hypot(*points[found]), needed)
 
-    def _mapped(self, pose: Pose2, length: float, view: SensorView | None) -> FloatArray:
+    def _mapped(
+        self, pose: Pose2, length: float, view: SensorView | None, scan: FloatArray = NO_STANDS
+    ) -> FloatArray:
+        """Return (n, 2) points of the map that count, in the base frame, in [m]."""
         if self._cells is None:
             return np.empty((0, 2))
         reach = self._shape.radius + self._margin + length
         centres = pose.inverse().apply(self._cells.near((pose.x, pose.y), reach))
         seen = np.zeros(len(centres), dtype=np.bool_) if view is None else view.sees(centres)
+        unexplained = centres[seen]
+        if len(scan) and len(unexplained):
+            unexplained = unexplained[_apart(unexplained, np.ascontiguousarray(scan), SENSED_CELL_M)]
         if seen.all():
-            return centres
-        squares = self._cells.corners(centres[~seen], pose.theta)
-        return np.vstack([centres[seen], squares])
+            return unexplained
+        return np.vstack([unexplained, self._cells.corners(centres[~seen], pose.theta)])
 
     def _room(self, points: FloatArray) -> float:
         return float(self._shape.distances(points).min()) if len(points) else math.inf
@@ -146,6 +153,18 @@ class SensorView(NamedTuple):
         """Return which points (n, 2) in the base frame are in the field of view (n,)."""
         angle = np.arctan2(points[:, 1] - self.y, points[:, 0] - self.x)
         return np.asarray(np.mod(angle - self.start, 2.0 * math.pi) <= self.width)
+
+
+@compiled
+def _apart(points: FloatArray, others: FloatArray, limit: float) -> BoolArray:
+    """Return which points (n, 2) have no other (m, 2) within `limit` in [m] (n,)."""
+    found = np.ones(len(points), dtype=np.bool_)
+    for i in range(len(points)):
+        for j in range(len(others)):
+            if (points[i, 0] - others[j, 0]) ** 2 + (points[i, 1] - others[j, 1]) ** 2 < limit * limit:
+                found[i] = False
+                break
+    return found
 
 
 @compiled_for("(f8[:,::1], f8, f8[:,::1], i8, f8[::1], f8, f8[:,::1])")

@@ -92,3 +92,15 @@ def test_straight_motion_has_no_special_turn(turn: float) -> None:
     guard = FootprintGuard(SHAPE, MARGIN)
     assert guard.free_motion(ORIGIN, np.array([[0.5, 0.19]]), 0.18, turn) is None
     assert guard.free_motion(ORIGIN, np.array([[0.5, 0.19]]), 0.2, turn) is not None
+
+
+def test_scan_counts_alone_where_it_shows_what_the_map_shows() -> None:
+    """A door is 2 cm off its place on the map, because the pose is."""
+    occupied = np.zeros((40, 40), dtype=np.bool_)
+    occupied[23:, 27] = True  # y from 0.15 m on, centres from 0.175 m on, at x = 0.375 m
+    guard = FootprintGuard(SHAPE, MARGIN, GridMap(occupied, np.zeros_like(occupied), 0.05, -1.0, -1.0))
+    wall = np.column_stack([np.full(40, 0.36), np.linspace(0.215, 0.8, 40)])
+    assert guard.free_motion(ORIGIN, wall, 0.3, 0.0, ALL_ROUND) is None
+    held = guard.free_motion(ORIGIN, NOTHING, 0.3, 0.0, ALL_ROUND)  # glass: no beam comes back
+    assert held is not None
+    assert held.shown_by == "map"
