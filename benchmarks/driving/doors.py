@@ -20,6 +20,7 @@ from benchmarks.driving.cluttered import GIVEN_S, Trial, Watch
 from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.cluttered_worlds import Box, map_text, world_text
 from handcart.evaluation.judging.judge import Judge
+from handcart.files.errors import FileError
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
@@ -69,8 +70,15 @@ def make_doorway(seed: int, width: float) -> Doorway:
 
 def try_doorway(doorway: Doorway, chosen: argparse.Namespace) -> Trial:
     """Drive through a door."""
-    straight = math.dist(doorway.start[:2], doorway.goal[:2])
-    result = Trial(doorway.seed, 0.0, best_m=straight)
+    result = Trial(doorway.seed, 0.0, best_m=math.dist(doorway.start[:2], doorway.goal[:2]))
+    try:
+        _drive(doorway, chosen, result)
+    except FileError as wrong:
+        result.outcome, result.reason = "refused", str(wrong)[:300]
+    return result
+
+
+def _drive(doorway: Doorway, chosen: argparse.Namespace, result: Trial) -> None:
     with TemporaryDirectory(prefix="doors-") as name:
         folder = Path(name)
         shift = np.random.default_rng([doorway.seed, 7]).uniform(-chosen.cell, 0.0, 2)
@@ -91,7 +99,6 @@ def try_doorway(doorway: Doorway, chosen: argparse.Namespace) -> Trial:
             except TimeoutError:
                 result.outcome, result.reason = "out of time", f"after {GIVEN_S:g} s"
             result.false, result.contacts = list(judge.untrue), len(scene.contacts)
-    return result
 
 
 def main() -> None:

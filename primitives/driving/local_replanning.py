@@ -201,6 +201,7 @@ class LocalReplanning:
         waits = self.waits_since is not None
         if tracker.remaining < self._nearest - NEARER_M or waits or tracker.closing:
             self._nearest, self._nearer_at = min(self._nearest, tracker.remaining), robot.time
+            self._backed_off = 0
         patience = max(NEARER_TIMEOUT_S, NEARER_FACTOR * tracker.remaining / self._top)
         if robot.time > self._nearer_at + patience:
             since = robot.time - self._nearer_at

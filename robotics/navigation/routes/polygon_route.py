@@ -15,6 +15,7 @@ from .swept_route import swept_room
 from .voronoi_graph import voronoi_graph
 
 MAX_TRIES = 8  # places that are closed because the polygon does not pass them, until there is no route
+CELL_CENTRES = 0.5  # of a cell that the middle of a gap is off the centre of its cell
 LEAVING_M = 0.35  # at both ends, where the polygon may have less room: it begins there, or is to stand there
 
 
@@ -43,7 +44,8 @@ def polygon_route(
     """
     for _ in range(MAX_TRIES):
         try:
-            graph = voronoi_graph(grid, shape.inscribed + settings.room, seed_point=start)
+            need = shape.inscribed + settings.room - CELL_CENTRES * grid.resolution
+            graph = voronoi_graph(grid, need, seed_point=start)
         except ValueError:
             return None
         spot: FloatArray | None = None

@@ -268,6 +268,8 @@ class Ways:
         """Return the route's point with too little clearance, its beginning excepted; None if it has no such
         point.
         """
+        if not self._shape.is_disc and front is None:
+            return None  # `polygon_route` has looked at the room along it
         points, room = route.points, route.clearance
         if front is not None:
             room = np.minimum(room, [_to_segment((x, y), front)[0] for x, y in points.tolist()])

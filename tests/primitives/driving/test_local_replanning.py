@@ -69,3 +69,40 @@ def test_restoring_takes_another_way_where_something_moved_behind(make_rig: Call
     assert isinstance(outcome, Fail), outcome
     assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
     assert rig.scene.contacts == []
+
+
+def test_route_changes_while_driving_before_anything_holds_the_base(make_rig: Callable[..., Rig]) -> None:
+    """A box appears 2 m ahead: a look at the layer leads around it, so the guard has nothing to stop."""
+    rig = make_rig(boxes((4.3, 1.9), more=", appears_s: 3"))
+    held: list[float] = []
+
+    def watch() -> bool:
+        if rig.robot.held is not None and rig.robot.time > 3.0:
+            held.append(rig.robot.time)
+        return False
+
+    assert isinstance(rig.run(MoveTo(place="shelf_1"), cancel=watch), Success)
+    assert rig.scene.contacts == []
+    assert [time for time in held if time < 12.0] == []
+
+
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig], seed: int) -> None:
+    """15 % of slip, 5 % of tread: the drive turns hardly more often than with good wheels."""
+    found = {}
+    for name, errors in (("good", {}), ("bad", {"slip_percent": 15.0, "tread_percent": 5.0})):
+        rig = make_rig(boxes((4.3, 1.9)), seed=seed, errors=errors)
+        turns: list[float] = []
+
+        def watch(rig: Rig = rig, turns: list[float] = turns) -> bool:
+            rate = rig.robot.driven[1]
+            if abs(rate) > 0.15 and (not turns or rate * turns[-1] < 0.0):
+                turns.append(rate)
+            return False
+
+        outcome = rig.run(MoveTo(place="shelf_1"), cancel=watch)
+        assert isinstance(outcome, Success) or (isinstance(outcome, Fail) and outcome.cause is not None)
+        assert rig.scene.contacts == []
+        found[name] = (len(turns), rig.robot.time)
+    assert found["bad"][0] <= found["good"][0] + 6
+    assert found["bad"][1] < 1.3 * found["good"][1] + 2.0
