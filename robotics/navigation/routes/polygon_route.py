@@ -15,7 +15,7 @@ from .swept_route import swept_room
 from .voronoi_graph import voronoi_graph
 
 MAX_TRIES = 8  # places that are closed because the polygon does not pass them, until there is no route
-CELL_CENTRES = 0.5  # of a cell that the middle of a gap is off the centre of its cell
+CELL_CENTRES = 1.0  # of a cell that the middle of a gap is off the centres of cells, on both sides
 LEAVING_M = 0.35  # at both ends, where the polygon may have less room: it begins there, or is to stand there
 
 

@@ -20,9 +20,8 @@ from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
-POLYGON_OVERLAP_CELLS = (
-    0.5  # by which a polygon may reach into cells of a map: narrow doors are drawn narrower
-)
+# by which a polygon may reach into cells of a map: they draw narrow doors narrower, on both sides
+POLYGON_OVERLAP_CELLS = 0.9
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before

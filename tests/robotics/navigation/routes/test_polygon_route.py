@@ -42,7 +42,7 @@ def test_route_leads_straight_through_a_door_of_its_width(door: float) -> None:
 
 
 def test_door_narrower_than_the_rectangle_has_no_route() -> None:
-    way = Ways(rooms(0.4), SHAPE, START).to(GOAL)
+    way = Ways(rooms(0.25), SHAPE, START).to(GOAL)
     assert way.route is None
     assert way.why == "too narrow"
     assert way.narrow == pytest.approx((3.0, 1.0), abs=0.1)
