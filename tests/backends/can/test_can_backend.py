@@ -69,7 +69,7 @@ def test_travel_goes_on_where_32_bits_go_over(make: Make) -> None:
     run(backend, 20, 0.3)
     run(backend, RAMPS)
     after = backend.get(Base).wheel_travel()
-    assert np.subtract(after, before) == pytest.approx([0.3, 0.3], rel=1e-4)
+    assert np.subtract(after, before)[:2] == pytest.approx([0.3, 0.3], rel=1e-4)
 
 
 @pytest.mark.parametrize(
