@@ -121,7 +121,9 @@ def _align(first: GridMap, one: FloatArray, other: FloatArray) -> Pose2:
         moved = centre.compose(Pose2(-float(middle[0]), -float(middle[1]), 0.0))
         found.append((float(scores[x, y]), moved))
     found.sort(key=lambda each: -each[0])
-    field = LikelihoodField(first)
+    field = LikelihoodField(
+        first, is_drawn=True
+    )  # the points are cells of walls, not ends of beams: no side faces a sensor
     refined = [_refined(field, other[::stride], pose) for _, pose in found[:HYPOTHESES]]
     return max(refined, key=lambda each: each[0])[1]
 
