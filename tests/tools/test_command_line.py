@@ -80,7 +80,7 @@ def test_a_tree_that_asks_the_robot_while_it_is_built_is_not_shown(
     monkeypatch.setattr("handcart.primitives.registry.primitive_class", lambda name: kind)
     said = handcart("describe", "ASKING")
     assert said.status == 0
-    assert "writes: nothing\ncauses: " in said.out  # no tree follows
+    assert said.out.partition("writes: nothing\n")[2].lstrip().startswith("causes of")  # no tree follows
 
 
 @pytest.mark.parametrize("kind", ["task", "robot", "world", "places", "catalogue"])
