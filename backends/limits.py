@@ -62,16 +62,16 @@ def _check_sideways(drive: Drive, speed: float, sideways: float) -> None:
 
 
 def checked_joints(model: ArmModel, joints: FloatArray, last: FloatArray, most: FloatArray) -> FloatArray:
-    """Joint angles (n,) in [rad] within the limits.
+    """Return the commanded joint angles (n,), in [rad] or [m], if they are within the limits.
 
     Args:
-        model: of the arm.
-        joints: wanted at the end of the next period.
-        last: commanded for the end of this one.
-        most: that a joint may move in a period.
+        model: model of the arm.
+        joints: (n,) wanted at the end of the next period.
+        last: (n,) commanded for the end of this period.
+        most: (n,) largest step of each joint in a period.
 
     Raises:
-        CommandError: a value isn't finite, is beyond its limit, or too far from the last.
+        CommandError: a value isn't finite, is beyond its limit, or too far from the last one.
     """
     wanted = np.array(joints, dtype=np.float64)
     if wanted.shape != last.shape or not np.isfinite(wanted).all():

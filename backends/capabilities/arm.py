@@ -32,7 +32,7 @@ class Arm(Capability):
 
     @abstractmethod
     def joints(self) -> FloatArray:
-        """Measured joint angles, (n,) in [rad]."""
+        """Return the measured joints (n,), in [rad] or [m]."""
 
     @abstractmethod
     def hand_force(self) -> FloatArray:

@@ -90,7 +90,9 @@ class CameraInfo(FileModel):
 
     @property
     def distortion(self) -> FloatArray:
-        """(4,) of a fisheye, (5,) or (8,) of others, as OpenCV has them."""
+        """Return the distortion coefficients in OpenCV's order: (4,) of a fisheye lens, (5,) or (8,) of
+        others, without unit.
+        """
         size = next(size for size in (5, 8) if size >= len(self._coefficients))
         filled = np.zeros(4 if self.lens == "fisheye" else size)
         filled[: len(self._coefficients)] = self._coefficients

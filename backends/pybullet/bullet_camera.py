@@ -60,7 +60,7 @@ def render(
 def render_with_depth(
     engine: BulletEngine, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]
 ) -> tuple[ByteArray, FloatArray]:
-    """Return a picture as `render` does, and the depth of its pixels (height, width).
+    """Return a picture (height, width, 3) as `render` does, and the depth of its pixels (height, width).
 
     Depth is in [m] along the optical axis; infinite where nothing is nearer than `FURTHEST`. It is rendered
     twice, because the buffer resolves far depths well only if its nearest plane is not too near.

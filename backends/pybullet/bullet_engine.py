@@ -204,7 +204,16 @@ class BulletEngine(Engine):
         return ContactPoint(link, other, other_link, normal, (x, y, z))
 
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """See `Engine`: in one batch."""
+        """Return how much of each way from a point is free of all but the robot, in one batch; see
+        `Engine.free_shares`.
+
+        Args:
+            start: (3,) common start of the ways in the world, in [m].
+            ends: (n, 3) their ends, in [m].
+
+        Returns:
+            (n,) share of each way, from 0 to 1; infinity where all of it is free.
+        """
         starts = np.broadcast_to(start, ends.shape)
         hits = self.p.rayTestBatch(
             starts.tolist(),

@@ -52,14 +52,14 @@ class BulletRenderer:
     # Textures
 
     def show(self, body: int, picture: ByteArray) -> None:
-        """Paint a body with a grey picture."""
+        """Paint a body with a grey picture (h, w)."""
         texture = self.texture(picture)
         if texture != self._shown.get(body):
             self._shown[body] = texture
             self._p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
 
     def texture(self, picture: ByteArray) -> int:
-        """Return the number of a grey picture; the renderer loads each picture once."""
+        """Return Bullet's number of a grey picture (h, w); each picture is loaded once."""
         key = (picture.shape, picture.tobytes())
         if key not in self._textures:
             self._textures[key] = self._load_texture(picture)
@@ -102,11 +102,24 @@ class BulletRenderer:
     def picture_with_depth(
         self, view: Transform, projection: Transform, size: tuple[int, int]
     ) -> tuple[ByteArray, FloatArray]:
-        """Return an unlit picture as `picture` does, and OpenGL's depths (height, width), from 0 to 1."""
+        """Return an unlit picture (h, w, 3) in RGB as `picture` does, and OpenGL's depths (h, w), from 0 to
+        1, without unit.
+
+        Args:
+            view: (4, 4) camera_T_world in OpenGL's axes, in [m].
+            projection: (4, 4) OpenGL's projection.
+            size: width and height, in [px].
+        """
         return self.picture(view, projection, size), self.depth_buffer(view, projection, size)
 
     def depth_buffer(self, view: Transform, projection: Transform, size: tuple[int, int]) -> FloatArray:
-        """Return OpenGL's depths (height, width), from 0 at the nearest plane to 1 at the farthest one."""
+        """Return OpenGL's depths (h, w), without unit, from 0 at the nearest plane to 1 at the farthest one.
+
+        Args:
+            view: (4, 4) camera_T_world in OpenGL's axes, in [m].
+            projection: (4, 4) OpenGL's projection.
+            size: width and height, in [px].
+        """
         with quiet():
             buffer = self._render(view, projection, size, tuple((-view[2, :3]).tolist()))[3]
         return np.asarray(buffer, dtype=np.float64).reshape(size[1], size[0])

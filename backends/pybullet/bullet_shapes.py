@@ -45,7 +45,13 @@ def plain_box(client: int, size: Sequence[float], grey: int) -> tuple[int, int]:
 
 
 def tile_shape(client: int, cell: float, heights: FloatArray) -> tuple[int, int]:
-    """Bullet's collision and visual shape of rough ground; see `Engine.add_tile`."""
+    """Return the numbers of Bullet's collision and visual shape of rough ground; see `Engine.add_tile`.
+
+    Args:
+        client: number of Bullet's client.
+        cell: distance of neighbouring heights, in [m].
+        heights: (k, k) in [m], a row for each y.
+    """
     p, count = bullet(), len(heights)
     side = (count - 1) * cell
     shape = p.createCollisionShape(

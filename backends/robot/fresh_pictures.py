@@ -34,19 +34,21 @@ class FreshPictures:
         return self._last is not None and not self._moved
 
     def note(self, carrier: FloatArray) -> None:
-        """Note where the camera's carrier is in this period."""
+        """Record where the camera's carrier is in this period: (k,) in [m] or [rad], always of the same
+        length.
+        """
         self._moved = self._is_away(carrier)
 
     def take(self, image: ByteArray, carrier: FloatArray, noisy: bool) -> ByteArray:
         """Return a picture that was taken with the carrier at a position.
 
         Args:
-            image: the picture, (height, width) grey.
-            carrier: where the camera's carrier is.
+            image: (h, w), grey.
+            carrier: (k,) where the camera's carrier is, in [m] or [rad].
             noisy: True if no two pictures of one place are the same.
 
         Raises:
-            StaleReading: it is the last one to the last bit, although the camera has moved since.
+            StaleReading: it equals the last one to the last bit, although the camera has moved since.
         """
         same = self._last is not None and np.array_equal(image, self._last)
         if same and (self._moved if noisy else self._is_away(carrier)):

@@ -267,10 +267,10 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return the points that are not on a lowered hand.
+        """Return the points (m, 2) that are not on a lowered hand, in the base frame, in [m].
 
         Args:
-            points: (n, 2) points in [m], in the base frame.
+            points: (n, 2) in the base frame, in [m].
         """
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points

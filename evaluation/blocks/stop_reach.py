@@ -76,7 +76,7 @@ class StopReach:
         """Return the contact of arm or held block above and at a block's place; empty if all is clear.
 
         Args:
-            base: map_T_base (3,).
+            base: (3,) map_T_base: x, y in [m], heading in [rad].
             place: place of the block.
             around: surrounding bodies, posed on the map.
             held: True if the hand carries the block and puts it down there.

@@ -202,7 +202,9 @@ _PART = {"points": (3,), "rotations": (3, 3), "tangents": (3,), "turns": (3,), "
 
 
 def distances(points: FloatArray, path: FloatArray) -> FloatArray:
-    """Distances (k,) of points (k, 3) from the straight lines through the points (p, 3) of a path, in [m]."""
+    """Return the distances (k,) of points (k, 3) from the straight lines through the points (p, 3) of a path,
+    in [m].
+    """
     starts, ways = path[:-1], np.diff(path, axis=0)
     to = points[:, None] - starts[None]
     share = np.clip(np.einsum("kpi,pi->kp", to, ways) / np.einsum("pi,pi->p", ways, ways), 0.0, 1.0)

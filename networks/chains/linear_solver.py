@@ -39,7 +39,9 @@ class LinearSolver:
         self._factors = splu(whole, permc_spec=order, diag_pivot_thresh=threshold)
 
     def solve(self, right: FloatArray, transposed: bool = False) -> FloatArray:
-        """Return x, or that of the transposed equations; `right` has one column or several."""
+        """Return the solution x (n,) or (n, k) of the equations, or of the transposed ones; `right` has the
+        same shape.
+        """
         solution: FloatArray
         if self._inverse is None:
             solution = self._factors.solve(right, "T" if transposed else "N")

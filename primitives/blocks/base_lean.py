@@ -37,15 +37,15 @@ def felt_beside(robot: Robot) -> Generator[None, None, FloatArray]:
 def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[Transform, Transform]:
     """Return the tilts that the suspension's model misses, then and now, as motions (4, 4) of the base.
 
-    The model is linear in the position of the hand; the weight of a real arm is not. Mounting error and
-    slope of the floor are equal then and now, so only the difference counts; each tilt gets half of it,
-    the smallest tilts that explain the measurement. They are shrunk by their share of noise (James and
-    Stein 1961, positive part, per axis): where the model is right, hardly anything is left.
+    The model is linear in the position of the hand; the weight of a real arm is not. Mounting error and slope
+    of the floor are equal then and now, so only the difference counts; each tilt gets half of it, the
+    smallest tilts that explain the measurement. They are shrunk by their share of noise (James and Stein
+    1961, positive part, per axis): where the model is right, hardly anything is left.
 
     Args:
         robot: robot whose suspension model is used.
-        then: earlier result of `felt_beside`.
-        now: current result of `felt_beside`.
+        then: (2,) roll and pitch in [rad], an earlier result of `felt_beside`.
+        now: (2,) roll and pitch in [rad], the current result of `felt_beside`.
     """
     half, pivot = (now - then) / 2.0, robot.spec.suspension.model.pivot
     half = half * np.maximum(0.0, 1.0 - _variance(robot) / 2.0 / np.maximum(half**2, 1e-18))

@@ -67,7 +67,17 @@ def creep(
 def see(
     robot: Robot, mark: LandmarkPlan, base_T_mark: Transform, evidence: Evidence
 ) -> Generator[None, None, Seen]:
-    """One picture of a landmark below the camera; raises `Discrepancy` where it doesn't show it."""
+    """Take one picture of a landmark below the camera.
+
+    Args:
+        robot: its hand is above the landmark.
+        mark: the landmark of the plan.
+        base_T_mark: (4, 4) expected pose of the landmark.
+        evidence: gets the picture.
+
+    Raises:
+        Discrepancy: the picture does not show the landmark.
+    """
     yield from settle(robot)
     yield
     image = robot.picture()

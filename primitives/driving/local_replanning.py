@@ -265,7 +265,12 @@ class LocalReplanning:
         return tracker.command(robot.pose, robot.period, self.speed_limit)
 
     def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
-        """Return whether something is on the recorded way back that was not there when the base came."""
+        """Return whether something is on the recorded way back that was not there when the base came.
+
+        Args:
+            robot: the robot.
+            ahead: (n, 2) points of the way back from here on, on the map, in [m].
+        """
         if len(ahead) < 2:
             return False
         near = np.cumsum(np.hypot(*np.diff(ahead, axis=0, prepend=ahead[:1]).T)) < HOLD_DISTANCE_M

@@ -71,7 +71,11 @@ class StandingRoom:
         return tuple(np.ascontiguousarray(each).tobytes() for each in known)
 
     def blocked(self, bases: FloatArray) -> BoolArray:
-        """Return which of base poses (b, 3) have no room, or no route, by the map."""
+        """Return a mask (b,), True for base poses without room, or without a route, by the map.
+
+        Args:
+            bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
+        """
         no_way = ~self._floor.leads_to(bases, self._reached)
         no_way |= self._clearances.at(bases[:, :2]) < self._radius
         for each in self._avoided:
@@ -79,8 +83,11 @@ class StandingRoom:
         return no_way
 
     def free(self, base: FloatArray, angles: FloatArray) -> bool:
-        """Return whether robot and arm touch nothing from a base pose (3,), at home and at the angles (p,
-        n).
+        """Return whether robot and arm touch nothing from a base pose, at home and at the given angles.
+
+        Args:
+            base: (3,) map_T_base: x, y in [m], heading in [rad].
+            angles: (p, n) postures of the arm, in [rad] or [m].
         """
         bodies = self._arm.link_shapes(self._home)
         if not stands_clear(base[None], bodies, self._boxes)[0]:

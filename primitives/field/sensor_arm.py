@@ -102,13 +102,21 @@ class SensorArm:
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
 
     def check_near(self, place: FloatArray, unsure: float) -> None:
-        """Raise `Discrepancy` where a place can't be reached, even if it is off by `unsure` [m]."""
+        """Raise `Discrepancy` if a place can't be reached, even if it is off by `unsure`, in [m].
+
+        Args:
+            place: (2,) or (3,) in the base frame, in [m].
+            unsure: possible error of the place, in [m].
+        """
         x, y, *_ = self.scara.mount
         if math.hypot(place[0] - x, place[1] - y) > self.scara.upper + self.scara.fore + unsure:
             raise _out_of_reach(place)
 
     def reach(self, place: FloatArray) -> Periods:
-        """Bring the tip over a place, from home through the middle state; checked to be free beforehand."""
+        """Bring the tip over a place (2,) of the base frame, in [m], from home through the middle state.
+
+        The way is checked to be free beforehand.
+        """
         here = self._robot.arm.command()
         begin = self._middle if here[0] > self._middle[0] else here
         way = way_to(self.scara, begin, place)
@@ -139,7 +147,9 @@ class SensorArm:
             )
 
     def line_free(self, place: FloatArray) -> bool:
-        """Return whether the tip can move straight to a place and from there all the way down."""
+        """Return whether the tip can move straight to a place (2,) of the base frame, in [m], and from there
+        all the way down.
+        """
         here = self._robot.arm.command()
         line = line_postures(self.scara, here, place)
         if line is None or not self.scara.within(line[-1], working=True):
@@ -150,7 +160,7 @@ class SensorArm:
         return collision.path_free(np.array(path), step=0.03)
 
     def lead(self, end: FloatArray) -> Periods:
-        """Bring the tip to a place in a straight line, by resolved rates."""
+        """Bring the tip to a place (2,) of the base frame, in [m], in a straight line, by resolved rates."""
         robot, joints = self._robot, self._robot.arm.command()
         rates = ResolvedRate(self.scara, self.scara.tip(joints), end, RateLimits(rate=self._top()))
         begun = robot.time

@@ -31,15 +31,16 @@ ROOM_M = 0.05  # [m] beside the footprint where the base is, in which nothing is
 def remember_bump(
     robot: Robot, model: WorldModel | ModelView, forwards: bool, blocked: Blocked | None = None
 ) -> FloatArray:
-    """Note in the world model that the base does not get on; return (3,) its row of `bumps`.
+    """Record in the world model that the base is stopped; return its row (3,) of `bumps`: x, y in [m],
+    direction in [rad].
 
     Either the base touches something, or the arm that it carries.
 
     Args:
-        robot: as it is where it does not get on, or where it rebounded to.
-        model: where it is noted.
-        forwards: whether it was driven forwards.
-        blocked: how that was found, where it was found by `BlockedMotion`.
+        robot: at the place where it is stopped, or where it rebounded to.
+        model: world model that gets the row.
+        forwards: True if the base was driven forwards.
+        blocked: measurement of `BlockedMotion`, if that noticed it.
     """
     pose, heading = robot.pose, robot.pose.theta
     if blocked is not None:

@@ -69,7 +69,7 @@ def move_to_joints(
 
     Args:
         robot: its arm holds the last commanded joints.
-        joints: goal.
+        joints: (n,) goal, in [rad] or [m].
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
 

@@ -71,7 +71,8 @@ class DrivenBase:
         return self._spots[max(0, index - 1) :]
 
     def joints(self, index: int) -> FloatArray:
-        """Drive for the next period; return the arm's joints (n,) for the tool's point `index` at its end.
+        """Drive for the next period; return the arm's joints (n,), in [rad], for the tool's point `index` at
+        its end.
 
         Raises:
             Discrepancy: an obstacle is in the base's way, or the arm does not reach the seam any more.

@@ -44,7 +44,9 @@ class Pose2(NamedTuple):
         return other.inverse().compose(self)
 
     def apply(self, points: FloatArray) -> FloatArray:
-        """Points (n, 2) of this pose's own frame, in the frame of this pose, in [m]."""
+        """Return points (n, 2) of this pose's own frame, such as the base, in the frame that the pose is
+        given in; in [m].
+        """
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         rotation = np.array([[cos, sin], [-sin, cos]])
         moved: FloatArray = points @ rotation + np.array([self.x, self.y])

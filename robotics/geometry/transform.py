@@ -29,7 +29,10 @@ def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.
 
 
 def rotations(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> FloatArray:
-    """world_R_base (n, 3, 3) of angles (n,) in [rad], yaw about z first, then pitch about y, roll about x."""
+    """Return the rotations world_R_base (n, 3, 3) of roll, pitch and yaw, (n,) each in [rad].
+
+    Yaw about z comes first, then pitch about y, then roll about x.
+    """
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
     rows = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -47,7 +50,12 @@ def inverse(a_T_b: Transform) -> Transform:
 
 
 def apply(a_T_b: Transform, points: FloatArray) -> FloatArray:
-    """Points (n, 3) given in b, in a."""
+    """Return points (n, 3) of frame b in frame a, in [m].
+
+    Args:
+        a_T_b: (4, 4) pose of b in a.
+        points: (n, 3) in b, in [m].
+    """
     moved: FloatArray = points @ a_T_b[:3, :3].T + a_T_b[:3, 3]
     return moved
 

@@ -27,12 +27,20 @@ class LineImu(LineSensor, Imu):
         self._mean = np.zeros(6)
 
     def rates(self) -> FloatArray:
-        """See `Imu`; raises `StaleSensor`."""
+        """Return the angular velocities (3,) in [rad/s], in the IMU's axes; see `Imu`.
+
+        Raises:
+            StaleSensor: no fresh reading has arrived.
+        """
         self.check_fresh()
         return self._mean[:3].copy()
 
     def accelerations(self) -> FloatArray:
-        """See `Imu`; raises `StaleSensor`."""
+        """Return the accelerations (3,) in [m/s²], in the IMU's axes; see `Imu`.
+
+        Raises:
+            StaleSensor: no fresh reading has arrived.
+        """
         self.check_fresh()
         return self._mean[3:].copy()
 

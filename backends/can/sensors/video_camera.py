@@ -67,7 +67,11 @@ class VideoCamera(LiveSensor, Camera):
             self._thread.start()
 
     def image(self) -> ByteArray:
-        """See `Camera`; raises `StaleSensor`."""
+        """Return the newest picture (h, w), grey; see `Camera`.
+
+        Raises:
+            StaleSensor: no fresh picture has arrived.
+        """
         self.check_fresh()
         assert self._image is not None
         return self._image

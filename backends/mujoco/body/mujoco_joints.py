@@ -59,7 +59,19 @@ class MujocoJoints(JointGroup):
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Move compliantly; see `JointGroup`. An offset that would be corrected too fast is reduced."""
+        """Follow set-points like springs; an offset that would be corrected too fast is reduced. See
+        `JointGroup.give`.
+
+        Args:
+            off: (n,) distance of the set-points from the current joints, in [rad] or [m].
+            rates: (n,) rates of the set-points, in [rad/s] or [m/s].
+            effort: (n,) maximum effort of the drives, in [Nm] or [N].
+            fastest: (n,) maximum speeds of catching up, in [rad/s] or [m/s].
+            catches_up: time constant of catching up, in [s].
+
+        Raises:
+            ValueError: these joints have no drives that yield.
+        """
         if self._giving is None:
             raise ValueError("these joints have no drives that give")
         damping = np.maximum(SPEED_ERROR_TIME_S, FULL_TORQUE_ERROR_RAD / fastest)
@@ -83,7 +95,14 @@ class MujocoJoints(JointGroup):
             self._stiff.set_out(positions - self._engine.chunk * rates, rates)
 
     def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
-        """See `JointGroup`; solved implicitly: dampers as strong would shake a chassis in the air."""
+        """Put springs, dampers and torques on the joints, solved implicitly: explicit dampers would shake a
+        chassis in the air.
+
+        Args:
+            stiffness: of the springs, whose rest is at zero, in [Nm/rad].
+            damping: (n,) in [Nms/rad].
+            torques: (n,) in [Nm].
+        """
         self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND_TORQUE_NM), torques)
         self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))
 

@@ -59,7 +59,16 @@ class LidarBeams:
         self._fields = {int(each): _Field.of(model, int(each)) for each in self._others[self._grounds]}
 
     def free_shares(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """See `Engine`; poses in `data` are those of now."""
+        """Return how much of each way from a point is free of all but the robot; see `Engine.free_shares`.
+
+        Args:
+            data: MuJoCo's data; its poses are those of now.
+            start: (3,) common start of the ways in the world, in [m].
+            ends: (n, 3) their ends, in [m].
+
+        Returns:
+            (n,) share of each way; infinity where all of it is free.
+        """
         middles = data.geom_xpos[self._others]
         low, high = np.minimum(ends.min(axis=0), start), np.maximum(ends.max(axis=0), start)
         near = ((middles + self._reach >= low) & (middles - self._reach <= high)).all(axis=1)

@@ -50,7 +50,12 @@ class Leaning:
         self._seen = seen
 
     def set(self, model: Any, leans: BoolArray) -> None:
-        """Have those trees stay awake, and all others sleep when they come to rest."""
+        """Keep the given trees awake, and let all others sleep when they come to rest.
+
+        Args:
+            model: MuJoCo's model.
+            leans: (trees,) mask of the kinematic trees that stay awake.
+        """
         kinds, policy = mujoco().mjtSleepPolicy, model.tree_sleep_policy
         policy[self.trees] = kinds.mjSLEEP_ALLOWED
         policy[leans] = kinds.mjSLEEP_NEVER

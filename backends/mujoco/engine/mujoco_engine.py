@@ -190,7 +190,7 @@ class MujocoEngine(Engine):
         spec.mass, spec.inertia = mass, inertia
 
     def pose(self, body: int) -> Transform:
-        """See `Engine`; of things."""
+        """Return world_T_body (4, 4) of a thing; see `Engine.pose`."""
         index, data = self.thing_at(body).body, self.links()
         result = np.zeros((4, 4))
         result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0

@@ -48,9 +48,13 @@ class Photographer:
         return np.ascontiguousarray(self._rows[::-1])
 
     def take_with_depth(self, world_T_camera: Transform, K: FloatArray) -> tuple[ByteArray, FloatArray]:
-        """Return a picture as `take` does, and the depth of each pixel (height, width).
+        """Return a picture (h, w, 3) in RGB as `take` does, and the depth (h, w) of each pixel.
 
         Depth is in [m] along the optical axis; infinite where nothing is.
+
+        Args:
+            world_T_camera: (4, 4) pose of the camera, z forwards.
+            K: (3, 3) camera matrix, in [px].
         """
         mj, whole = mujoco(), self._render(world_T_camera, K)
         self._context.readDepthMap = mj.mjtDepthMap.mjDEPTH_ZEROFAR

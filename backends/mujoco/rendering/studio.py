@@ -50,7 +50,11 @@ class Studio:
         return picture
 
     def take_with_depth(self, world_T_camera: Transform, K: FloatArray) -> tuple[ByteArray, FloatArray]:
-        """Return a picture and the depth of its pixels; see `Photographer`.
+        """Return a picture (h, w, 3) in RGB and the depth (h, w) of its pixels, in [m]; see `Photographer`.
+
+        Args:
+            world_T_camera: (4, 4) pose of the camera, z forwards.
+            K: (3, 3) camera matrix, in [px].
 
         Raises:
             NoPictures: OpenGL is not available.

@@ -21,20 +21,22 @@ class JointGroup(ABC):
 
     @abstractmethod
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """Positions and velocities."""
+        """Return positions (n,) in [rad] or [m], and velocities (n,) in [rad/s] or [m/s]."""
 
     @abstractmethod
     def turn(self, speeds: FloatArray, most: FloatArray) -> None:
-        """Bring them to speeds by torques of at most `most`."""
+        """Bring the joints to speeds (n,), in [rad/s] or [m/s], by efforts of at most `most` (n,), in [Nm] or
+        [N].
+        """
 
     def follow(self, off: FloatArray, rates: FloatArray, most: FloatArray, catches_up: float) -> None:
         """Follow set-points for the next chunk by torques of at most `most`.
 
         Args:
-            off: of the set-points, ahead of where the joints are now.
-            rates: at which they move.
-            most: of the torques.
-            catches_up: time constant in which what is off gets less, in [s].
+            off: (n,) distance of the set-points ahead of the joints, in [rad] or [m].
+            rates: (n,) rates of the set-points, in [rad/s] or [m/s].
+            most: (n,) largest efforts, in [Nm] or [N].
+            catches_up: time constant in which the distance decreases, in [s].
         """
         self.turn(rates + off / catches_up, most)
 
@@ -43,14 +45,13 @@ class JointGroup(ABC):
     ) -> None:
         """Follow as `follow` does, but yield like springs at an obstacle.
 
-        The torque is limited by a joint's distance from its set-point, which is `GIVES` at the full
-        `effort`.
+        The torque is limited by a joint's distance from its set-point; it is full at `FULL_TORQUE_ERROR_RAD`.
 
         Args:
-            off: distance of the set-points from the current joints.
-            rates: rates of the set-points.
-            effort: maximum effort of the drives.
-            fastest: maximum speeds of catching up.
+            off: (n,) distance of the set-points from the current joints, in [rad] or [m].
+            rates: (n,) rates of the set-points, in [rad/s] or [m/s].
+            effort: (n,) maximum effort of the drives, in [Nm] or [N].
+            fastest: (n,) maximum speeds of catching up, in [rad/s] or [m/s].
             catches_up: time constant of catching up, in [s].
         """
         wanted = np.clip(rates + off / catches_up, -fastest, fastest)
@@ -63,16 +64,27 @@ class JointGroup(ABC):
     def stand(
         self, positions: FloatArray, most: FloatArray, share: float, rates: FloatArray | None = None
     ) -> None:
-        """Bring them to positions with at most `most`; in a step of the solver by `share` of the way.
+        """Bring the joints to positions and hold them there.
 
-        An engine without chunks has the set-points move at `rates`: they are there when the period ends.
+        Args:
+            positions: (n,) in [rad] or [m].
+            most: (n,) largest efforts, in [Nm] or [N].
+            share: share of the distance that is made good in one step of the solver.
+            rates: (n,) in [rad/s] or [m/s], at which an engine without chunks moves the set-points: they
+                arrive when the period ends.
         """
 
     def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
-        """Put springs in [Nm/rad], dampers in [Nms/rad] and torques on them for the next chunk."""
+        """Put springs, dampers and torques on the joints for the next chunk.
+
+        Args:
+            stiffness: of the springs, whose rest is at zero, in [Nm/rad].
+            damping: (n,) in [Nms/rad].
+            torques: (n,) in [Nm].
+        """
         angles, speeds = self.states()
         self.push(torques - stiffness * angles - damping * speeds)
 
     @abstractmethod
     def push(self, torques: FloatArray) -> None:
-        """Put torques on them for the next chunk, besides what their drives do."""
+        """Put torques (n,), in [Nm], on the joints for the next chunk, besides those of their drives."""

@@ -57,7 +57,9 @@ class BookBody(ThingBody):
         return _picture(self.thing)
 
     def portrait(self) -> ByteArray:
-        """Return the print on cloth in the book's colour, and the pages."""
+        """Return the picture (h, w, 3) in RGB of the book: its print on cloth in the book's colour, and the
+        pages.
+        """
         spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
         grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
         # As dark as the cloth or darker is ink on it; what is lighter is paper.
@@ -71,7 +73,9 @@ class BookBody(ThingBody):
         return self.thing.shelf is not None
 
     def look(self, eye: FloatArray) -> None:
-        """Show the print if the eye is near now, otherwise a plain box."""
+        """Show the print if the camera, at `eye` (3,) in the world in [m], is near now, otherwise a plain
+        box.
+        """
         printed = self._is_near(eye)
         if printed != self._printed:
             self._printed = printed

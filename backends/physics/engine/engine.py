@@ -115,13 +115,13 @@ class Engine(ABC):
 
     @abstractmethod
     def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
-        """Rough ground.
+        """Add a square of rough ground.
 
         Args:
             corner: (2,) where x and y are least, in [m].
-            cell: between points whose heights are given, in [m].
+            cell: distance of neighbouring heights, in [m].
             heights: (n, n) in [m], a row for each y.
-            friction: Coulomb's.
+            friction: Coulomb's coefficient of friction, without unit.
         """
 
     @abstractmethod
@@ -134,7 +134,7 @@ class Engine(ABC):
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
-        """Have a thing's faces show parts of another picture."""
+        """Have a thing's faces show parts of another picture (h, w), grey."""
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:
@@ -150,7 +150,7 @@ class Engine(ABC):
 
     @abstractmethod
     def set_pose(self, body: int, pose: Transform) -> None:
-        """Put a body's middle of mass elsewhere, at rest."""
+        """Move a body to a pose world_T_body (4, 4) of its middle of mass, at rest."""
 
     @abstractmethod
     def touches(self, body: int, anything: bool) -> None:
@@ -172,9 +172,14 @@ class Engine(ABC):
 
     @abstractmethod
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """(n,): how far the ways from a point (3,) to others (n, 3) are free of all but the robot.
+        """Return how much of each way from a point is free of all but the robot.
 
-        Shares of the ways; infinite where all of it is free.
+        Args:
+            start: (3,) common start of the ways in the world, in [m].
+            ends: (n, 3) their ends, in [m].
+
+        Returns:
+            (n,) share of each way, from 0 to 1; infinity where all of it is free.
         """
 
     # States

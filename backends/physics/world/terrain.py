@@ -44,7 +44,7 @@ class Terrain:
         self.bodies: list[int] = []
 
     def height(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(...,) at places (...,), all in [m]."""
+        """Return the heights (...,) of the ground at x and y (...,) of the world, all in [m]."""
         phases = x[..., None] * self._waves[0] + y[..., None] * self._waves[1] + self._phases
         return np.asarray(self._size * np.cos(phases).sum(axis=-1))
 

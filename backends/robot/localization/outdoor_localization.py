@@ -87,7 +87,10 @@ class OutdoorLocalization(Localization):
 
     @property
     def repeatability(self) -> FloatArray:
-        """See `Localization`: before the heading is known, poses are by wheels and gyros alone."""
+        """Covariance (3, 3) of how exactly a pose is found again, x, y in [m] and heading in [rad].
+
+        Before the heading is known, poses are by wheels and gyros alone.
+        """
         return self.covariance if self.heading_known else self._filter.displacement.covariance
 
     @property

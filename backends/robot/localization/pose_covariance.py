@@ -23,12 +23,20 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
 
 
 def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
-    """Return `Localization.repeatability` (3, 3) of a pose by scans, `map_error` (3, 3) in its covariance."""
+    """Return how exactly a pose by scans is found again: `Localization.repeatability` (3, 3).
+
+    Args:
+        covariance: (3, 3) of the pose, x, y in [m] and heading in [rad].
+        map_error: (3, 3) part of it that errors of the map cause.
+    """
     return np.asarray(remove_part(covariance, map_error) + SCAN_REPEATABILITY)
 
 
 def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
-    """Subtract a part (3, 3) from a covariance (3, 3); no variance of the rest is negative."""
+    """Subtract a part (3, 3) from a covariance (3, 3), both of x, y in [m] and heading in [rad].
+
+    No variance of the rest (3, 3) is negative.
+    """
     rest = covariance - part
     if _is_positive(rest):
         return rest

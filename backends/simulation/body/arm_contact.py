@@ -116,6 +116,11 @@ class ArmContact:
     def deepest_of_robot(self, base: Pose2, joints: FloatArray, skip: Skip | None = None) -> Touch:
         """Return the deepest overlap of the arm, the parts mounted on the base and its load, which move with
         the base.
+
+        Args:
+            base: world_T_base.
+            joints: (n,) posture of the arm, in [rad] or [m].
+            skip: pairs of bodies that are left out.
         """
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
@@ -135,7 +140,8 @@ class ArmContact:
         return self._deepest(bodies, self._near(bodies), left_out)
 
     def deepest_of_arm(self, joints: FloatArray, skip: Skip | None = None) -> Touch:
-        """Return the deepest overlap of the arm at these joints, with the base at its current pose.
+        """Return the deepest overlap of the arm at these joints (n,), in [rad] or [m], with the base at its
+        current pose.
 
         The robot's own tray and its load count as obstacles; `skip(body, other)` excludes pairs.
         """
@@ -160,7 +166,12 @@ class ArmContact:
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
     def travel(self, start: FloatArray, end: FloatArray) -> float:
-        """Return the approximate largest travel of any link's middle between two postures, in [m]."""
+        """Return the approximate largest travel of any link's middle between two postures, in [m].
+
+        Args:
+            start: (n,) in [rad] or [m].
+            end: (n,) in [rad] or [m].
+        """
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
         return math.sqrt(((after - before) ** 2).sum(axis=1).max(initial=0.0))
 

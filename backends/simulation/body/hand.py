@@ -160,7 +160,12 @@ class SimulatedHand:
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
     def carry(self, start: FloatArray) -> FloatArray:
-        """Place what is held with the hand. Gives the force on the hand of what keeps it from going along."""
+        """Move the held object with the hand; return the force (3,) of what holds it back, in the hand's
+        frame, in [N].
+
+        Args:
+            start: (n,) joints at the start of the period, in [rad] or [m].
+        """
         scene, thing = self.scene, self.scene.held
         assert thing is not None
         world_T_hand = scene.world_T_base @ self.arm.forward(scene.joints)

@@ -48,7 +48,13 @@ def slide(
 
 
 def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
-    """Return the joints (n,) with the hand moved by `way` (3,) in the base frame, in [m], unturned."""
+    """Return the joints (n,) with the hand displaced, but not turned.
+
+    Args:
+        arm: kinematics of the arm.
+        joints: (n,) in [rad] or [m].
+        way: (3,) displacement in the base frame, in [m].
+    """
     return np.clip(joints + _moved_by(arm, joints, way), arm.lower, arm.upper)
 
 

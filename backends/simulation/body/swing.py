@@ -13,10 +13,10 @@ def is_swing(errors: Errors, loaded: bool, start: FloatArray, end: FloatArray) -
     """Return whether a finished motion of the arm was a swing, under which casters and tyres yield.
 
     Args:
-        errors: of the robot's file.
+        errors: errors of the robot's file.
         loaded: True if the hand holds an object.
-        start: position of the hand at the start, x and y (2,) in the base frame, in [m].
-        end: position of the hand now.
+        start: (2,) position of the hand at the start, in the base frame, in [m].
+        end: (2,) position of the hand now, in the base frame, in [m].
     """
     least = errors.swing_from_mm / 1e3
     return least == 0.0 or (loaded and float(np.linalg.norm(end - start)) >= least)

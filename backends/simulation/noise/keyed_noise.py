@@ -29,7 +29,9 @@ def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
 
 
 def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
-    """Return the first standard normal numbers (size,) of `keyed`, for values drawn in every period."""
+    """Return the first standard normal numbers (size,), without unit, of `keyed`, for values drawn in every
+    period.
+    """
     rng, begun = _stream(int(seed), purpose)
     counter = begun["state"]["counter"]
     counter[2], counter[3] = _branch(seed, purpose, period), period

@@ -40,7 +40,7 @@ class Renderer:
         return self._lens.take(self.ideal(scene, world_T_camera), period)
 
     def ideal(self, scene: Scene, world_T_camera: Transform) -> ByteArray:
-        """Return the larger ideal picture, without lens, light and noise."""
+        """Return the larger ideal picture (h, w), grey, without lens, light and noise."""
         return paint_scene(scene, self._lens.K, self._lens.size, world_T_camera)
 
 

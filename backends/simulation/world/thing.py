@@ -89,11 +89,11 @@ class Thing(ABC):
         return PALE_WOOD
 
     def faces(self) -> Mapping[Side, ByteArray]:
-        """Return the pictures printed on its sides, each filling one side; missing sides are plain.
+        """Return the grey pictures (h, w) printed on its sides, each filling one side; missing sides are
+        plain.
 
-        Pictures are as seen from outside, z up; "+z" from above and "-z" from below, x to the right. This
-        is called for each image that is taken: the pictures may change, but the set of printed sides must
-        not.
+        Pictures are as seen from outside, z up; "+z" from above and "-z" from below, x to the right. This is
+        called for each image that is taken: the pictures may change, but the set of printed sides must not.
         """
         return {}
 

@@ -48,7 +48,13 @@ class LearnedOdds:
         return not self._known[entry]
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
-        """Draw how each action ends, with the probabilities learned from a campaign."""
+        """Draw how each action ends, as an `EndCode` (n,), with the probabilities learned from a campaign.
+
+        Args:
+            action: (n,) indices of the actions in the network.
+            context: (n,) number of the history, see `context_of`.
+            drawn: (n,) random numbers, uniform in [0, 1).
+        """
         entry = self._entry[action]
         ends = (drawn[:, None] >= self._limits[entry, context, : KNOWN_ENDS - 1]).sum(axis=1)
         return np.where(self._known[entry], ends, EndCode.UNKNOWN).astype(np.int8)
@@ -56,7 +62,14 @@ class LearnedOdds:
     def seconds(
         self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
     ) -> FloatArray:
-        """Return drawn durations (n,) in [s]; 0 for actions without data."""
+        """Draw durations (n,) in [s] as learned from a campaign; 0 for actions without data.
+
+        Args:
+            action: (n,) indices of the actions in the network.
+            context: (n,) number of the history, see `context_of`.
+            ends: (n,) how they end, as an `EndCode`.
+            drawn: (n,) random numbers, uniform in [0, 1).
+        """
         seconds = np.zeros(len(action))
         known = ends != EndCode.UNKNOWN
         entry = self._entry[action[known]]

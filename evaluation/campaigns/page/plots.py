@@ -74,12 +74,12 @@ class Histogram:
 
 
 def histogram(values: FloatArray, success: BoolArray, limit: float | None = None) -> Histogram:
-    """Of a metric.
+    """Return the histogram of a metric.
 
     Args:
-        values: (n,) values; at least one is not NaN.
+        values: (n,) in the metric's unit, at least one of them not NaN.
         success: (n,) True for trials that reached the goal.
-        limit: largest allowed value, if known.
+        limit: largest value allowed, if there is one.
     """
     there = np.isfinite(values)
     edges = _edges(values[there])

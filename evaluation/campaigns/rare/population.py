@@ -29,9 +29,8 @@ class Runs(Protocol):
 
         Args:
             level: importance at which they are stopped, from 1.
-            starts: for each run, the index of the state kept at the previous level that it starts from;
-                or the
-                number of runs that start from the beginning.
+            starts: (n,) for each run, the index of the state kept at the previous level that it starts from;
+                or the number of runs that start from the beginning.
         """
 
 
@@ -88,7 +87,7 @@ def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
 
 
 def shared_out(kinds: int, count: int, draws: np.random.Generator) -> IndexArray:
-    """Return `count` indices below `kinds`, each equally often, the remainder chosen at random."""
+    """Return `count` indices (count,) below `kinds`, each equally often, the remainder chosen at random."""
     whole = np.repeat(np.arange(kinds), count // kinds)
     rest = draws.permutation(kinds)[: count % kinds]
     return np.concatenate([whole, np.sort(rest)])

@@ -67,8 +67,15 @@ class SplitRuns:
         """Names of the kept run folders."""
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue runs up to a level, as `Runs.advance`; raise `KeyboardInterrupt` or `BrokenRun` as
-        needed.
+        """Continue runs up to a level; see `Runs.advance`.
+
+        Args:
+            level: importance at which they are stopped, from 1.
+            starts: (n,) index of the kept state that each run starts from; or the number of new runs.
+
+        Raises:
+            KeyboardInterrupt: the user ended the estimate.
+            BrokenRun: a run ended in an error.
         """
         self._level, before, self._stopped = level, self._stopped, []
         found = Counter[str]()

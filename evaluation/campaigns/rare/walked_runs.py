@@ -34,7 +34,12 @@ class WalkedRuns:
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue walks from their starts until each has ended or reached the level."""
+        """Continue walks from their starts until each has ended or reached the level; see `Runs.advance`.
+
+        Args:
+            level: importance at which they are stopped, from 1.
+            starts: (n,) index of the kept state that each walk starts from; or the number of new walks.
+        """
         self._begin(starts)
         steps = 0
         while (left := np.flatnonzero((self._at >= 0) & (self._importance < level))).size:

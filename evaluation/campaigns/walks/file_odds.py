@@ -30,7 +30,13 @@ class FileOdds:
         self._cost = np.array([action.cost_s for action in task.network.actions])
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
-        """Draw how each action ends, with the probabilities of the task file."""
+        """Draw how each action ends, as an `EndCode` (n,), with the probabilities of the task file.
+
+        Args:
+            action: (n,) indices of the actions in the network.
+            context: (n,) number of the history, see `context_of`.
+            drawn: (n,) random numbers, uniform in [0, 1).
+        """
         ends = np.full(len(action), EndCode.FAIL, dtype=np.int8)
         ends[drawn >= 1.0 - self._give_up[action]] = EndCode.GIVE_UP
         ends[drawn < self._success[action]] = EndCode.SUCCESS
@@ -39,5 +45,12 @@ class FileOdds:
     def seconds(
         self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
     ) -> FloatArray:
-        """Return the duration of each action: its cost in the task file, in [s]."""
+        """Return the duration (n,) of each action: its cost in the task file, in [s].
+
+        Args:
+            action: (n,) indices of the actions in the network.
+            context: (n,) not used.
+            ends: (n,) not used.
+            drawn: (n,) not used.
+        """
         return np.asarray(self._cost[action])

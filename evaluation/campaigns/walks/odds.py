@@ -31,7 +31,7 @@ class Odds(Protocol):
     """Random model of actions, evaluated for n walks at once; all arrays are (n,)."""
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
-        """Draw how each action ends.
+        """Draw how each action ends, as an `EndCode` (n,).
 
         Args:
             action: (n,) indices of the actions in the network.
@@ -42,7 +42,14 @@ class Odds(Protocol):
     def seconds(
         self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
     ) -> FloatArray:
-        """Return how long each action takes (n,), in [s], given its end and another uniform random number."""
+        """Draw how long each action takes: (n,) in [s].
+
+        Args:
+            action: (n,) indices of the actions in the network.
+            context: (n,) number of the history, see `context_of`.
+            ends: (n,) how they end, as an `EndCode`.
+            drawn: (n,) random numbers, uniform in [0, 1).
+        """
 
     @property
     def rest_s(self) -> float:
@@ -54,7 +61,7 @@ CONTEXT_COUNT = 2 * (MOST_FAILS + 1)
 
 
 def context_of(fails: Int32Array, after_fail: BoolArray) -> Int32Array:
-    """Return the history that an action's odds may depend on, as a number from 0 to `CONTEXT_COUNT` - 1.
+    """Return the history (n,) that an action's odds may depend on, as numbers from 0 to `CONTEXT_COUNT` - 1.
 
     Args:
         fails: (n,) number of earlier Fails of the action; more than `MOST_FAILS` count as `MOST_FAILS`.

@@ -71,8 +71,8 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Int32Array) -> Int32Array:
-        """Return the states (n,) with their decisions made; `GOAL` at the goal, `NO_WAY` if no route is
-        left.
+        """Return, for states (n,), the states (n,) with their decisions made; `GOAL` at the goal, `NO_WAY`
+        without a route.
         """
         for number in set(states.tolist()):
             if self._first[number] is None:

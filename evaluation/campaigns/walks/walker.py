@@ -103,7 +103,7 @@ class Walker:
         """Advance walks by one action each.
 
         Args:
-            moment: (n,) current moments, by their numbers in the table.
+            moment: (n,) numbers of the walks' states in the table.
             after_fail: (n,) whether the preceding action has failed.
             drawn: (2, n) random numbers, uniform in [0, 1).
         """

@@ -253,6 +253,11 @@ def best_turn(before: FloatArray, after: FloatArray, angles: FloatArray) -> floa
     """Return the left turn of a scan of evenly spaced beams against an earlier scan, in [rad].
 
     Scans of less than a full turn are compared where they overlap.
+
+    Args:
+        before: (n,) ranges of the earlier scan, in [m].
+        after: (n,) ranges of the later scan, in [m].
+        angles: (n,) angles of the beams, in [rad].
     """
     spacing, count = float(angles[1] - angles[0]), len(angles)
     whole = angles[-1] - angles[0] + 1.5 * spacing > 2.0 * math.pi

@@ -135,7 +135,7 @@ class FaultyBackend(LayeredBackend):
             base.drive(*command)
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Pass on the arm's command, unless the fault holds the arm."""
+        """Pass on the arm's command (n,), in [rad] or [m], unless the fault holds the arm."""
         if self._sticks(arm) or self._joints is not None:
             self._joints = np.array(joints, dtype=np.float64)
         else:
@@ -143,7 +143,7 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def arm_command(self, arm: Arm) -> FloatArray:
-        """Return the joint angles last commanded, in [rad], as if the arm obeyed."""
+        """Return the joints (n,) last commanded, in [rad] or [m], as if the arm obeyed."""
         return arm.command() if self._joints is None else self._joints.copy()
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:

@@ -91,7 +91,7 @@ class TakesAnything(LayeredBackend):
         _try(lambda: base.drive(*command))
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Never refused."""
+        """Pass on joints (n,), in [rad] or [m], and hide the refusal."""
         _try(lambda: arm.move(joints))
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:
@@ -139,7 +139,7 @@ class EchoesCommands(LayeredBackend):
         self._commanded: FloatArray | None = None
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Half of it."""
+        """Move only half of the first joint's commanded way, of joints (n,) in [rad] or [m]."""
         if self._start is None:
             self._start = arm.command()
         halved = np.array(joints, dtype=np.float64)
@@ -148,11 +148,11 @@ class EchoesCommands(LayeredBackend):
         self._commanded = np.array(joints, dtype=np.float64)
 
     def arm_command(self, arm: Arm) -> FloatArray:
-        """Return the commanded joints."""
+        """Return the commanded joints (n,), in [rad] or [m]."""
         return arm.command() if self._commanded is None else self._commanded.copy()
 
     def arm_joints(self, arm: Arm) -> FloatArray:
-        """Return the commanded joints instead of the measured ones."""
+        """Return the commanded joints (n,), in [rad] or [m], instead of the measured ones."""
         return arm.joints() if self._commanded is None else self._commanded.copy()
 
 
@@ -175,7 +175,7 @@ class HalfPixel(LayeredBackend):
         super().__init__(inner)
 
     def camera_image(self, camera: Camera) -> ByteArray:
-        """Between two columns."""
+        """Return the picture (h, w), moved by half a pixel along the rows."""
         image = camera.image().astype(np.float64)
         return np.asarray(0.5 * (image + np.roll(image, 1, axis=1))).astype(np.uint8)
 
@@ -199,7 +199,7 @@ class TurnsOtherWay(LayeredBackend):
         super().__init__(inner)
 
     def imu_rates(self, imu: Imu) -> FloatArray:
-        """Left is right."""
+        """Return the angular velocities (3,), in [rad/s], with the opposite signs."""
         return -imu.rates()
 
 

@@ -10,7 +10,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> FloatArray | None:
-    """Return all measured values of a reading as one array (n,); None if nothing was measured.
+    """Return all measured values of a reading as one array (n,), in its units; None if nothing was measured.
 
     Args:
         reading: result of a capability.

@@ -46,12 +46,16 @@ def check_mount(log: DriveLog) -> Mount:
 
 
 def mounted(log: DriveLog, base_R_imu: FloatArray) -> DriveLog:
-    """Return a log with the IMU's readings rotated into the base's axes."""
+    """Return a log with the IMU's readings rotated into the base's axes by the rotation base_R_imu (3, 3),
+    without unit.
+    """
     return log._replace(rates=log.rates @ base_R_imu.T, accelerations=log.accelerations @ base_R_imu.T)
 
 
 def axes_rotation(axes: str) -> FloatArray | None:
-    """Return base_R_imu (3, 3) for axes such as `z,-x,y`; None if they are not a right-handed frame."""
+    """Return the rotation base_R_imu (3, 3), without unit, for axes such as `z,-x,y`; None if they are not a
+    right-handed frame.
+    """
     rows = []
     for axis in axes.split(","):
         name = axis.strip().removeprefix("-")

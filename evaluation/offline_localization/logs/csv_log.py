@@ -247,7 +247,9 @@ def _travel(values: dict[str, FloatArray], header: LogHeader, steps: FloatArray)
 
 
 def held_on(values: FloatArray) -> FloatArray:
-    """Return values (n,) with each NaN replaced by the last number before it, or by 0 before the first."""
+    """Return values (n,), in any unit, with each NaN replaced by the last number before it, or by 0 before
+    the first.
+    """
     latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return np.nan_to_num(values[latest], posinf=0.0, neginf=0.0)
 
@@ -282,13 +284,24 @@ def _fixes(values: dict[str, FloatArray], nothing: FloatArray) -> FloatArray:
 
 
 def first_place(latitudes: FloatArray, longitudes: FloatArray) -> tuple[float, float] | None:
-    """Return the first known pair of latitudes and longitudes (n,), in [deg]; None if no pair is known."""
+    """Return the first known pair of latitude and longitude, in [deg], of (n,) each; None if no pair is
+    known.
+    """
     known = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     return None if not len(known) else (float(latitudes[known[0]]), float(longitudes[known[0]]))
 
 
 def plane(latitudes: FloatArray, longitudes: FloatArray, origin: tuple[float, float] | None) -> FloatArray:
-    """Convert latitudes and longitudes (n,) in [deg] to east and north (n, 2) of an origin, in [m]."""
+    """Convert latitudes and longitudes to places on a plane.
+
+    Args:
+        latitudes: (n,) in [deg].
+        longitudes: (n,) in [deg].
+        origin: latitude and longitude of the plane's origin, in [deg]; None: nothing is known.
+
+    Returns:
+        (n, 2) east and north of the origin, in [m]; NaN where unknown.
+    """
     found = np.full((len(latitudes), 2), math.nan)
     if origin is not None:
         known = np.isfinite(latitudes) & np.isfinite(longitudes)

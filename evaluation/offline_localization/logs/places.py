@@ -21,7 +21,7 @@ def checked_places(
         times: (n,) in [s], named in the notes.
 
     Returns:
-        Latitudes and longitudes with NaN in place of removed fixes, and notes.
+        Latitudes (n,) and longitudes (n,) in [deg], with NaN in place of removed fixes, and notes.
     """
     known = np.isfinite(latitudes) & np.isfinite(longitudes)
     notes = list[str]()
@@ -56,11 +56,10 @@ def _left_out(what: str, wrong: BoolArray, times: FloatArray) -> str:
 
 
 def repeated_rows(latitudes: FloatArray, longitudes: FloatArray) -> BoolArray:
-    """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least
-    `MIN_HELD_FIXES`.
+    """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least `MIN_HELD_FIXES`.
 
     Args:
-        latitudes: (n,) latitudes or any first coordinate; NaN without a fix.
+        latitudes: (n,) latitudes in [deg], or any first coordinate; NaN without a fix.
         longitudes: (n,) longitudes or any second coordinate.
     """
     rows = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))

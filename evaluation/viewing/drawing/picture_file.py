@@ -12,7 +12,7 @@ from handcart.files.whole_file import write_whole
 
 
 def write_png(path: Path, picture: NDArray[Any]) -> None:
-    """Write a grey or BGR picture atomically, as PNG.
+    """Write a grey (h, w) or BGR (h, w, 3) picture atomically, as PNG.
 
     Raises:
         OSError: the file cannot be written.

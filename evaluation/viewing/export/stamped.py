@@ -36,7 +36,7 @@ def pose_of(pose: FloatArray) -> Pose:
 
 
 def position_of(pose: FloatArray) -> Vector3:
-    """Return the position of a pose (7,) or (3,) as a Foxglove Vector3."""
+    """Return the position of a pose (7,), or of a planar pose (3,), in [m], as a Foxglove Vector3."""
     from foxglove.messages import Vector3
 
     x, y, *rest = pose.tolist()
@@ -44,7 +44,9 @@ def position_of(pose: FloatArray) -> Vector3:
 
 
 def orientation_of(pose: FloatArray) -> Quaternion:
-    """Return the orientation of a pose (7,) or (3,) as a Foxglove Quaternion."""
+    """Return the orientation of a pose (7,), or of a planar pose (3,) with its heading in [rad], as a
+    Foxglove Quaternion.
+    """
     from foxglove.messages import Quaternion
 
     if len(pose) == 7:

@@ -77,7 +77,7 @@ class RecordingPart(NamedTuple):
 
     @classmethod
     def of(cls, arrays: dict[str, NDArray[Any]]) -> Self:
-        """Create a part from the arrays of a file.
+        """Create a part from the arrays of a file, by field; shapes and units are those of the fields.
 
         Raises:
             ValueError: an array is missing, or has a wrong type or shape.
@@ -135,7 +135,7 @@ _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)
 
 
 def millimetres(ranges: FloatArray) -> Uint16Array:
-    """Encode lidar ranges in [m], of any shape, as integers in [mm]."""
+    """Encode lidar ranges (...,), in [m], as integers (...,) in [mm]."""
     whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, NO_ECHO_MM - 1)
     unknown = np.isnan(ranges) | np.isneginf(ranges)
     return np.where(unknown, INVALID_RANGE_MM, np.where(np.isinf(ranges), NO_ECHO_MM, whole)).astype(
@@ -144,6 +144,8 @@ def millimetres(ranges: FloatArray) -> Uint16Array:
 
 
 def metres(scan_mm: Uint16Array) -> FloatArray:
-    """Decode ranges encoded by `millimetres`, in [m]; infinity without an echo, NaN if invalid."""
+    """Decode ranges (...,) encoded by `millimetres`, to (...,) in [m]; infinity without an echo, NaN if
+    invalid.
+    """
     known = scan_mm / 1e3
     return np.where(scan_mm == INVALID_RANGE_MM, np.nan, np.where(scan_mm == NO_ECHO_MM, np.inf, known))

@@ -51,7 +51,9 @@ class PlaybackMoment(NamedTuple):
 
     @property
     def base(self) -> FloatArray:
-        """(7,) world_T_base: the true pose where it is known, otherwise the estimate."""
+        """Return world_T_base (7,), x, y, z in [m] and a quaternion w, x, y, z: the true pose where it is
+        known, otherwise the estimate.
+        """
         return on_floor(self.pose[None])[0] if self.truth is None else self.truth
 
 

@@ -14,7 +14,9 @@ Seven = tuple[float, float, float, float, float, float, float]
 
 
 def sevens(poses: FloatArray) -> FloatArray:
-    """Convert homogeneous transforms (n, 4, 4) to rows (n, 7)."""
+    """Convert homogeneous transforms (n, 4, 4) to rows (n, 7): x, y, z in [m], and a unit quaternion w, x, y,
+    z.
+    """
     if len(poses) == 0:
         return np.empty((0, 7))
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True, scalar_first=True)
@@ -28,7 +30,9 @@ def seven(pose: Transform) -> Seven:
 
 
 def transforms(rows: FloatArray) -> FloatArray:
-    """Convert rows (n, 7) to homogeneous transforms (n, 4, 4)."""
+    """Convert rows (n, 7), x, y, z in [m] and a unit quaternion w, x, y, z, to homogeneous transforms (n, 4,
+    4).
+    """
     found = np.tile(np.eye(4), (len(rows), 1, 1))
     if len(rows):
         found[:, :3, :3] = Rotation.from_quat(rows[:, 3:], scalar_first=True).as_matrix()
@@ -45,11 +49,11 @@ def on_floor(poses: FloatArray) -> FloatArray:
 
 
 def between(a: FloatArray, b: FloatArray, share: float) -> FloatArray:
-    """Interpolate two poses (7,): linearly in position, by slerp in orientation.
+    """Interpolate two poses: linearly in position, by slerp in orientation.
 
     Args:
-        a: pose at share 0.
-        b: pose at share 1.
+        a: (7,) pose at share 0: x, y, z in [m], and a unit quaternion w, x, y, z.
+        b: (7,) pose at share 1.
         share: 0 to 1.
 
     Returns:

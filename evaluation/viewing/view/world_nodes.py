@@ -77,7 +77,10 @@ class WorldNodes:
         self._things[shape.name] = (box, middle)
 
     def place(self, poses: Mapping[str, FloatArray | None]) -> None:
-        """Move things to (7,) world_T_thing; None hides a thing that is not there yet."""
+        """Move things to their poses world_T_thing (7,): x, y, z in [m], and a unit quaternion w, x, y, z.
+
+        None hides a thing that is not there yet.
+        """
         for name, pose in poses.items():
             if name in self._at and _same(self._at[name], pose):
                 continue

@@ -50,7 +50,9 @@ class PitchArm(NamedTuple):
         return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
 
     def shoulders(self, bases: FloatArray) -> FloatArray:
-        """Return the position (b, 2) of the yaw axis for each base pose, in [m]."""
+        """Return the position (b, 2) of the yaw axis, in [m], for each base pose (b, 3): x, y in [m], heading
+        in [rad].
+        """
         return self._stands(bases)[:, :2]
 
     def _stands(self, bases: FloatArray) -> FloatArray:
@@ -59,7 +61,11 @@ class PitchArm(NamedTuple):
         return np.column_stack((bases[:, 0] + self.ahead * cos, bases[:, 1] + self.ahead * sin, cos, sin))
 
     def marks(self, path: ToolPath) -> FloatArray:
-        """(p, 11): position, tangent, the tool's level direction, its cosine, sine and rate of elevation."""
+        """Return the rows (p, 11) of a path for the compiled table.
+
+        A row holds the position (3) in [m], the tangent (3), the tool's level direction (2), and the cosine,
+        sine and rate, in [rad/m], of its elevation.
+        """
         axes = path.rotations[:, :, 0]
         level = np.hypot(axes[:, 0], axes[:, 1])
         safe = np.maximum(level, np.finfo(float).tiny)

@@ -35,7 +35,15 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
 def pitch_arm_table(
     stands: FloatArray, marks: FloatArray, arm: FloatArray, measure: int, limits: FloatArray
 ) -> tuple[SingleArray, BoolArray]:
-    """Scores and usable (p, b) of `PitchArm.scores`, from rows as the class makes them."""
+    """Return scores (p, b) and where they are usable (p, b); see `PitchArm.scores`.
+
+    Args:
+        stands: (b, 4) position of the yaw axis in [m], and the base's heading as its cosine and sine.
+        marks: (p, 11) rows of the path, see `PitchArm.marks`.
+        arm: (12,) lengths in [m], cosines and turns of the arm, as the class makes them.
+        measure: number of the `Measure`.
+        limits: (3, 4) low and high limits in [m] and a factor for each joint, see `ScoreRule.limits`.
+    """
     height, l1, l2, l3 = arm[0], arm[1], arm[2], arm[3]
     cos_yaw, cos_azimuth, turns = arm[4], arm[5], arm[6:12]
     limited = np.isfinite(turns).any()
@@ -87,7 +95,13 @@ def pitch_arm_table(
 
 @compiled_for("(f8[::1], f8[:,::1], f8[::1])")
 def pitch_arm_joints(stand: FloatArray, marks: FloatArray, arm: FloatArray) -> FloatArray:
-    """Angles (p, 4) of `PitchArm.joints`."""
+    """Return the joint angles (p, 4), in [rad], of `PitchArm.joints`; NaN where out of reach.
+
+    Args:
+        stand: (4,) position of the yaw axis in [m], and the base's heading as its cosine and sine.
+        marks: (p, 11) rows of the path, see `PitchArm.marks`.
+        arm: (12,) lengths in [m], cosines and turns of the arm, as the class makes them.
+    """
     angles = np.full((len(marks), 4), np.nan)
     for j in range(len(marks)):
         mark = marks[j]

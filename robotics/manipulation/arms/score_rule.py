@@ -39,8 +39,14 @@ class ScoreRule(NamedTuple):
     def of_limits(
         cls, measure: Measure, velocity: FloatArray, torque: FloatArray, speed: float, force: float
     ) -> ScoreRule:
-        """Return the rule for limits (n,) in [rad/s] and [Nm], a tool speed in [m/s] and a force along the
-        path in [N].
+        """Return the rule for the limits of an arm's joints and the work of its tool.
+
+        Args:
+            measure: measure of the score.
+            velocity: (n,) speed limits in [rad/s].
+            torque: (n,) torque limits in [Nm].
+            speed: of the tool, in [m/s].
+            force: of the tool along the path, in [N].
 
         Raises:
             ValueError: a limit, the speed or the force isn't above zero, or they leave a joint no room.
@@ -63,7 +69,7 @@ class ScoreRule(NamedTuple):
 
     @property
     def limits(self) -> FloatArray:
-        """(3, n) for `worth`: low, high, and one over half of their distance."""
+        """Rows (3, n) for `worth`: low and high limit in [m], and one over half of their distance."""
         return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
 
 

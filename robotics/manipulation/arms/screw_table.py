@@ -20,7 +20,14 @@ _JUMP = 0.5  # [rad] of a joint between two points of a path: another branch
 
 @compiled
 def pool_poses(axes: FloatArray, points: FloatArray, tip: FloatArray, pool: FloatArray) -> FloatArray:
-    """base_T_tip (m, 4, 4) of postures (m, n)."""
+    """Return base_T_tip (m, 4, 4), in [m], of the postures `pool` (m, n), in [rad].
+
+    Args:
+        axes: (n, 3) axes of the joints at zero, in the base frame.
+        points: (n, 3) a point on each axis, in [m].
+        tip: (4, 4) base_T_tip at zero.
+        pool: (m, n) in [rad].
+    """
     poses = np.zeros((len(pool), 4, 4))
     jacobian = np.empty((6, len(axes)))
     for index in range(len(pool)):
@@ -31,7 +38,13 @@ def pool_poses(axes: FloatArray, points: FloatArray, tip: FloatArray, pool: Floa
 
 @compiled
 def in_base(stand: FloatArray, world_T_tool: FloatArray, out: FloatArray) -> None:
-    """base_T_tool (4, 4) into `out`, from a base's x, y, cosine and sine of heading."""
+    """Write base_T_tool (4, 4) into `out`.
+
+    Args:
+        stand: (4,) x, y in [m], cosine and sine of the heading of the base.
+        world_T_tool: (4, 4) in [m].
+        out: (4, 4), written.
+    """
     cos, sin = stand[2], stand[3]
     for c in range(4):
         x, y = world_T_tool[0, c], world_T_tool[1, c]
@@ -67,7 +80,15 @@ def _turned(pose: FloatArray, target: FloatArray, free: int) -> float:
 
 @compiled
 def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: float, chosen: IntArray) -> None:
-    """Numbers of the poses nearest to the target into `chosen`, nearest first; a radian counts `scale` m."""
+    """Write the numbers of the poses nearest to a target into `chosen` (k,), nearest first.
+
+    Args:
+        poses: (m, 4, 4) base_T_tip.
+        target: (4, 4) wanted base_T_tip.
+        free: number of the free turn, 0 if none is.
+        scale: distance that a radian counts as, in [m].
+        chosen: (k,), written.
+    """
     nearest = np.full(len(chosen), np.inf)
     for index in range(len(poses)):
         pose = poses[index]
@@ -87,9 +108,17 @@ def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: floa
 def tool_rates(
     pose: FloatArray, jacobian: FloatArray, twist: FloatArray, free: int, rates: FloatArray
 ) -> float:
-    """Joint motions for each metre of path (n,), in [rad/m], into `rates`; manipulability, 0 where singular.
+    """Write the joint motions for each metre of path into `rates`; return the manipulability, 0 where
+    singular.
 
     Least squares in the joints; with one joint to spare, the motion whose largest joint is least.
+
+    Args:
+        pose: (4, 4) base_T_tip.
+        jacobian: (6, n) in the axes of the base.
+        twist: (6,) motion of the tool for each metre of path, [m/m] and [rad/m].
+        free: number of the free turn, 0 if none is.
+        rates: (n,) in [rad/m], written.
     """
     n = len(rates)
     reduced, along = jacobian.copy(), twist.copy().reshape((6, 1))
@@ -206,11 +235,29 @@ def screw_table(
     limits: FloatArray,
     angles: FloatArray,
 ) -> tuple[SingleArray, BoolArray, BoolArray]:
-    """Return scores and usable (p, b), joined (p-1, b); fill `angles` (b, p, n) unless it is empty.
+    """Return scores (p, b), where they are usable (p, b), and the steps (p-1, b) in which the arm does not
+    jump.
 
     Along the path a descent starts from the point before. At the first point, or if that descent fails,
-    descents start from the nearest postures of the pool, and the best score of those that succeed is
-    taken.
+    descents start from the nearest postures of the pool, and the best score of those that succeed is taken.
+
+    Args:
+        axes: (n, 3) axes of the joints at zero, in the base frame.
+        points: (n, 3) a point on each axis, in [m].
+        tip: (4, 4) base_T_tip at zero.
+        lower: (n,) limits in [rad].
+        upper: (n,) limits in [rad].
+        pool: (m, n) postures where descents start, in [rad].
+        poses: (m, 4, 4) base_T_tip of the postures.
+        stands: (b, 4) x, y in [m], cosine and sine of the heading of the bases.
+        targets: (p, 4, 4) world_T_tool of the path.
+        twists: (p, 6) motion of the tool for each metre of path, in the world, [m/m] and [rad/m].
+        free: number of the free turn, 0 if none is.
+        cos_tolerance: cosine of the largest angle between base and tool.
+        reach: largest distance of the tool from the base, in [m].
+        measure: number of the `Measure`.
+        limits: (3, n) see `ScoreRule.limits`.
+        angles: (b, p, n) in [rad], written unless it is empty.
     """
     p, bases, n = len(targets), len(stands), len(axes)
     values = np.zeros((p, bases), dtype=np.float32)

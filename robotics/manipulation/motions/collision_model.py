@@ -80,7 +80,7 @@ class CollisionModel:
         return len(self._bodies.collisionPairs)
 
     def in_collision(self, q: FloatArray) -> bool:
-        """Return True if any pair is closer than the margin at joint angles `q` (n,)."""
+        """Return True if any pair is closer than the margin at joint angles `q` (n,), in [rad] or [m]."""
         angles = self.arm.ordered(q)
         found: bool = pin.computeCollisions(self._model, self._model_data, self._tree, angles, True)
         return found
@@ -92,7 +92,9 @@ class CollisionModel:
         return float(self._data.distanceResults[closest].min_distance)
 
     def contacts(self, q: FloatArray) -> list[tuple[str, str]]:
-        """Return the names of all pairs closer than the margin at `q` (n,), for messages."""
+        """Return the names of all pairs closer than the margin at joint angles `q` (n,), in [rad] or [m], for
+        messages.
+        """
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         pin.computeCollisions(*arguments, False)
         hits = zip(self._bodies.collisionPairs, self._data.collisionResults, strict=True)
@@ -116,7 +118,9 @@ class CollisionModel:
         return not any(self.in_collision(q) for q in between[_coarse_first(len(between))])
 
     def path_free(self, path: FloatArray, step: float = 0.01) -> bool:
-        """Return True if all straight joint lines along `path` (m, n) are free."""
+        """Return True if all straight joint lines along `path` (m, n), in [rad] or [m], are free, looked at
+        every `step`.
+        """
         if len(path) == 1:
             return not self.in_collision(path[0])
         return all(self.line_free(a, b, step) for a, b in pairwise(path))

@@ -40,7 +40,8 @@ class RoundedPath:
         return float(self.knots[-1])
 
     def at(self, s: FloatArray, order: int = 0) -> FloatArray:
-        """Angles (k, n) at arc lengths `s` (k,), or their first or second derivative by arc length.
+        """Return the joint angles (k, n), in [rad], at arc lengths `s` (k,), or their derivative by arc
+        length of order 1 or 2.
 
         At a knot the derivatives are those of the piece that begins there.
         """

@@ -50,7 +50,7 @@ class ToolPath(NamedTuple):
 
     @property
     def poses(self) -> FloatArray:
-        """(p, 4, 4): world_T_tool."""
+        """Return the poses world_T_tool (p, 4, 4), in [m]."""
         poses = np.tile(np.eye(4), (len(self.points), 1, 1))
         poses[:, :3, :3], poses[:, :3, 3] = self.rotations, self.points
         return poses

@@ -17,7 +17,8 @@ _FINEST = 0.001  # [m]
 
 
 def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: FloatArray) -> Untrackable:
-    """Return the error with the nearest position that could be tracked from one of the base poses (b, 3).
+    """Return the error with the nearest position that could be tracked from one of the base poses (b, 3), x,
+    y in [m] and heading in [rad].
 
     The point is moved along 26 directions, outwards until some placement can use it, and back to within a
     millimetre; tool and tangent are unchanged. So "nearest" is among these directions.

@@ -115,7 +115,12 @@ class Placer:
         return self._scores(bases, path, self._rule)
 
     def reached(self, bases: FloatArray, path: ToolPath) -> BoolArray:
-        """(b, p): which points the arm reaches from base poses (b, 3), however slowly."""
+        """Return a mask (b, p): which points of a path the arm reaches from base poses, however slowly.
+
+        Args:
+            bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
+            path: path of the tool.
+        """
         return self._scores(bases, path, self._rule._replace(measure=Measure.REACHABILITY)).usable
 
     @property
@@ -176,7 +181,9 @@ class Placer:
         return np.vstack((back[:0:-1], on))
 
     def candidates(self, path: ToolPath) -> FloatArray:
-        """(b, 3): a grid of base poses around a path, within the arm's reach of it."""
+        """Return a grid of base poses (b, 3), x, y in [m] and heading in [rad], around a path, within the
+        arm's reach of it.
+        """
         spots = self._spots(path, self._step)
         while len(spots) * self._grid.headings > self._grid.bases:
             self._step *= 1.1
@@ -191,7 +198,16 @@ class Placer:
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
     def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
-        """Return `joints`; raise if the arm can't follow from poses slightly off the placement."""
+        """Return the joints (p, n) along a path as `joints` does; raise if poses slightly off the placement
+        don't follow.
+
+        Args:
+            base: (3,) world_T_base: x, y in [m], heading in [rad].
+            path: path of the tool.
+
+        Raises:
+            Untrackable: the arm can't follow the path from this base, or from slightly beside it.
+        """
         angles = self.joints(base, path)
         self._check_around(base, path)
         return angles

@@ -40,7 +40,9 @@ class OpenFloor:
         return np.asarray((self._rooms == home) & (home != 0))
 
     def leads_to(self, bases: FloatArray, reached: BoolArray) -> BoolArray:
-        """Return (b,) True for base poses (b, 3) on `reached` cells."""
+        """Return a mask (b,), True for base poses (b, 3), x, y in [m] and heading in [rad], that are on
+        `reached` cells (h, w).
+        """
         inside = self._grid.inside(bases[:, :2])
         cells = self._grid.to_cell(bases[inside, :2])
         found = np.zeros(len(bases), dtype=np.bool_)

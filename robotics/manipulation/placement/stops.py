@@ -90,7 +90,7 @@ class StopPlacer:
         self._placer, self._sights = placer, sights
 
     def table(self, bases: FloatArray, goals: Sequence[Goal]) -> StopTable:
-        """Return the table of base poses (b, 3) against goals."""
+        """Return the table of base poses (b, 3), x, y in [m] and heading in [rad], against goals."""
         values = np.zeros((len(bases), len(goals)))
         served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
         sights = self._in_sight(bases)

@@ -70,10 +70,10 @@ class PlannedView(NamedTuple):
         return base_T_hand @ self.hand_T_camera @ back @ inverse(self.hand_T_camera)
 
     def travelling_error(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """Return dT_M, planned_T_base: the actual pose of the base in the planned one.
+        """Return dT_M, planned_T_base (4, 4): the actual pose of the base in the planned one.
 
-        Eq. 11 with the posture that the next move would give, so that the remaining error of the fixation
-        is included. At the planned posture this is eq. 5.
+        Eq. 11 with the posture that the next move would give, so that the remaining error of the fixation is
+        included. At the planned posture this is eq. 5.
         """
         return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
 

@@ -39,9 +39,12 @@ class SuspensionModel(NamedTuple):
     """Height of the axes of lean above the base frame's origin, in [m]."""
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return reference_T_base: the base's motion since the hand was at `reference` (base_T_hand).
+        """Return the motion reference_T_base (4, 4) of the base since the hand was at a reference.
 
-        `swings` were made in between. That is dPsi · dPhi of eq. 12.
+        Args:
+            base_T_hand: (4, 4) pose of the hand now.
+            reference: (4, 4) base_T_hand at the reference.
+            swings: number of swings in between: dPsi · dPhi of eq. 12.
         """
         lean = self._lean(base_T_hand) @ inverse(self._lean(reference))
         return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)

@@ -48,7 +48,8 @@ class ToolFollower:
         self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
 
     def joints(self, path: ToolPath, world_T_base: Transform, near: FloatArray) -> FloatArray:
-        """Return joint angles (p, n) within the limits that put the tool at each point of the path.
+        """Return joint angles (p, n), in [rad] or [m], within the limits that put the tool at each point of
+        the path.
 
         Args:
             path: path of the tool.
@@ -57,8 +58,7 @@ class ToolFollower:
 
         Raises:
             Untrackable: the first point that the arm doesn't reach, with the nearest position at which the
-                search
-                ended; or one to which it would have to jump.
+                search ended; or one to which it would have to jump.
         """
         base_T_tools = inverse(world_T_base) @ path.poses
         angles = np.empty((len(base_T_tools), self.arm.dof))
@@ -71,7 +71,13 @@ class ToolFollower:
         return angles
 
     def tool_errors(self, path: ToolPath, world_T_base: Transform, angles: FloatArray) -> FloatArray:
-        """Distances (p,) of the tool from the points of the path, in [m], with the base standing there."""
+        """Return the distances (p,) of the tool from the points of a path, in [m].
+
+        Args:
+            path: path of the tool.
+            world_T_base: (4, 4) pose of the base.
+            angles: (p, n) joint angles at the points, in [rad] or [m].
+        """
         tips = np.array([(world_T_base @ self.arm.forward(q))[:3, 3] for q in angles])
         return np.asarray(np.linalg.norm(tips - path.points, axis=1))
 

@@ -93,16 +93,16 @@ def time_evenly(
     """Return set-points at one speed of the tool with a ramp at both ends, for a base that drives along.
 
     Args:
-        arm: as for `time_tracking`.
-        path: as for `time_tracking`.
-        angles: as for `time_tracking`.
-        limits: as for `time_tracking`.
+        arm: kinematics of the arm.
+        path: path of the tool.
+        angles: (p, n) joint angles at the points of the path, in [rad].
+        limits: limits of speed, torque and force.
         ramp: acceleration along the path at its ends, in [m/s²].
-        period: as for `time_tracking`.
+        period: time between set-points, in [s].
 
     Raises:
-        Untrackable: as for `time_tracking`.
-        ValueError: as for `time_tracking`, or `ramp` isn't above zero.
+        Untrackable: a joint would be too fast, or its torque too large, at a point of the path.
+        ValueError: speed, ramp, torque or period isn't above zero, or the force is below.
     """
     if min(limits.speed, ramp, *limits.torque, period) <= 0.0 or limits.force < 0.0:
         raise ValueError("speed, ramp, torque and period must be above zero, the force not below")

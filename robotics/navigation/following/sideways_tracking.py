@@ -92,7 +92,16 @@ def make_tracker(
     tolerance: PoseTolerance = PoseTolerance(),
     allowed: AllowedSpeeds | None = None,
 ) -> PathTracker:
-    """Return the tracker of a base, which drives sideways if its limits allow that; see `PathTracker`."""
+    """Return the tracker of a base, which drives sideways if its limits allow that; see `PathTracker`.
+
+    Args:
+        points: (n, 2) of the path, on the map, in [m].
+        goal_heading: heading at the end, in [rad]; None: any.
+        limits: limits of the drive.
+        reverse: True to drive backwards.
+        tolerance: tolerance of the goal.
+        allowed: largest speeds along the path; None: those of the drive.
+    """
     kind = SidewaysTracker if limits.sideways > 0.0 else PathTracker
     return kind(points, goal_heading, limits, reverse, tolerance, allowed)
 

@@ -83,7 +83,14 @@ class HolonomicOdometry(Odometry):
 
 
 def odometry_of(pose: Pose2, tread: float, errors: OdometryErrors, covariance: FloatArray | None) -> Odometry:
-    """Return the odometry of a base: of one that drives sideways if `errors` has such errors."""
+    """Return the odometry of a base: of one that drives sideways if `errors` has such errors.
+
+    Args:
+        pose: map_T_base at the start.
+        tread: distance of the wheels, in [m].
+        errors: errors of the wheels.
+        covariance: (3, 3) of the pose, x, y in [m] and heading in [rad]; None: exact.
+    """
     kind = Odometry if errors.sideways is None else HolonomicOdometry
     return kind(pose, tread, errors, covariance)
 

@@ -239,7 +239,12 @@ class ScanLocalizer(Localizer):
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: FloatArray) -> bool:
-        """Match the scan and take the pose over, unless the map explains too little of it."""
+        """Match a scan and take the pose over, unless the map explains too little of it; return whether it
+        did.
+
+        Args:
+            points: (n, 2) of the scan in the base frame, in [m].
+        """
         if len(points) < FEWEST_POINTS:
             self._poor += 1
             return False
@@ -314,7 +319,12 @@ class ScanLocalizer(Localizer):
             self._odometry.doubt_scale(wrong)
 
     def find_again(self, points: FloatArray) -> bool:
-        """See `Localizer`; up to about 0.3 m and 10 degrees away."""
+        """Search for the pose of a base that was moved, up to about 0.3 m and 10 degrees away; return whether
+        it was found.
+
+        Args:
+            points: (n, 2) of a scan in the base frame, in [m].
+        """
         if len(points) < FEWEST_POINTS:
             return False
         near = np.asarray(self.covariance + NUDGE_COVARIANCE)
@@ -328,7 +338,12 @@ class ScanLocalizer(Localizer):
         return True
 
     def relocalize(self, near: Pose2, points: FloatArray) -> ScanMatch:
-        """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
+        """Start again from a rough pose, up to about 0.3 m and 10 degrees off.
+
+        Args:
+            near: rough map_T_base.
+            points: (n, 2) of a scan in the base frame, in [m].
+        """
         match = match_scan(self._field, points, near, SEARCH_COVARIANCE, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
         self.unmapped.layer.clear()

@@ -121,7 +121,12 @@ class Odometry:
         return self._origin.relative_pose(now)
 
     def reset(self, pose: Pose2, covariance: FloatArray | None = None) -> None:
-        """Set the pose; keep the calibration of the wheels."""
+        """Set the pose; keep the calibration of the wheels.
+
+        Args:
+            pose: map_T_base.
+            covariance: (3, 3) of x, y in [m] and heading in [rad]; None: exact.
+        """
         self.pose = pose
         self._state[:3] = 0.0
         self._state[:, :3] = 0.0
@@ -184,9 +189,9 @@ class Odometry:
 
         Args:
             pose: map_T_base.
-            covariance: (3, 3), of the pose with the prior already in it.
-            kept: (3, 3) by which an error of the prior is still in the pose: identity less the gain. None: as
-                where the covariance is that of an optimal filter.
+            covariance: (3, 3) of x, y in [m] and heading in [rad], with the prior already in it.
+            kept: (3, 3) share of the prior's error that is still in the pose: identity less the gain. None:
+                that of an optimal filter with this covariance.
         """
         prior = self._state[:3, :3] + _LEAST
         gain = np.linalg.solve(

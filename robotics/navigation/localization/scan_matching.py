@@ -216,9 +216,24 @@ def descend_scan(
     scale: float,
     noise: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Newton at one robust scale: the pose (3,) and its information (3, 3).
+    """Return the pose (3,) that fits a scan best at one robust scale, and its information (3, 3), by
+    Gauss-Newton.
 
-    The points are left a `share` of what they say about the position along a `direction` (2,).
+    Poses are x, y in [m] and heading in [rad], on the map.
+
+    Args:
+        facing: (k, h, w) distances, see `LikelihoodField.facing`.
+        occupied: (h, w) cells of the map.
+        points: (n, 2) of the scan in the base frame, in [m].
+        start: (3,) pose where the descent begins.
+        prior: (3,) expected pose.
+        information: (3, 3) of the expected pose.
+        direction: (2,) unit vector along which the scan says less.
+        share: share of the scan's information about the position along `direction` that is kept.
+        origin: x, y of the map's lower-left cell centre, in [m].
+        resolution: side of a cell, in [m].
+        scale: scale of the robust weights, in [m].
+        noise: sigma of a range, in [m].
     """
     pose, off = np.empty(3), np.empty(3)
     moved, total = np.empty((len(points), 2)), np.empty((3, 3))

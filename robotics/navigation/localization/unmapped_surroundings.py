@@ -45,7 +45,12 @@ class UnmappedSurroundings:
         return None if found is None or self.contradicts(points, found.pose) else found
 
     def contradicts(self, points: FloatArray, pose: Pose2) -> bool:
-        """Return whether more beams pass through walls of the map than things are taken away."""
+        """Return whether more beams pass through walls of the map than things are taken away.
+
+        Args:
+            points: (n, 2) of the scan in the base frame, in [m].
+            pose: map_T_base.
+        """
         ranges = np.hypot(points[:, 0], points[:, 1])
         angles = np.arctan2(points[:, 1], points[:, 0])
         walls = map_ranges(self._field, pose, angles, float(ranges.max(initial=0.0)))

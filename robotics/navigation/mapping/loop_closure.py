@@ -102,7 +102,8 @@ def close_loop(
         places: of the earlier and the later keyframe.
         numbers: of the two keyframes.
         predicted: first_T_second.
-        covariance: (3, 3) of the prediction, in the frame of the first keyframe.
+        covariance: (3, 3) of the prediction, x, y in [m] and heading in [rad], in the frame of the first
+            keyframe.
     """
     sigma = 3.0 * math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1]))
     sigma_turn = 3.0 * math.sqrt(float(covariance[2, 2]))

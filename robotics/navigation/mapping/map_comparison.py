@@ -39,7 +39,9 @@ class MapComparison(NamedTuple):
     """(m,) the same of the second map's wall cells."""
 
     def figures(self, distances: FarArray) -> tuple[float, float, float]:
-        """Return median and 95 % of the distances of common walls in [m], and the share of missing walls."""
+        """Return median and 95 % of the distances (n,) of common walls, in [m], and the share of missing
+        walls.
+        """
         known = distances[np.isfinite(distances)]
         near = known[known <= SAME_WALL_M]
         if not len(near):

@@ -90,7 +90,12 @@ def _descend(poses: FloatArray, table: _Edges, limit: float) -> FloatArray:
 
 
 def edge_errors(poses: FloatArray, edges: list[Edge]) -> FloatArray:
-    """Return the squared error (m,) of each edge, in sigmas."""
+    """Return the squared error (m,) of each edge, in sigmas.
+
+    Args:
+        poses: (n, 3) x, y in [m], heading in [rad].
+        edges: measured relative poses.
+    """
     if not edges:
         return np.empty(0)
     table = _arrays(edges)
@@ -100,7 +105,12 @@ def edge_errors(poses: FloatArray, edges: list[Edge]) -> FloatArray:
 
 
 def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
-    """Return the covariance (n, 3, 3) of each pose relative to the first one, in the graph's frame."""
+    """Return the covariance (n, 3, 3) of each pose relative to the first one, in the graph's frame.
+
+    Args:
+        poses: (n, 3) x, y in [m], heading in [rad].
+        edges: measured relative poses.
+    """
     factor = factorized(poses, edges)
     count = 3 * len(poses)
     found = np.empty((len(poses), 3, 3))
@@ -115,7 +125,12 @@ def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
 
 
 def factorized(poses: FloatArray, edges: list[Edge]) -> Any:
-    """Return the factorized information matrix; its `solve` returns columns of the covariance."""
+    """Return the factorized information matrix (3n, 3n); its `solve` returns columns of the covariance.
+
+    Args:
+        poses: (n, 3) x, y in [m], heading in [rad].
+        edges: measured relative poses.
+    """
     from scipy.sparse.linalg import splu
 
     return splu(_normal_equations(poses, _arrays(edges), SCALING_CHI2)[0].tocsc())

@@ -238,10 +238,14 @@ def line_clearance(
 
 @compiled
 def is_clear(squares: BlockedSquares, start: FloatArray, end: FloatArray, need: float) -> bool:
-    """Return True if a straight line between two positions keeps `need`, in [cells], from every blocked
-    square.
+    """Return True if a straight line keeps a clearance from every blocked square; with a `need` of 0 it may
+    touch one.
 
-    With a `need` of 0 it may touch one.
+    Args:
+        squares: blocked squares of the map.
+        start: (2,) row and column, in [cells].
+        end: (2,) row and column, in [cells].
+        need: clearance in [cells].
     """
     return line_clearance(squares, start, end, need, need) >= need
 

@@ -40,10 +40,15 @@ def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray
 
 
 def bump_areas(bumps: FloatArray, radius: float) -> FloatArray:
-    """Return (m, 2) points in [m] that fill the area of a possible obstacle where a base was stopped.
+    """Return points (m, 2) of the map, in [m], that fill the area of a possible obstacle where a base was
+    stopped.
 
     The obstacle touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it;
-    the footprint itself is free. Arguments as of `bump_fronts`; the radius of a point that touched is 0.
+    the footprint itself is free.
+
+    Args:
+        bumps: (n, 3) position where it was stopped in [m], and direction of motion in [rad], on the map.
+        radius: radius of the base's footprint, in [m]; 0 if a point of the arm touched.
     """
     depths = np.arange(0.0, UNSEEN_SIZE_M + 1e-9, SPACING_M)
     return _sectors(bumps, radius + depths, FRONT_ANGLE_DEG)

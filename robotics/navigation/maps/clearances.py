@@ -80,10 +80,17 @@ class Clearances:
 def nearest_square(
     solid: BoolArray, between_centres: SingleArray, x: float, y: float
 ) -> tuple[float, float, float]:
-    """Distance of a point to the nearest solid cell's square, and where on it: x and y; all in [cells].
+    """Return the distance of a point to the nearest solid cell's square, and where on it: x and y; all in
+    [cells].
 
-    Rings of cells are looked at from the inside out, beginning where `between_centres` (see `Clearances`)
-    says that the first solid one can be.
+    Rings of cells are looked at from the inside out, beginning where `between_centres` says that the first
+    solid one can be.
+
+    Args:
+        solid: (h, w) True for solid cells.
+        between_centres: (h, w) distance between centres, in [cells], see `Clearances`.
+        x: of the point, in [cells].
+        y: of the point, in [cells].
     """
     height, width = solid.shape
     column = min(max(math.floor(x), 0), width - 1)

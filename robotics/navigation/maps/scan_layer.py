@@ -113,7 +113,9 @@ class ScanLayer:
         )
 
     def restore(self, cells: FloatArray) -> None:
-        """Take over what `cells` returned, also from a layer on another map."""
+        """Take over the rows (n, 4) that `cells` returned, x, y in [m], score and time in [s], also from a
+        layer on another map.
+        """
         inside = cells[self._grid.inside(cells[:, :2])] if len(cells) else cells
         rows, columns = self._grid.to_cell(inside[:, :2]).T
         self._scores[rows, columns] = np.clip(inside[:, 2], 0, MAX_SCORE)

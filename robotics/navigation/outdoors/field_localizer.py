@@ -128,7 +128,14 @@ class FieldLocalizer(ABC):
         return Belief(np.array([x, y, wrap(turn)]), covariance)
 
     def predict(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
-        """Take in one period's readings (see `GyroOdometry.update`)."""
+        """Take in one period's readings (see `GyroOdometry.update`).
+
+        Args:
+            rates: (3,) angular velocities in the base's axes, in [rad/s].
+            accelerations: (3,) in the base's axes, in [m/s²].
+            wheels: (2,) travel of the left and right wheel in the period, in [m].
+            dt: length of the period, in [s].
+        """
         self._odometry.update(rates, accelerations, wheels, dt)
         due = self.REST_PERIOD if self._odometry.at_rest else STEP_PERIOD_S
         if self._odometry.pending >= due - 1e-9:

@@ -101,7 +101,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def weights(self) -> FloatArray:
-        """(k,) of the suppositions, by all that was seen."""
+        """Probabilities (k,) of the hypotheses, by all readings so far."""
         return self._weights.copy()
 
     @property

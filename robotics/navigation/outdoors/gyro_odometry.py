@@ -78,7 +78,7 @@ class GyroOdometry:
 
     @property
     def bias(self) -> FloatArray:
-        """(3,) of the gyros, in [rad/s]."""
+        """Bias (3,) of the gyros in the base's axes, in [rad/s]."""
         return self._state[6:9].copy()
 
     @property

@@ -99,7 +99,7 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def covariance(self) -> FloatArray:
-        """(3, 3) of the particles."""
+        """Covariance (3, 3) of the particles: x, y in [m], heading in [rad]."""
         return self._covariance.copy()
 
     @property

@@ -131,7 +131,7 @@ def cheapest_nodes(
     heap would take longer to compile than it saves.
 
     Args:
-        slots: incidence as in `EdgeTable`.
+        slots: (2e,) incidence as in `EdgeTable`.
         slot_first: (n + 1,) as in `EdgeTable`.
         ends: (e, 2) nodes.
         length: (e,) cost of each edge.
@@ -140,8 +140,8 @@ def cheapest_nodes(
         limit: upper bound; a path with a higher total is ignored.
 
     Returns:
-        The last node (-1 if no path is below the limit), the total, and for each node the slot of the
-        edge that leads back from it (-1 where the path begins).
+        The last node (-1 if no path is below the limit), the total, and for each node the slot of the edge
+        that leads back from it (-1 where the path begins).
     """
     back = np.full(len(start_cost), -1, dtype=np.int64)
     done = np.zeros(len(start_cost), dtype=np.bool_)

@@ -46,7 +46,8 @@ def path_length(path: FloatArray) -> float:
 
 
 def sampled(path: FloatArray, spacing: float) -> FloatArray:
-    """Return the path (n, 2) with points inserted so that neighbours are at most `spacing` apart.
+    """Return a path (n, 2) with points inserted so that neighbours are at most `spacing` apart: (m, 2), in
+    the same unit.
 
     Repeated points are dropped.
     """
@@ -138,14 +139,14 @@ def _leaps(
 
 @compiled
 def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: IntArray) -> FloatArray:
-    """Return a path over cells (n, 2), with a neighbouring free cell inserted if a step over a corner is too
+    """Return a path (m, 2), in [cells], with a neighbouring free cell inserted if a step over a corner is too
     narrow.
 
     Args:
         free: (h, w) cells whose centres have the room needed.
         squares: blocked squares of the map.
         need: clearance that a step must have, in [cells].
-        way: cells, row and column; stretches that are longer than a step have the clearance.
+        way: (n, 2) row and column of cells; stretches that are longer than a step have the clearance.
     """
     path = np.empty((2 * len(way), 2))
     count = 0
@@ -168,7 +169,7 @@ def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: I
 def rounded(
     squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float = 0.0
 ) -> FloatArray:
-    """Round the corners of an evenly sampled path (n, 2) in [cells], ends kept.
+    """Return an evenly sampled path (n, 2), in [cells], with rounded corners (n, 2) and the same ends.
 
     Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep
     less than `need`, in [cells], or less than all of the path did. A sample that had more keeps that, but no

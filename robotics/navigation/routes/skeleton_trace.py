@@ -109,7 +109,13 @@ def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
 
 
 def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
-    """Nodes and edges of linked cells (n,); `links` is left as it was."""
+    """Return the nodes and edges of a skeleton; `links` is left as it was.
+
+    Args:
+        cells: (n,) flat indices of the skeleton's cells.
+        links: (h * w,) bits of the neighbours that each cell is linked to.
+        width: width of the map, in [cells].
+    """
     degree = LINK_COUNTS[links[cells]]
     is_node = np.zeros(links.size, dtype=np.uint8)
     is_node[cells[degree != 2]] = 1
@@ -121,7 +127,7 @@ def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
 
 
 def prune_leaves(cells: IntArray, links: ByteArray, width: int, touching: BoolArray) -> IntArray:
-    """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells.
+    """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells (m,).
 
     One pass only: an edge that becomes a leaf by it leads into a dead-end room.
 

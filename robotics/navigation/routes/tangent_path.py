@@ -119,8 +119,12 @@ def _forward(
 
 
 def shortest_detour(start: FloatArray, goal: FloatArray, discs: FloatArray) -> float:
-    """Return the length in [m] of the shortest path from point to point (2,) past discs (n, 3); inf if none
-    exists.
+    """Return the length in [m] of the shortest path from point to point past discs; infinity if none exists.
+
+    Args:
+        start: (2,) in [m].
+        goal: (2,) in [m].
+        discs: (n, 3) x, y and radius, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
     ends = [_Circle(float(x), float(y), 0.0, sense) for x, y in (start, goal) for sense in (1.0, -1.0)]

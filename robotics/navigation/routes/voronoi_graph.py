@@ -152,7 +152,12 @@ def voronoi_graph(
 
 
 def room_price(clearance: SingleArray, resolution: float) -> SingleArray:
-    """Return the price of a cell of length at each clearance (h, w), in [m]."""
+    """Return the price (h, w) of a metre of path at each clearance.
+
+    Args:
+        clearance: (h, w) distance of cells from obstacles, in [m].
+        resolution: side of a cell, in [m]; clearances below count as this.
+    """
     price: SingleArray = np.maximum(clearance, np.float32(resolution)) ** np.float32(-CLEARANCE_EXPONENT)
     return price
 

@@ -56,11 +56,15 @@ class _Fit(NamedTuple):
 
 
 def fit_steps(profiles: FloatArray, away: BoolArray, least: float) -> Steps:
-    """Fits a step down of at least `least` grey levels, or two steps where these explain a profile much
-    better: the face under an edge is often seen as a strip of few pixels, of a third shade.
+    """Fit a step down, or two steps where these explain a profile much better, to grey profiles across edges.
 
-    A strip and a wide blur look alike. So the blur is taken from the edges (k,) whose lower face is turned
-    `away` from the camera.
+    With two steps, the face under an edge is seen as a strip of few pixels, of a third shade. A strip and a
+    wide blur look alike, so the blur is taken from the edges whose lower face is turned away from the camera.
+
+    Args:
+        profiles: (k, m) grey levels, from 0 to 255, from inside to outside of each of k edges.
+        away: (k,) True for edges whose lower face is turned away from the camera.
+        least: smallest step, in grey levels.
     """
     levels = profiles.mean(axis=1, keepdims=True)
     centred = profiles - levels

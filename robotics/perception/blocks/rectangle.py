@@ -28,16 +28,20 @@ class Rectangle(NamedTuple):
 
 
 def shares(count: int) -> FloatArray:
-    """Places along an edge: 0 in its middle, 1 and -1 at its ends."""
+    """Return `count` places along an edge, (count,) without unit: 0 in its middle, 1 and -1 at its ends."""
     return np.linspace(-1.0, 1.0, count) * (1.0 - 2 * _ENDS)
 
 
 def across(
     half: FloatArray, share: FloatArray, inner: FloatArray, outer: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """First and last points (4, n, 2) of lines across the edges, in the rectangle's frame.
+    """Return first and last points (4, n, 2) of lines across the edges, in the rectangle's frame, in [m].
 
-    `share` (n,) along the edges, from `inner` to `outer` (4,) [m] out of them.
+    Args:
+        half: (2,) half length and half width, in [m].
+        share: (n,) places along the edges, from -1 to 1.
+        inner: (4,) distance of the first points out of each edge, in [m].
+        outer: (4,) distance of the last points out of each edge, in [m].
     """
     along = (half[OTHER, None] * share)[..., None] * EDGE_DIRECTIONS[:, None]
     first, last = (

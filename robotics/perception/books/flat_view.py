@@ -37,8 +37,13 @@ def flat_view(
     """Return the part of the plane x = 0 of the shelf that the image shows, without lens distortion and
     slant.
 
-    `mask` (h, w) is True where the image shows the shelf (False: a held book hides it); `heights` limits z
-    in [m].
+    Args:
+        image: (h, w), grey.
+        camera: its model.
+        camera_T_shelf: (4, 4) pose of the shelf.
+        mask: (h, w) True where the image shows the shelf (False: a held book hides it); None: everywhere.
+        m_per_px: size of a pixel of the view, in [m].
+        heights: least and largest z that is shown, in [m]; None: all.
 
     Raises:
         ValueError: the camera doesn't look at the shelf's front.

@@ -22,9 +22,18 @@ _SQUARE = 8  # the weight of being square against that of being large
 def find_labels(
     image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, mask: BoolArray | None = None
 ) -> list[LabelBox]:
-    """Return the labels wholly in view, from left to right. Arguments as for flat_view; `camera_T_shelf` may
-    be a few millimetres and degrees off. On a cover as bright as paper no label shows: any print there
-    counts.
+    """Return the labels completely in view, from left to right.
+
+    On a cover as bright as paper no label is visible: any print there counts as one.
+
+    Args:
+        image: (h, w), grey.
+        camera: its model.
+        camera_T_shelf: (4, 4) pose of the shelf; it may be a few millimetres and degrees off.
+        mask: (h, w) True where the image shows the shelf; None: everywhere.
+
+    Raises:
+        ValueError: the camera doesn't look at the shelf's front.
     """
     view = flat_view(image, camera, camera_T_shelf, mask)
     best: dict[tuple[int, int], tuple[float, LabelBox]] = {}

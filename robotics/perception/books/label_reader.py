@@ -74,11 +74,14 @@ class LabelReader(ABC):
         mask: BoolArray | None = None,
         known: Sequence[Label] = (),
     ) -> list[Label]:
-        """Return the labels completely visible in `image`, from left to right.
+        """Return the labels completely visible in an image, from left to right.
 
-        `camera_T_shelf` (4, 4) may be a few millimetres and degrees off; `mask` (h, w) is True where the
-        image shows the shelf. Labels that another view read with certainty at their place (`known`) aren't
-        read again.
+        Args:
+            image: (h, w), grey.
+            camera: its model.
+            camera_T_shelf: (4, 4) pose of the shelf; it may be a few millimetres and degrees off.
+            mask: (h, w) True where the image shows the shelf; None: everywhere.
+            known: labels that another view read with certainty; those are not read again.
 
         Raises:
             ValueError: the camera doesn't look at the shelf's front.
@@ -161,7 +164,9 @@ def _flat_label(
 
 
 def cut_to_print(crop: ByteArray) -> ByteArray:
-    """Without the empty paper before and after the text, but for a margin of a fifth of the height."""
+    """Return a crop (h, w), grey, without the empty paper before and after the text: (h, k), with a margin of
+    a fifth of h.
+    """
     height, width = crop.shape
     inner = crop[height // 6 : -height // 6]
     white, black = np.percentile(inner, (90, 1))

@@ -38,7 +38,9 @@ class OcrLabelReader(LabelReader):
         self._threads = threads
 
     def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
-        """See `LabelReader`; one after the other: in a batch all would be as wide as the widest."""
+        """Return the readings of crops (h, w), grey, one after the other: in a batch all would be as wide as
+        the widest.
+        """
         name = self._session.get_inputs()[0].name
         return [self._reading(self._session.run(None, {name: _input(crop)})[0][0]) for crop in crops]
 

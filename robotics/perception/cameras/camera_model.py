@@ -51,7 +51,9 @@ class CameraModel(NamedTuple):
         return result
 
     def undistort(self, pixels: FloatArray) -> FloatArray:
-        """Return the rays (n, 2) through pixels (n, 2): x/z and y/z in the camera frame; NaN if not found."""
+        """Return the rays (n, 2) through pixels (n, 2), in [px]: x/z and y/z in the camera frame; NaN if not
+        found.
+        """
         if len(pixels) == 0:
             return np.empty((0, 2))
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
@@ -64,11 +66,18 @@ class CameraModel(NamedTuple):
         return result
 
     def pixel_on_plane(self, pixels: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-        """Intersect the rays through pixels (n, 2) with the plane at `x` [m] of a frame: return its y, z (n,
-        2) in [m].
+        """Return where the rays through pixels meet a plane parallel to x = 0 of a frame.
 
-        The plane is x = const, not z, because shelf frames point x into the shelf. Rays that meet it
-        behind the camera or not at all give NaN.
+        The plane is x = const, not z, because shelf frames point x into the shelf. Rays that meet it behind
+        the camera or not at all give NaN.
+
+        Args:
+            pixels: (n, 2) column and row, in [px].
+            camera_T_plane: (4, 4) pose of the frame.
+            x: distance of the plane along the frame's x, in [m].
+
+        Returns:
+            y and z (n, 2) in the frame, in [m].
         """
         rays = np.column_stack([self.undistort(pixels), np.ones(len(pixels))])
         to_plane = np.linalg.inv(plane_to_rays(camera_T_plane, x))
@@ -84,10 +93,13 @@ class CameraModel(NamedTuple):
         return self.project(space @ camera_T_plane[:3, :3].T + camera_T_plane[:3, 3])
 
     def rectify(self, image: ByteArray, picture_to_rays: FloatArray, size: tuple[int, int]) -> ByteArray:
-        """Return the picture (h, w) of a flat sheet, without lens distortion.
+        """Return the picture (h, w), grey, of a flat sheet, without lens distortion; pixels outside of the
+        image are 0.
 
-        `picture_to_rays` (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame; `size`
-        is (width, height) of the picture. Pixels outside of the image are 0.
+        Args:
+            image: (h, w), grey.
+            picture_to_rays: (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame.
+            size: width and height of the picture, in [px].
         """
         # OpenCV inverts its "new camera matrix" to get exactly this map; any homography does.
         inverse = np.linalg.inv(picture_to_rays)

@@ -28,7 +28,9 @@ class Chessboard(CalibrationBoard):
         self._inner = (columns - 1, rows - 1)
 
     def find(self, image: ByteArray) -> BoardView | None:
-        """See `CalibrationBoard`; all corners have to be seen."""
+        """Return the board in an image (h, w), grey; None unless all its corners are visible. See
+        `CalibrationBoard`.
+        """
         found, rough = cv2.findChessboardCorners(image, self._inner, flags=_FLAGS)
         if not found:
             return None

@@ -25,7 +25,8 @@ def fold_radius(distortion: FloatArray, lens: LensKind) -> float:
     the radial terms are looked at.
 
     Args:
-        distortion: (4,), (5,) or (8,) for `brown`: k1, k2, p1, p2, k3, k4, k5, k6; (4,) for `fisheye`.
+        distortion: coefficients without unit, (4,), (5,) or (8,) for `brown`: k1, k2, p1, p2, k3, k4, k5, k6;
+            (4,) for `fisheye`.
         lens: kind of the model.
     """
     return _fold_radius(np.ascontiguousarray(distortion, dtype=np.float64).tobytes(), lens)

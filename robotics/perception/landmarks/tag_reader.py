@@ -40,12 +40,12 @@ class Tag(NamedTuple):
 def read_tags(
     image: ByteArray, region: Region | None = None, family: TagFamily = DEFAULT_FAMILY
 ) -> list[Tag]:
-    """Return the family's tags in the image, or in one region of it, ordered by id.
+    """Return the family's tags in an image (h, w), grey, or in one region of it, ordered by id.
 
     A tag of 10 mm may be 0.35 m away at f = 800 px.
 
-    One bit is corrected if the family's codes differ enough (`tag_family.corrected_bits`), otherwise none:
-    a smeared or half covered tag is not found, and never read as another one.
+    One bit is corrected if the family's codes differ enough (`tag_family.corrected_bits`), otherwise none: a
+    smeared or half covered tag is not found, and never read as another one.
     """
     top, left = 0, 0
     if region is not None:
