@@ -63,7 +63,7 @@ class Scan(_Beams):
         return self.validity >= Validity.TOO_CLOSE
 
     def rep117(self) -> FloatArray:
-        """Return (n,) ranges of a read scan by REP 117: infinity no return, -infinity too close, NaN
+        """Return the ranges (n,) in [m] as REP 117 encodes them: infinity no return, -infinity too close, NaN
         invalid.
         """
         ranges = self.ranges.copy()

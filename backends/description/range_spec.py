@@ -65,12 +65,12 @@ class RangeSpec(MountedSensorSpec):
         return self.model_copy(update={"sigma_mm": 0.0})
 
     def angles(self) -> FloatArray:
-        """Return (beams,) in [rad], counter-clockwise."""
+        """Angles (beams,) of the beams in the sensor's frame, in [rad], counter-clockwise."""
         start, end = np.radians([self.start_deg, self.end_deg])
         return np.linspace(start, end, self.beams, endpoint=not self.is_full_turn)
 
     def masked(self, angles: FloatArray) -> BoolArray:
-        """Return (n,) whether angles in [rad] are in a masked sector."""
+        """Return a mask (n,), True for the beams whose angles (n,), in [rad], are in a masked sector."""
         found = np.zeros(len(angles), np.bool_)
         degrees = np.degrees(angles)
         for start, end in self.masked_deg:

@@ -27,7 +27,8 @@ from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
-from handcart.robotics.manipulation.placement.placer import Placer, Work
+from handcart.robotics.manipulation.placement.placements import Work
+from handcart.robotics.manipulation.placement.placer import Placer
 from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
 from handcart.robotics.numerics.arrays import FloatArray
 

@@ -21,7 +21,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placement_division import Division
-from handcart.robotics.manipulation.placement.placer import Placements, Placer
+from handcart.robotics.manipulation.placement.placements import Placements
+from handcart.robotics.manipulation.placement.placer import Placer
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
 

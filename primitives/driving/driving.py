@@ -135,10 +135,10 @@ class FieldObstacleMonitor:
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> FloatArray:
-        """Return (n, 2) points of this period's scan, in the field's frame, in [m].
+        """Return the points (n, 2) of this period's scan that may be obstacles, in the field's frame, in [m].
 
-        Without a lowered hand's own, and without what may be the ground: that is for the guard of the
-        base, once it is near.
+        Left out are points of the robot's own lowered hand, and points that may be the ground: those are left
+        to the guard of the base, which acts once they are near.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())
         if robot.spec.localizer in OUTDOOR_LOCALIZERS:
@@ -146,7 +146,9 @@ class FieldObstacleMonitor:
         return robot.pose.apply(points)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return (m, 2) those of the points that are near the one in the way (2,)."""
+        """Return those (m, 2) of the points `sensed` (n, 2) that are near the one in the way, `blocking`
+        (2,), all in [m].
+        """
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
@@ -156,8 +158,12 @@ class FieldObstacleMonitor:
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 
     def obstacle(self, route: FloatArray, sensed: FloatArray) -> tuple[float, FloatArray] | None:
-        """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
-        is free.
+        """Return the free distance along a route, in [m], and the obstacle's point (2,); None if the route is
+        free.
+
+        Args:
+            route: (n, 2) in the field's frame, in [m].
+            sensed: (m, 2) points that may be obstacles, in [m].
         """
         return path_blocked(route, sensed, self._radius, WATCH_HORIZON_M)
 
@@ -171,12 +177,14 @@ class ObstacleMonitor:
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> FloatArray:
-        """Return (n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
+        """Return the points (n, 2) of this period's scan that the map doesn't explain, on the map, in [m]."""
         points = robot.pose.apply(robot.range_sensor.scan().points())
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return (n, 2) those of the points that are remembered: all."""
+        """Return the points (n, 2), in [m], that are remembered: all that were `sensed` (n, 2), wherever the
+        one in the way, `blocking` (2,), is.
+        """
         return sensed
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
@@ -190,7 +198,11 @@ class ObstacleMonitor:
         return np.vstack([blocking, before])
 
     def obstacle(self, route: FloatArray, sensed: FloatArray) -> tuple[float, FloatArray] | None:
-        """Return the free distance along the route, in [m], and the obstacle's point (2,); None if the route
-        is free.
+        """Return the free distance along a route, in [m], and the obstacle's point (2,); None if the route is
+        free.
+
+        Args:
+            route: (n, 2) on the map, in [m].
+            sensed: (m, 2) points that may be obstacles, in [m].
         """
         return path_blocked(route, sensed, self._radius, WATCH_HORIZON_M)

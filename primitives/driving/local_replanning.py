@@ -304,7 +304,12 @@ class LocalReplanning:
             yield
 
     def give_up_waiting(self, ahead: FloatArray) -> Discrepancy:
-        """Return why the drive ends: an obstacle is on the route, and no other one leads to the goal."""
+        """Return the error that ends the drive: an obstacle is on the route, and no other route leads to the
+        goal.
+
+        Args:
+            ahead: (n, 2) points of the route from here on, on the map, in [m].
+        """
         x, y = self._nearest_to_route(ahead)
         if self.people.waits_since is not None or self.people.is_person(x, y):
             return self.people.blocked(f"the path to {self._name}", (x, y))

@@ -24,7 +24,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.alongside import level_with, place_alongside
-from handcart.robotics.manipulation.placement.placer import Placements, Placer
+from handcart.robotics.manipulation.placement.placements import Placements
+from handcart.robotics.manipulation.placement.placer import Placer
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .kept_divisions import KeptDivisions

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable
 
-from handcart.robotics.manipulation.placement.placer import Placements
+from handcart.robotics.manipulation.placement.placements import Placements
 
 MAX_DIVISIONS = 32  # that are kept
 

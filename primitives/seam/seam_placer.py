@@ -9,7 +9,8 @@ from handcart.primitives.motions.working_arm import working_arm
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
-from handcart.robotics.manipulation.placement.placer import Placer, Work
+from handcart.robotics.manipulation.placement.placements import Work
+from handcart.robotics.manipulation.placement.placer import Placer
 
 FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn.TOOL}
 

@@ -28,7 +28,9 @@ class EarthFrame:
         return float(x), float(y)
 
     def points_to_field(self, latitudes_deg: FloatArray, longitudes_deg: FloatArray) -> FloatArray:
-        """Return (n, 2) in [m] of latitudes and longitudes (n,) in [deg]."""
+        """Return the places (n, 2), x and y of the field in [m], of latitudes and longitudes (n,) each, in
+        [deg].
+        """
         return np.stack(self._to_field.transform(longitudes_deg, latitudes_deg), axis=1)
 
     def to_earth(self, x: float, y: float) -> tuple[float, float]:

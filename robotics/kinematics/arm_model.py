@@ -103,20 +103,25 @@ class ArmModel:
         return len(self.joint_names)
 
     def within(self, q: FloatArray, rounding: float = 0.0) -> bool:
-        """Return whether joint angles (n,) are within the limits of all joints that have some.
+        """Return whether joint angles are within the limits of all joints that have some.
 
         Args:
-            q: in [rad].
-            rounding: how far beyond a limit still counts as within, in [rad].
+            q: (n,) in [rad] or [m].
+            rounding: how far beyond a limit still counts as within, in [rad] or [m].
         """
         return bool(np.all(q >= self._lowest - rounding) and np.all(q <= self._highest + rounding))
 
     def clipped(self, q: FloatArray) -> FloatArray:
-        """Return the joint angles (n,) within the limits that are nearest to `q` (n,)."""
+        """Return the joint angles (n,) within the limits that are nearest to `q` (n,), in [rad] or [m]."""
         return np.clip(q, self._lowest, self._highest)
 
     def nearest(self, q: FloatArray, near: FloatArray) -> FloatArray:
-        """Return the same posture with continuous joints in the turn that is nearest to `near`, both (n,)."""
+        """Return the same posture (n,) with continuous joints in the turn that is nearest to a posture.
+
+        Args:
+            q: (n,) in [rad] or [m].
+            near: (n,) in [rad] or [m].
+        """
         if not self.endless.any():
             return q
         turns = np.round((near - q) / (2.0 * np.pi))
@@ -138,7 +143,11 @@ class ArmModel:
         return placement.copy()
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """(6, n): velocity of the tip [m/s; rad/s], in the axes of `base`, for each joint's [rad/s]."""
+        """Return the Jacobian (6, n) at joint angles `q` (n,), in [rad] or [m].
+
+        Its rows are the velocity of the tip in the axes of `base`, [m/s] above and [rad/s] below, for each
+        joint's [rad/s] or [m/s].
+        """
         aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         root_J = pin.computeFrameJacobian(self._model, self._data, self.ordered(q), self._tip_id, aligned)
         root_J = self.of_arm(root_J.reshape(6, -1))  # Pinocchio gives a single column as (6,)
@@ -146,7 +155,9 @@ class ArmModel:
         return np.vstack((turn @ root_J[:3], turn @ root_J[3:]))
 
     def gravity_torque(self, q: FloatArray) -> FloatArray:
-        """Torques (n,) in [Nm] that carry the arm's own weight, the base upright."""
+        """Return the torques (n,) in [Nm] that carry the arm's own weight at `q` (n,), in [rad] or [m], the
+        base upright.
+        """
         return self.of_arm(pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q)))
 
     def own_gravity_torques(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -159,36 +170,50 @@ class ArmModel:
         return torques[self._order], torques[self._led]
 
     def load_torque(self, q: FloatArray, point: FloatArray, mass: float) -> FloatArray:
-        """Torques (n,) in [Nm] that carry a `mass` in [kg] held by the tip at a `point` (3,) of `base`."""
+        """Return the torques (n,) in [Nm] that carry a load held by the tip, the base upright.
+
+        Args:
+            q: (n,) joint angles in [rad] or [m].
+            point: (3,) middle of mass in `base`, in [m].
+            mass: in [kg].
+        """
         jacobian = self.jacobian(q)
         arm = point - self.forward(q)[:3, 3]
         rises = jacobian[2] + jacobian[3] * arm[1] - jacobian[4] * arm[0]
         return np.asarray(mass * _GRAVITY * rises)
 
     def manipulability(self, q: FloatArray) -> float:
-        """Smallest singular value of the Jacobian (0 at a singularity), with 1 m weighed as 1 rad."""
+        """Return the smallest singular value of the Jacobian at `q` (n,), in [rad]; 0 at a singularity.
+
+        A metre is weighed as a radian.
+        """
         return float(np.linalg.svd(self.jacobian(q), compute_uv=False)[-1])
 
     def inverse(
         self, base_T_tip: Transform, near: FloatArray, restarts: int = 20, seed: int = 0
     ) -> FloatArray | None:
-        """Joint angles (n,) within the limits that put the tip at `base_T_tip` (4, 4), or None.
+        """Return joint angles (n,) within the limits that put the tip at a pose; None if none was found.
 
-        The descent from `near` (n,) is taken when it arrives. Otherwise `restarts` seeded random starts are
-        tried, those closest to `near` first. Continuous joints are in the turn nearest to `near`.
+        The descent from `near` is taken when it arrives. Continuous joints are in the turn nearest to `near`.
+
+        Args:
+            base_T_tip: (4, 4) pose of the tip.
+            near: (n,) start of the first descent, in [rad] or [m].
+            restarts: number of random starts tried otherwise, those closest to `near` first.
+            seed: seed of the random starts.
         """
         return next(self.solutions(base_T_tip, near, restarts, seed), None)
 
     def solutions(
         self, base_T_tip: Transform, near: FloatArray, restarts: int = 20, seed: int = 0
     ) -> Iterator[FloatArray]:
-        """Yield different joint angles (n,) for one pose, as they are found.
+        """Yield different joint angles (n,), in [rad] or [m], for one pose, as they are found.
 
         Args:
             base_T_tip: (4, 4) pose of the tip.
-            near: (n,) start of the first descent.
+            near: (n,) start of the first descent, in [rad] or [m].
             restarts: number of random starts that follow, those closest to `near` first.
-            seed: of the random starts.
+            seed: seed of the random starts.
         """
         target, found = self._root_T_base * pin.SE3(base_T_tip), list[FloatArray]()
         for start in self._all_starts(target, near, restarts, seed):
@@ -207,7 +232,11 @@ class ArmModel:
         yield from sorted(starts, key=lambda start: float(np.linalg.norm(start - near)))
 
     def link_poses(self, q: FloatArray) -> FloatArray:
-        """base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order."""
+        """Return base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order.
+
+        Args:
+            q: (n,) joint angles in [rad] or [m].
+        """
         pin.forwardKinematics(self._model, self._data, self.ordered(q))
         joints, rows, joint_T_bodies = self._mounts
         base_T_joints = np.array([(self._base_T_root * self._data.oMi[j]).homogeneous for j in joints])
@@ -223,13 +252,21 @@ class ArmModel:
         return joints.astype(int).tolist(), rows, placements
 
     def link_shapes(self, q: FloatArray) -> list[Shape]:
-        """Return all collision bodies of the robot, posed in `base`, each named after its link."""
+        """Return all collision bodies of the robot, posed in `base`, each named after its link.
+
+        Args:
+            q: (n,) joint angles in [rad] or [m].
+        """
         names = [self._model.frames[body.parentFrame].name for body in self._geometry.geometryObjects]
         bodies = zip(self._geometry.geometryObjects, names, self.link_poses(q), strict=True)
         return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]
 
     def moved_shapes(self, q: FloatArray) -> list[Shape]:
-        """Return those of `link_shapes` that the arm moves."""
+        """Return those of `link_shapes` that the arm moves.
+
+        Args:
+            q: (n,) joint angles in [rad] or [m].
+        """
         bodies = zip(self._geometry.geometryObjects, self.link_shapes(q), strict=True)
         return [shape for body, shape in bodies if body.parentJoint > 0]
 
@@ -247,7 +284,9 @@ class ArmModel:
         return frame.parentJoint, frame.placement
 
     def ordered(self, q: FloatArray) -> FloatArray:
-        """Return the angles (m,) of all movable joints, in Pinocchio's order, given those of the arm (n,)."""
+        """Return the positions (m,) of all movable joints, in Pinocchio's order, for those of the arm (n,);
+        in [rad] or [m].
+        """
         if self._spread is not None:
             return np.asarray(self._spread @ q + self._offset)
         result = np.empty(self.dof)
@@ -255,7 +294,9 @@ class ArmModel:
         return result
 
     def ordered_rates(self, rates: FloatArray) -> FloatArray:
-        """Return the same of speeds or accelerations (n,)."""
+        """Return speeds or accelerations (m,) in Pinocchio's order for those of the arm (n,), in the same
+        units.
+        """
         return self.ordered(rates) - self._offset
 
     def effort_limits(self) -> FloatArray:
@@ -264,9 +305,10 @@ class ArmModel:
         return limits
 
     def of_arm(self, columns: FloatArray) -> FloatArray:
-        """Return torques or columns (..., n) of the arm's joints for those (..., m) in Pinocchio's order.
+        """Return torques in [Nm], or columns of a matrix, (..., n) of the arm's joints for those (..., m) in
+        Pinocchio's order.
 
-        A joint carries what those carry that follow it.
+        A joint carries the torques of those that follow it.
         """
         if self._spread is not None:
             return np.asarray(columns @ self._spread)

@@ -46,7 +46,13 @@ def checksum(body: bytes) -> int:
 
 
 def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
-    """Return a line as a sensor sends it, its end included."""
+    """Return a line as a sensor sends it, with checksum and line end.
+
+    Args:
+        kind: name of the kind of line.
+        stamp: the sensor's clock, as an integer.
+        values: (n,) in the units of the kind; infinity is sent as an empty field.
+    """
     fields = ",".join("" if each == math.inf else f"{each:.4f}" for each in values)
     body = f"{kind},{stamp},{fields}".encode()
     return b"$%b*%02X\n" % (body, checksum(body))

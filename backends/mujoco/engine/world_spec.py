@@ -85,7 +85,15 @@ class WorldSpec:
     def tile(
         self, number: int, corner: FloatArray, cell: float, heights: FloatArray, friction: float
     ) -> None:
-        """Rough ground; see `Engine.add_tile`."""
+        """Add a square of rough ground; see `Engine.add_tile`.
+
+        Args:
+            number: number of the tile, for its name.
+            corner: (2,) least x and y in the world, in [m].
+            cell: distance of neighbouring heights, in [m].
+            heights: (k, k) in [m], a row for each y.
+            friction: coefficient of friction, without unit.
+        """
         low, span = float(heights.min()), max(float(np.ptp(heights)), 1e-6)
         half = cell * (len(heights) - 1) / 2
         field = self.spec.add_hfield(
@@ -170,7 +178,7 @@ def where(pose: Transform) -> dict[str, Any]:
 
 
 def quaternion(pose: Transform) -> FloatArray:
-    """Return (4,) w, x, y, z of a pose (4, 4)."""
+    """Return the orientation of a pose (4, 4) as a unit quaternion (4,): w, x, y, z."""
     return np.asarray(Rotation.from_matrix(pose[:3, :3]).as_quat()[[3, 0, 1, 2]])
 
 

@@ -60,15 +60,15 @@ class ThingBody:
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
     def first_picture(self) -> ByteArray:
-        """Return the picture of its faces at its creation."""
+        """Return the picture (h, w), grey, that its faces show parts of at its creation."""
         return _picture(self.thing.faces(), self.thing.grey)
 
     def printed(self) -> ByteArray:
-        """Return the picture of its faces for a close camera."""
+        """Return the picture (h, w), grey, that its faces show to a close camera."""
         return self.first_picture()
 
     def portrait(self) -> ByteArray | None:
-        """Return the coloured picture for people; None if all faces are plain."""
+        """Return the picture (h, w, 3) in RGB that people see; None if all faces are plain."""
         faces, material = self.thing.faces(), self.thing.material
         if not faces:
             return None
@@ -84,7 +84,9 @@ class ThingBody:
         return False
 
     def look(self, eye: FloatArray) -> None:
-        """Prepare its appearance for a picture taken from `eye` (3,), in [m]."""
+        """Show its faces as a camera at `eye` (3,), in the world in [m], should see them; called before each
+        picture.
+        """
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:

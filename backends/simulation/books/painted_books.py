@@ -212,7 +212,7 @@ def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light:
 
 @lru_cache(maxsize=512)
 def spine_levels(spec: BookSpec) -> list[tuple[ByteArray, float]]:
-    """Return a book's spine in falling resolution, each with its metres a pixel."""
+    """Return a book's spine (h, w), grey, in falling resolution, each with the size of its pixels, in [m]."""
     shown = None if spec.tag == "none" else spec.accession
     picture = draw_spine(
         spec.thickness_mm,

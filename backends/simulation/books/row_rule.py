@@ -97,7 +97,14 @@ class RowRule(HandRule):
         return Met(joints) if self._front is None else self._stop_at_row(self._front, start, joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """See `HandRule`: a book in its slot aligns; gives the slot's force on the hand."""
+        """Align a held book with its slot; return the slot's force (3,) on the hand, in the hand's frame, in
+        [N].
+
+        Args:
+            thing: the held object.
+            world_T_hand: (4, 4) pose of the hand.
+            start: (n,) joints at the start of the period, in [rad] or [m].
+        """
         self.strain = 0.0
         if self.entry is None or not self.entry.admitted or not isinstance(thing, SimulatedBook):
             return np.zeros(3)
@@ -141,7 +148,11 @@ class RowRule(HandRule):
         return slot
 
     def front(self, joints: FloatArray) -> Front | None:
-        """Return the shelf right before the hand, if the hand points into one."""
+        """Return the shelf right before the hand; None if the hand does not point into one.
+
+        Args:
+            joints: (n,) posture of the arm, in [rad] or [m].
+        """
         world_T_hand = self._scene.world_T_base @ self._arm.forward(joints)
         for shelf in self._books.shelves.values():
             S_T_hand = shelf.inverse_pose @ world_T_hand

@@ -90,10 +90,17 @@ def draw_label(
     width_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
 ) -> SingleArray:
-    """Return the paper label with `text` turned 90 degrees clockwise (it reads top to bottom), `width_mm`
-    across the spine, on one line or each word on its own.
+    """Return the paper label (h, w), grey, with a text turned 90 degrees clockwise: it reads top to bottom.
 
-    Raises ValueError for a text too long for the longest label.
+    Args:
+        text: printed on the label.
+        font: name of a font of matplotlib, or path of a file.
+        px_per_mm: resolution, in [px/mm].
+        width_mm: width across the spine.
+        lines: 1, or one line for each word.
+
+    Raises:
+        ValueError: the text is too long for the longest label.
     """
     cap = CAP_HEIGHTS[lines] * width_mm * px_per_mm
     face, page_words = (

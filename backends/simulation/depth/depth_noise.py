@@ -45,7 +45,7 @@ class DepthNoise:
         return depth.astype(np.float32)
 
     def steps(self, true: FloatArray) -> BoolArray:
-        """Return (h, w) whether a pixel is too near to a step in depth."""
+        """Return a mask (h, w), True for pixels too near to a step in the true depth (h, w), in [m]."""
         if self._errors.edge_px == 0:
             return np.zeros(true.shape, np.bool_)
         share = 1.0 + self._errors.edge_step_percent / 100
@@ -59,7 +59,9 @@ class DepthNoise:
         return cv2.dilate(found.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
 
     def grazing(self, true: FloatArray) -> BoolArray:
-        """Return (h, w) whether a surface is seen at too flat an angle."""
+        """Return a mask (h, w), True where a surface of the true depth (h, w), in [m], is seen at too flat an
+        angle.
+        """
         if self._errors.grazing_deg >= 90.0:
             return np.zeros(true.shape, np.bool_)
         points = self._rays * np.where(np.isfinite(true), true, 1e3)[..., None]

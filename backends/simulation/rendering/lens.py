@@ -51,7 +51,9 @@ class Lens:
         return (1.0 + self._errors.light_gradient * across).astype(np.float32)
 
     def take(self, ideal: ByteArray, period: int) -> ByteArray:
-        """Return the picture taken, (height, width), of an ideal one (`size`)."""
+        """Return the picture (h, w), grey, that the lens makes of an ideal one (`size`), with the noise of a
+        period.
+        """
         picture = cv2.remap(ideal, self._maps[0], self._maps[1], cv2.INTER_LINEAR)
         if self._errors.image_blur_px > 0.0:
             picture = cv2.GaussianBlur(picture, (5, 5), self._errors.image_blur_px)

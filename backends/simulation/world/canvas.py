@@ -31,18 +31,23 @@ class Canvas:
         self._projection = K @ self._turn.T
 
     def seen_from_front(self, corner: FloatArray, normal: FloatArray) -> bool:
-        """Return whether the camera is on the side of a face that its normal points to."""
+        """Return whether the camera is on the side of a face that its normal points to.
+
+        Args:
+            corner: (3,) any point of the face in the world, in [m].
+            normal: (3,) in the world, of any length.
+        """
         return bool((self.eye - corner) @ normal > 0.0)
 
     def shows_none(self, corners: FloatArray) -> bool:
-        """Return whether a convex body with these corners (n, 3) in the world is surely outside the
+        """Return whether a convex body with these corners (n, 3), in the world in [m], is surely outside the
         picture.
         """
         rays = (corners - self.eye) @ self._projection.T
         return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
 
     def polygon(self, corners: FloatArray, grey: int) -> None:
-        """Draw a flat convex face in one shade, with corners (n, 3) in the world."""
+        """Paint a flat convex face with corners (n, 3), in the world in [m], in one grey from 0 to 255."""
         rays = (corners - self.eye) @ self._projection.T
         if (rays[:, 2] < _NEAREST).any():
             rays = _before(rays)

@@ -40,22 +40,27 @@ class HandRule:
     """Name of the body that then stops it."""
 
     def aim(self, joints: FloatArray) -> None:
-        """Receive the joints (n,) that the arm is commanded to."""
+        """Note the joints (n,), in [rad] or [m], that the arm moves towards."""
 
     def decides(self, body: str, other: str) -> bool:
         """Return whether this rule, instead of rigid geometry, handles a pair of bodies."""
         return False
 
     def meet(self, start: FloatArray, joints: FloatArray) -> Met:
-        """Return how far the arm gets from `start` towards `joints`, (n,) each; move the things that
-        yield.
+        """Return how far the arm gets from `start` towards `joints`, (n,) each in [rad] or [m]; move the
+        things that yield.
         """
         return Met(joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """Correct the pose of `thing`, which the hand holds and has moved.
+        """Correct the pose of the held object after the hand has moved it; return the force (3,) on the hand.
 
-        Gives the force (3,) in [N] on the hand, in its frame. `start` (n,) are the joints it comes from.
+        The force is in the hand's frame, in [N].
+
+        Args:
+            thing: the held object.
+            world_T_hand: (4, 4) pose of the hand.
+            start: (n,) joints at the start of the period, in [rad] or [m].
         """
         return np.zeros(3)
 

@@ -87,8 +87,12 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
 
 
 def picture_levels(picture: ByteArray, width: float, height: float) -> Levels:
-    """Return a picture that fills a face of that size in [m], its pixels made square, in falling
-    resolution.
+    """Return a grey picture (h, w) in falling resolution, its pixels made square.
+
+    Args:
+        picture: (h, w), fills the face.
+        width: width of the face, in [m].
+        height: height of the face, in [m].
     """
     metres = min(width / picture.shape[1], height / picture.shape[0])
     size = (max(1, round(width / metres)), max(1, round(height / metres)))

@@ -116,7 +116,7 @@ class FloorPlan:
         return present
 
     def local(self, x: float, y: float) -> FloatArray:
-        """Return a point of the floor in the frames of all outlines, (n, 2)."""
+        """Return a point of the floor, x and y in [m], in the frames of all outlines: (n, 2) in [m]."""
         dx, dy = x - self.middle[:, 0], y - self.middle[:, 1]
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 

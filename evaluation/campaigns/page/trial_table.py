@@ -94,7 +94,7 @@ class TrialTable:
 
 
 def constant(values: FloatArray) -> bool:
-    """Return whether all values that are there are the same."""
+    """Return whether all finite values of a column (n,) are the same."""
     there = values[np.isfinite(values)]
     return not len(there) or bool((there == there[0]).all())
 

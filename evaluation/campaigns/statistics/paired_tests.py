@@ -32,7 +32,7 @@ def mcnemar(only_one: int, only_other: int) -> float:
 
 
 def signed_rank(differences: FloatArray) -> float:
-    """Return the two-sided p-value that a metric's differences, (n,), are symmetric about 0, by Wilcoxon
+    """Return the two-sided p-value that differences (n,) of a metric are symmetric about 0, by Wilcoxon
     (1945).
     """
     there = differences[differences != 0.0]

@@ -58,7 +58,14 @@ def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, fl
 
 
 def beside(spec: RobotFile, joints: FloatArray, number: int, way: float) -> FloatArray:
-    """Return joints (n,) with one moved by `way`, or back by it if its limit is too near."""
+    """Return joints (n,), in [rad] or [m], with one moved by `way`, or back by it if its limit is too near.
+
+    Args:
+        spec: the robot's file.
+        joints: (n,) in [rad] or [m].
+        number: index of the joint to move.
+        way: in [rad] or [m].
+    """
     model, goal = spec.arm_model(), joints.copy()
     goal[number] += way
     if not model.within(goal):
@@ -83,7 +90,7 @@ def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHE
 
 
 def all_readings(backend: Backend) -> dict[str, FloatArray]:
-    """Return every reading of this period, by capability and method: "arm joints"."""
+    """Return every reading (n,) of this period in its units, by capability and method: "arm joints"."""
     result: dict[str, FloatArray] = {}
     for part in backend.capabilities():
         for method, reading in part.READINGS.items():

@@ -33,7 +33,7 @@ class PlacementScores(NamedTuple):
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 
     def only(self, kept: BoolArray | IndexArray) -> PlacementScores:
-        """Return some of the placements, by mask or number."""
+        """Return the scores of some placements, chosen by a mask (b,) or by their numbers (k,)."""
         joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
         return PlacementScores(
             np.asfortranarray(self.values[kept]), np.asfortranarray(self.usable[kept]), joined

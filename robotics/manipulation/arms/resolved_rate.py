@@ -52,7 +52,7 @@ class ResolvedRate:
         return float(np.hypot(*(self._end - self._arm.tip(q))))
 
     def astray(self, q: FloatArray) -> float:
-        """Distance of the tip from the line, in [m]."""
+        """Return the distance of the tip from the line at joint angles `q` (2,) in [rad], in [m]."""
         return float(np.hypot(*self._aside(self._arm.tip(q))))
 
     def command(self, q: FloatArray, dt: float) -> FloatArray:
@@ -75,8 +75,12 @@ class ResolvedRate:
 
 
 def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray | None:
-    """Return (n, 2) postures of a straight line of the tip from `q` to `target`, or None if it leaves the
-    limits.
+    """Return postures (n, 2), in [rad], along a straight line of the tip; None if it leaves the limits.
+
+    Args:
+        arm: the arm.
+        q: (2,) or (3,) joints at the start, the angles in [rad] first.
+        target: (2,) end of the line in the arm's plane, in [m].
     """
     start = arm.tip(q)
     count = max(1, math.ceil(float(np.hypot(*(target - start))) / CHECK_STEP_M))
@@ -87,11 +91,16 @@ def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray |
 
 
 def way_to(arm: Scara, q: FloatArray, target: FloatArray) -> list[FloatArray] | None:
-    """Return positions (2,) in [m] to lead the tip through by straight lines to a target; None if out of
-    reach.
+    """Return positions (2,) in the arm's plane, in [m], to lead the tip through by straight lines to a
+    target.
 
-    One line if it keeps the limits; otherwise a chain of short ones that swings around the shoulder while
-    it reaches out or in.
+    One line if it keeps the limits; otherwise a chain of short ones that swings around the shoulder while it
+    reaches out or in. None if the target is out of reach.
+
+    Args:
+        arm: the arm.
+        q: (2,) or (3,) joints at the start, the angles in [rad] first.
+        target: (2,) in the arm's plane, in [m].
     """
     goal = arm.inverse(target)
     if goal is None:

@@ -56,7 +56,9 @@ class Scara(NamedTuple):
         )
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """Return (2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected)."""
+        """Return the Jacobian (2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected), at `q`
+        (2,) in [rad].
+        """
         one, both = float(q[0]), float(q[0] + q[1])
         across, along = self.fore * math.sin(both), self.fore * math.cos(both)
         return np.array(
@@ -82,7 +84,7 @@ class Scara(NamedTuple):
         return q if self.within(q, working=True) else None
 
     def within(self, q: FloatArray, working: bool = False) -> bool:
-        """Return True if angles (2,) keep the limits, those of working targets if `working`."""
+        """Return True if angles `q` (2,), in [rad], keep the limits (of working targets if `working`)."""
         low, high = self.theta1_working if working else self.theta1
         inside = low - 1e-9 <= q[0] <= high + 1e-9
         return bool(inside and self.theta2[0] - 1e-9 <= q[1] <= self.theta2[1] + 1e-9)
@@ -126,10 +128,14 @@ class Scara(NamedTuple):
 
 
 def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
-    """Return (3,) a world's point (3,) in [m] seen from a base at `pose` on the ground, roll and pitch in
-    [rad].
+    """Return a point (3,) of the world in the frame of a base on the ground, in [m].
 
     A slide on a base that is 2.5 degrees askew comes down 17 mm beside, 0.4 m lower: the arm has to know.
+
+    Args:
+        pose: world_T_base on the ground.
+        tilt: roll and pitch of the base, in [rad].
+        point: (3,) in the world, in [m].
     """
     away = np.asarray(point, dtype=np.float64) - (pose.x, pose.y, 0.0)
     seen: FloatArray = _world_R_base(pose, tilt).T @ away
@@ -137,7 +143,13 @@ def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> 
 
 
 def base_to_world(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
-    """Return (3,) the reverse of `world_to_base`."""
+    """Return a point (3,) of the base frame in the world, in [m]: the reverse of `world_to_base`.
+
+    Args:
+        pose: world_T_base on the ground.
+        tilt: roll and pitch of the base, in [rad].
+        point: (3,) in the base frame, in [m].
+    """
     out: FloatArray = _world_R_base(pose, tilt) @ np.asarray(point, dtype=np.float64) + (pose.x, pose.y, 0.0)
     return out
 

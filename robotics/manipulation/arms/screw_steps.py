@@ -24,7 +24,9 @@ _LONGEST_STEP = 0.5  # [rad]
 
 @compiled
 def turn_matrix(axis: FloatArray, angle: float, out: FloatArray) -> None:
-    """Write the rotation (3, 3) around a unit vector into `out` (Rodrigues' formula)."""
+    """Write the rotation (3, 3) by an angle in [rad] around a unit vector `axis` (3,) into `out` (Rodrigues'
+    formula).
+    """
     s, c = math.sin(angle), math.cos(angle)
     d = 1.0 - c
     x, y, z = axis[0], axis[1], axis[2]
@@ -49,7 +51,16 @@ def tip_and_jacobian(
     pose: FloatArray,
     jacobian: FloatArray,
 ) -> None:
-    """base_T_tip (4, 4) into `pose` and (6, n), in the axes of the base, into `jacobian`."""
+    """Write base_T_tip (4, 4) into `pose`, and the Jacobian (6, n), in the axes of the base, into `jacobian`.
+
+    Args:
+        axes: (n, 3) axes of the joints at zero, in the base frame.
+        points: (n, 3) a point on each axis, in [m].
+        tip: (4, 4) base_T_tip at zero.
+        q: (n,) angles in [rad].
+        pose: (4, 4), written.
+        jacobian: (6, n), written: [m/rad] above, [rad/rad] below.
+    """
     n = len(q)
     turned, step, product = np.eye(3), np.empty((3, 3)), np.empty((3, 3))
     moved, offset = np.zeros(3), np.empty(3)
@@ -83,8 +94,14 @@ def tip_and_jacobian(
 
 @compiled
 def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArray) -> None:
-    """Write the error (6,) to the target, without a free turn, into `error`, in [m; rad] and the axes of the
-    base.
+    """Write the error of a pose to a target, without a free turn, into `error` (6,): [m] and [rad] in the
+    axes of the base.
+
+    Args:
+        pose: (4, 4) base_T_tip.
+        target: (4, 4) wanted base_T_tip.
+        free: 1 if the turn around the tool's z is free, 0 if not, 2 if that around its x is.
+        error: (6,), written.
     """
     goal = target[:3, :3].copy()
     if free == 1:
@@ -124,7 +141,13 @@ def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArra
 
 @compiled
 def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
-    """Remove the free turn from columns (6, k), in place."""
+    """Remove the free turn from the columns of `rows` (6, k), [m] above and [rad] below, in place.
+
+    Args:
+        pose: (4, 4) base_T_tip, whose axis is free.
+        free: number of the free turn, 0 if none is.
+        rows: (6, k), changed.
+    """
     if free == 0:
         return
     x, y, z = (0.0, 0.0, 1.0) if free == 1 else (pose[0, 0], pose[1, 0], pose[2, 0])
@@ -204,9 +227,20 @@ def descend(
     pose: FloatArray,
     jacobian: FloatArray,
 ) -> bool:
-    """Damped least squares from `q` (n,), in place, limits clamped; whether it arrived.
+    """Descend to a target by damped least squares from `q`, within limits; return whether it arrived.
 
-    `pose` and `jacobian` are left as they are at `q`.
+    Args:
+        axes: (n, 3) axes of the joints at zero, in the base frame.
+        points: (n, 3) a point on each axis, in [m].
+        tip: (4, 4) base_T_tip at zero.
+        lower: (n,) limits in [rad].
+        upper: (n,) limits in [rad].
+        target: (4, 4) wanted base_T_tip.
+        free: number of the free turn, 0 if none is.
+        iterations: largest number of steps.
+        q: (n,) start in [rad]; the result is written into it.
+        pose: (4, 4) base_T_tip at the result, written.
+        jacobian: (6, n) at the result, written.
     """
     n = len(q)
     error, matrix, right = np.empty((6, 1)), np.empty((n, n)), np.empty(n)

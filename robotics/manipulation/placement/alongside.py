@@ -13,7 +13,8 @@ from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .placement_division import PathSegment
-from .placer import Blocked, Free, Placements, Placer
+from .placements import Placements
+from .placer import Blocked, Free, Placer
 
 _STEP = 0.1  # [m] between the places that are tried
 _FEW, _POINTS = 6, 60  # of a path, at most, that are scored: first from all places, then from the best
@@ -33,9 +34,13 @@ class Leg(NamedTuple):
 
 
 def level_with(start: Pose2, points: FloatArray) -> FloatArray:
-    """Return poses (p, 3) of a base that drives straight on from `start`, level with points (p, 3) of a path.
+    """Return poses (p, 3) of a base that drives straight on from `start`, level with points of a path.
 
-    If the path leads backwards, so does the base.
+    If the path leads backwards, so does the base. Poses are x, y in [m] and heading in [rad].
+
+    Args:
+        start: world_T_base at the first point.
+        points: (p, 3) in the world, in [m].
     """
     ahead = np.array([np.cos(start.theta), np.sin(start.theta)])
     along = (points[:, :2] - points[0, :2]) @ ahead
@@ -43,7 +48,12 @@ def level_with(start: Pose2, points: FloatArray) -> FloatArray:
 
 
 def seen_from(bases: FloatArray, path: ToolPath) -> ToolPath:
-    """Return a path as a base sees it that is at one of the poses (p, 3) at each of its points."""
+    """Return a path as seen from a moving base.
+
+    Args:
+        bases: (p, 3) world_T_base at each point of the path: x, y in [m], heading in [rad].
+        path: path of the tool in the world.
+    """
     cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
     turned = np.zeros((len(bases), 3, 3))
     turned[:, 0, 0], turned[:, 0, 1], turned[:, 1, 0], turned[:, 1, 1] = cos, sin, -sin, cos

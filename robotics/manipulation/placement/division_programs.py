@@ -16,7 +16,15 @@ from handcart.robotics.numerics.compiled import compiled, compiled_for
 def layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
 ) -> IntArray:
-    """Return the placement (p-1,) of each step, at most `count` one after the other."""
+    """Return the placement (p-1,) of each step of the division with the greatest integral.
+
+    Args:
+        values: (p, b) scores of points from placements, from 0 to 1.
+        usable: (p, b) True where a placement reaches a point.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        steps: (p-1,) lengths of the steps, in [m].
+        count: largest number of placements, one after the other.
+    """
     points, bases = values.shape
     best = np.full((count, bases), -np.inf)
     stays = np.zeros((points - 1, count, bases), dtype=np.bool_)
@@ -62,7 +70,16 @@ def _backwards(stays: BoolArray, tops: FloatArray, holders: IntArray) -> IntArra
 def cheapest_layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, cost: float
 ) -> IntArray:
-    """Return the placement (p-1,) of each step, each change costing `cost`."""
+    """Return the placement (p-1,) of each step of the division with the greatest integral less the cost of
+    moves.
+
+    Args:
+        values: (p, b) scores of points from placements, from 0 to 1.
+        usable: (p, b) True where a placement reaches a point.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        steps: (p-1,) lengths of the steps, in [m].
+        cost: price of a change of placement, in [m].
+    """
     points, bases = values.shape
     best = np.full(bases, -np.inf)
     stays = np.zeros((points - 1, bases), dtype=np.bool_)
@@ -94,8 +111,14 @@ def cheapest_layers(
 
 @compiled_for("(b1[:,::1], b1[:,::1], i8)")
 def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int, int]:
-    """Return the placement that gets farthest from the point `first`, and where to; `first` where none
-    does.
+    """Return the placement that gets farthest from the point `first`, and the last point of its run.
+
+    That point is `first` if no placement continues.
+
+    Args:
+        usable: (p, b) True where a placement reaches a point.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        first: index of the point where the run begins.
     """
     placement, farthest = -1, first
     for b in range(usable.shape[1]):
@@ -107,7 +130,15 @@ def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int,
 
 @compiled
 def segment_score(values: SingleArray, steps: FloatArray, placement: int, first: int, last: int) -> float:
-    """Integral of the scores of one placement between two points."""
+    """Return the integral of one placement's scores between two points, in [m].
+
+    Args:
+        values: (p, b) scores of points from placements, from 0 to 1.
+        steps: (p-1,) lengths of the steps, in [m].
+        placement: column of the placement.
+        first: index of the first point.
+        last: index of the last point.
+    """
     total = 0.0
     for j in range(first, last):
         total += 0.5 * steps[j] * (values[j, placement] + values[j + 1, placement])
@@ -116,7 +147,14 @@ def segment_score(values: SingleArray, steps: FloatArray, placement: int, first:
 
 @compiled
 def run_end(usable: BoolArray, joined: BoolArray, first: int, placement: int) -> int:
-    """Return the last point of the run of a placement that begins at the point `first`."""
+    """Return the index of the last point of the run of a placement that begins at the point `first`.
+
+    Args:
+        usable: (p, b) True where a placement reaches a point.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        first: index of the point where the run begins.
+        placement: column of the placement.
+    """
     if not usable[first, placement]:
         return first
     last = first

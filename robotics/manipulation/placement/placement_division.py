@@ -81,7 +81,12 @@ def best_division(scores: PlacementScores, lengths: FloatArray, count: int) -> D
 
 
 def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: float) -> Division:
-    """Return the division with the greatest integral less `cost`, in [m], for each move of the base: exact.
+    """Return the division with the greatest integral less `cost` for each move of the base: exact.
+
+    Args:
+        scores: scores of the placements.
+        lengths: (p,) arc length of the points, in [m].
+        cost: price of a move of the base, in [m].
 
     Raises:
         Untrackable: no set of placements tracks the path.
@@ -93,7 +98,16 @@ def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: fl
 def score_arrays(
     scores: PlacementScores, lengths: FloatArray
 ) -> tuple[SingleArray, BoolArray, BoolArray, FloatArray]:
-    """Return (p, b) values and usable, (p-1, b) joined (or empty), (p-1,) lengths of steps."""
+    """Return the contiguous arrays of scores that compiled functions take.
+
+    Args:
+        scores: scores of the placements.
+        lengths: (p,) arc length of the points, in [m].
+
+    Returns:
+        Scores (p, b) and where they are usable (p, b), joined steps (p-1, b) or an empty array, and lengths
+        of the steps (p-1,) in [m].
+    """
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (
         np.ascontiguousarray(scores.values.T),
@@ -133,6 +147,12 @@ def _division(placements: IntArray, scores: PlacementScores, lengths: FloatArray
 
 
 def score_segments(segments: Sequence[PathSegment], values: SingleArray, steps: FloatArray) -> Division:
-    """Return the division into the given segments, with its integral."""
+    """Return the division into the given segments, with its integral in [m].
+
+    Args:
+        segments: parts of the path, in order.
+        values: (p, b) scores of points from placements, from 0 to 1.
+        steps: (p-1,) lengths of the steps, in [m].
+    """
     score = sum(segment_score(values, steps, *segment) for segment in segments)
     return Division(tuple(segments), float(score))

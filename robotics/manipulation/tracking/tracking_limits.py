@@ -41,14 +41,19 @@ class ArmLoad:
         self.torque: FloatArray = arm.effort_limits()
 
     def torques(self, q: FloatArray, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
-        """Return (n,) in [Nm] at angles (n,), speeds in [rad/s] and accelerations in [rad/s²]."""
+        """Return the torques (n,), in [Nm], at angles (n,) in [rad], speeds (n,) in [rad/s] and accelerations
+        (n,) in [rad/s²].
+        """
         arm = self._arm
         moved = arm.ordered(q), arm.ordered_rates(speed), arm.ordered_rates(acceleration)
         return arm.of_arm(pin.rnea(self._model, self._data, *moved))
 
     def push(self, q: FloatArray, force: FloatArray) -> FloatArray:
-        """Return the torques (n,) in [Nm] for a force (3,) of the tool on its surroundings, in [N] and the
-        base's axes.
+        """Return the torques (n,) in [Nm] for a force (3,) of the tool on its surroundings.
+
+        Args:
+            q: (n,) joint angles in [rad].
+            force: (3,) in [N], in the base's axes.
         """
         return np.asarray(self._arm.jacobian(q)[:3].T @ force)
 

@@ -138,9 +138,11 @@ def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) ->
 
 @compiled
 def read_distance(distance: SingleArray, at: FloatArray) -> FloatArray:
-    """Return (n,) distance (h, w) of the cells at columns and rows (n, 2), bilinear; inf outside.
+    """Return distances (n,), in [cells], interpolated bilinearly; infinity outside.
 
-    Cell centres are at whole numbers.
+    Args:
+        distance: (h, w) of each cell to the nearest surface, in [cells].
+        at: (n, 2) column and row; centres of cells are at whole numbers.
     """
     height, width = distance.shape
     out = np.empty(len(at))
@@ -163,7 +165,8 @@ def read_field(
     at: FloatArray,
     sectors: Int32Array,
 ) -> FloatArray:
-    """Distance in cells, its bilinear slopes along x and y, 1 in solids: (n, 4); inf and zeros outside.
+    """Return (n, 4): distance in [cells], its slopes along x and y, and 1 in solids; infinity and zeros
+    outside.
 
     Args:
         facing: (k, h, w) distances, see `LikelihoodField.facing`.

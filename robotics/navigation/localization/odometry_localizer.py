@@ -107,7 +107,7 @@ class OdometryLocalizer(Localizer):
             self._stands = self._stands.compose(self.pose.relative_to(before))
 
     def correct(self, points: FloatArray) -> bool:
-        """Ignore the scan."""
+        """Ignore a scan (n, 2), in the base frame in [m]; return False."""
         return False
 
     @property
@@ -163,6 +163,9 @@ class OdometryLocalizer(Localizer):
         """Return True if the last two scans of a base at rest fit the map at different places.
 
         The difference between them is added to the pose.
+
+        Args:
+            points: (n, 2) of the scan in the base frame, in [m].
         """
         if self._field is None or len(points) < FEWEST_POINTS:
             return False

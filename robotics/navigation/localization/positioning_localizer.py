@@ -65,7 +65,7 @@ class PositioningLocalizer(Localizer):
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
 
     def correct(self, points: FloatArray) -> bool:
-        """Ignore the scan."""
+        """Ignore a scan (n, 2), in the base frame in [m]; return False."""
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:

@@ -267,10 +267,14 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
 
 
 def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
-    """Return (3, 3) of a prior whose error along the direction says nothing about the rest, if the scan
-    doesn't.
+    """Return a prior's covariance (3, 3) without relation between its error along a direction and the rest.
 
-    The direction is only about right: through such a relation, the scan would seem to determine it.
+    The direction that a scan does not determine is only about right: through such a relation, the scan would
+    seem to determine it.
+
+    Args:
+        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        seen: what the scan determines.
     """
     if seen.share > 0.0:
         return covariance

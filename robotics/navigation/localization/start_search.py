@@ -173,8 +173,15 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
 def score_poses(
     distance: SingleArray, cells: IntArray, turns: FloatArray, points: FloatArray, scale: float
 ) -> FloatArray:
-    """Return (n, m) how near the points, in cells, lie to surfaces, from cells (n, 2) and with headings
-    (m,).
+    """Return how near the points of a scan are to surfaces (n, m), for n cells and m headings; larger is
+    nearer.
+
+    Args:
+        distance: (h, w) of each cell to the nearest surface, in [cells].
+        cells: (n, 2) row and column of the base.
+        turns: (m,) headings in [rad].
+        points: (k, 2) of the scan in the base frame, in [cells].
+        scale: half the distance beyond which a point counts nothing, in [cells].
     """
     height, width = distance.shape
     out = np.zeros((len(cells), len(turns)))
@@ -203,9 +210,17 @@ def trace_ranges(
     resolution: float,
     reach: float,
 ) -> FloatArray:
-    """Return ranges (n,) in [m] from a column and row, as real numbers, along angles of the map in [rad].
+    """Return the ranges (n,), in [m], that the map shows from a place; infinity where it shows nothing in
+    reach.
 
-    Infinity where the map shows nothing within `reach`, in [m].
+    Args:
+        distance: (h, w) of each cell to the nearest surface, in [cells].
+        occupied: (h, w) cells of the map.
+        column: column of the place, a real number.
+        row: row of the place, a real number.
+        angles: (n,) directions on the map, in [rad].
+        resolution: side of a cell, in [m].
+        reach: largest range, in [m].
     """
     height, width = distance.shape
     out = np.empty(len(angles))

@@ -56,23 +56,33 @@ class WatchedMoment(NamedTuple):
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
     def stepped(self, transition: FloatArray) -> Self:
-        """Return the moment after the present states were predicted with `transition` (n, n)."""
+        """Return the moment after the present states, (n,) in any units, were predicted with `transition` (n,
+        n).
+        """
         return type(self)(self.belief, self.shared @ transition.T)
 
     def corrected(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> Self:
-        """Return the moment after readings with `residual` (m,), each of `variance`.
+        """Return the moment after readings that depend on the present states.
 
-        `rows` (m, n) is how they depend on the states now, `covariance` (n, n) that of those without them.
+        Args:
+            covariance: (n, n) of the present states before the readings.
+            rows: (m, n) derivative of the readings by the present states.
+            residual: (m,) readings less their expected values, in their unit.
+            variance: of each reading, in its unit squared.
         """
         (mean, spread), shared = self
         mean, spread, shared = _corrected(mean, spread, shared, covariance, rows, residual, variance)
         return type(self)(Belief(mean, spread), shared)
 
     def corrected_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> Self:
-        """Return the moment after an update before which the states may have changed in one of several
-        ways.
+        """Return the moment after an update before which the states may have changed in one of several ways.
+
+        Args:
+            branches: the ways, each with its weight, transition, residual and covariance.
+            rows: (m, n) derivative of the readings by the present states.
+            variance: of each reading, in its unit squared.
         """
         each = [
             (self if one.transition is None else self.stepped(one.transition)).corrected(
@@ -111,7 +121,12 @@ class WatchedMoment(NamedTuple):
 
 
 def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
-    """Mean and covariance of one of several beliefs, by how likely each is (k,)."""
+    """Return mean and covariance of a mixture of beliefs.
+
+    Args:
+        beliefs: k of them.
+        weights: (k,) probabilities; their sum is 1.
+    """
     means, covariances = np.array([each.mean for each in beliefs]), np.array([b.covariance for b in beliefs])
     mean = weights @ means
     return Belief(mean, spread_about(means - mean, weights, covariances, weights))
@@ -121,8 +136,13 @@ def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
 def spread_about(
     away: FloatArray, weights: FloatArray, covariances: FloatArray, shares: FloatArray
 ) -> FloatArray:
-    """Return (n, n) of a mixture: of its parts (k, n, n) by their shares, and of how far they are away (k,
-    n).
+    """Return the covariance (n, n) of a mixture, in units of the states squared.
+
+    Args:
+        away: (k, n) distances of the parts' means from that of the mixture.
+        weights: (k,) weights of these distances.
+        covariances: (k, n, n) of the parts.
+        shares: (k,) weights of the covariances.
     """
     out = np.zeros(covariances.shape[1:])
     size = away.shape[1]

@@ -97,7 +97,9 @@ def refine_poses(
 
 
 def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
-    """Return (n,) which of poses (n, 3) are at the same place as another one (3,)."""
+    """Return a mask (n,): which poses (n, 3) are at the same place as a pose (3,); x, y in [m], heading in
+    [rad].
+    """
     away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
     turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)
     return np.asarray((away < SAME_M) & (turn < SAME_RAD))

@@ -72,11 +72,10 @@ class GridMap(NamedTuple):
 
 
 def from_occupancy(values: Int8Array, resolution: float, origin: tuple[float, float]) -> GridMap:
-    """Return a map from occupancies (h, w) in percent, row 0 at the bottom: 100 is occupied, 0 free, others
-    unknown.
+    """Return a map from occupancies in percent: 100 is occupied, 0 free, others unknown.
 
     Args:
-        values: as `ros_occupancy` gives them.
+        values: (h, w), row 0 at the bottom, as `ros_occupancy` gives them.
         resolution: side of a cell, in [m].
         origin: lower-left corner, in [m].
     """
@@ -107,7 +106,9 @@ def from_ros(
 
 
 def unknown_read_as_free(image: ByteArray, free_thresh: float, negate: bool = False) -> int:
-    """Count the cells of grey 205 (nothing was measured there) that the threshold turns into free ones."""
+    """Count the cells of an image (h, w) with grey 205 (nothing was measured there) that the threshold turns
+    into free ones.
+    """
     is_free = occupancy_of_levels(negate)[UNKNOWN_GREY] <= free_thresh
     return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
 
@@ -167,7 +168,9 @@ def _draw(grid: GridMap, box: FloorBox) -> None:
 
 
 def occupancy_of_levels(negate: bool) -> FloatArray:
-    """Return (256,) the occupancy, 0 to 1, of each grey level; dark is occupied, unless `negate`."""
+    """Return the occupancy (256,), from 0 to 1 without unit, of each grey level; dark is occupied, unless
+    `negate`.
+    """
     level = np.arange(256) / 255.0
     return level if negate else 1.0 - level
 

@@ -31,7 +31,12 @@ class FieldModel(NamedTuple):
     """Sigma of the estimated roll and pitch, in [rad]: the antenna isn't where it is thought to be."""
 
     def start(self, pose: FloatArray, position_sigma: float) -> tuple[FloatArray, FloatArray]:
-        """Mean (13,) and covariance (13, 13) before the first reading, at a pose (3,)."""
+        """Return mean (13,) and covariance (13, 13) of the states before the first reading, in SI units.
+
+        Args:
+            pose: (3,) field_T_base: x, y in [m], heading in [rad].
+            position_sigma: of x and of y, in [m].
+        """
         noise = self.noise
         mean = np.zeros(STATE_SIZE)
         mean[:3] = pose
@@ -46,7 +51,7 @@ class FieldModel(NamedTuple):
 
     @property
     def figures(self) -> FloatArray:
-        """(11,) for the compiled step."""
+        """Return the figures of the noise (11,), in SI units, for the compiled step."""
         n = self.noise
         ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]
         gyro = [n.gyro_white, n.gyro_walk, n.gyro_warm_up_time]
@@ -55,7 +60,13 @@ class FieldModel(NamedTuple):
     def step(
         self, mean: FloatArray, advance: Advance, new_leg: bool
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Mean (13,), transition (13, 13) and added variances (13,) of one step."""
+        """Return mean (13,), transition (13, 13) and added variances (13,) of one step, in SI units.
+
+        Args:
+            mean: (13,) states before the step.
+            advance: motion in the step.
+            new_leg: True if the base changed its direction of driving.
+        """
         out: tuple[FloatArray, FloatArray, FloatArray] = field_step(
             mean, np.array(advance), new_leg, self.figures
         )
@@ -71,7 +82,14 @@ class FieldModel(NamedTuple):
 def field_step(
     mean: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """See `FieldModel.step`; `advance` as in `Advance`."""
+    """Return mean (13,), transition (13, 13) and added variances (13,) of one step; see `FieldModel.step`.
+
+    Args:
+        mean: (13,) states before the step, in SI units.
+        advance: (6,) fields of `Advance`.
+        new_leg: True if the base changed its direction of driving.
+        figures: (11,) see `FieldModel.figures`.
+    """
     forward, turn, drift, time, rest, _ = advance
     slip, slip_length, turn_slip, side, side_length, side_turning = figures[:6]
     white, walk, warm_up_time, gps, gps_time = figures[6:]
@@ -127,7 +145,15 @@ def field_step(
 def went_on(
     mean: FloatArray, covariance: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean (13,), covariance and transition (13, 13) after a step (see `FieldModel.step`)."""
+    """Return mean (13,), covariance (13, 13) and transition (13, 13) after a step; see `FieldModel.step`.
+
+    Args:
+        mean: (13,) states before the step, in SI units.
+        covariance: (13, 13) before the step.
+        advance: (6,) fields of `Advance`.
+        new_leg: True if the base changed its direction of driving.
+        figures: (11,) see `FieldModel.figures`.
+    """
     mean, transition, added = field_step(mean, advance, new_leg, figures)
     return mean, carried(covariance, transition, added), transition
 
@@ -168,7 +194,13 @@ def fix_forecast(mean: FloatArray, lever: FloatArray, speed: float) -> tuple[Flo
 
 @compiled
 def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -> FloatArray:
-    """Return the covariance (13, 13) after a step."""
+    """Return the covariance (13, 13) after a step, in SI units squared.
+
+    Args:
+        covariance: (13, 13) before the step.
+        transition: (13, 13) derivative of the states by those before.
+        added: (13,) variances that the step adds.
+    """
     out = transition @ covariance @ transition.T
     for i in range(len(added)):
         out[i, i] += added[i]
@@ -179,9 +211,15 @@ def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -
 def corrected(
     mean: FloatArray, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Mean and covariance after readings with `residual` (m,) = reading - forecast, each of `variance`.
+    """Return mean (13,) and covariance (13, 13) after readings; in Joseph's form the covariance stays
+    positive.
 
-    `rows` (m, 13) is how they depend on the states. In Joseph's form the covariance stays positive.
+    Args:
+        mean: (13,) states, in SI units.
+        covariance: (13, 13) of the states.
+        rows: (m, 13) derivative of the readings by the states.
+        residual: (m,) readings less their forecast, in their unit.
+        variance: of each reading, in its unit squared.
     """
     spread = covariance @ rows.T
     seen = rows @ spread

@@ -82,7 +82,12 @@ class FixMonitor:
 
 
 def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return (2,) of which each is one sigma, by the covariance's lower root."""
+    """Return a residual (2,) in sigmas, by the lower root of its covariance.
+
+    Args:
+        residual: (2,) in [m].
+        covariance: (2, 2) in [m²].
+    """
     a = math.sqrt(covariance[0, 0])
     b = covariance[1, 0] / a
     c = math.sqrt(covariance[1, 1] - b * b)

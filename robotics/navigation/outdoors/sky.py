@@ -34,9 +34,15 @@ class Sky(NamedTuple):
         variance: float,
         log_share: float,
     ) -> Sky:
-        """Return the likelihood by a change whose share has that logarithm.
+        """Return the GNSS condition after a possible change of the states, with the likelihood of a fix.
 
-        `rows` (2, 13) is how a fix depends on the states, `variance` its own an axis, in [m²].
+        Args:
+            transition: (13, 13) of the change; None: no change.
+            spread: (13, 13) covariance of the states after it, in SI units.
+            rows: (2, 13) derivative of a fix by the states.
+            residual: (2,) fix less its forecast, in [m].
+            variance: of the fix along each axis, in [m²].
+            log_share: logarithm of the change's probability.
         """
         whole, log_likelihood = _innovation(spread, rows, residual, variance)
         return cls(transition, spread, residual, whole, log_share + log_likelihood)
@@ -44,8 +50,11 @@ class Sky(NamedTuple):
 
 @compiled
 def leapt(covariance: FloatArray, jump: float) -> FloatArray:
-    """Return (13, 13) covariance of the states after the error leapt by `jump` [m] an axis, wherever it
-    was.
+    """Return the covariance (13, 13) of the states after the GNSS error jumped, wherever it was.
+
+    Args:
+        covariance: (13, 13) before, in SI units.
+        jump: sigma of the jump along each axis, in [m].
     """
     out = covariance.copy()
     for state in (GPS_X, GPS_Y):

@@ -60,23 +60,32 @@ class TrackRecord:
         self._starts, self._links, self._latest = self._starts + 1, [], None
 
     def step(self, transition: FloatArray) -> None:
-        """Note that the filter predicted with `transition` (n, n)."""
+        """Record that the filter predicted its n states, in SI units, with `transition` (n, n)."""
         if self._latest is not None:
             self._latest = self._latest.stepped(transition)
 
     def correct(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> None:
-        """Record a correction: readings with `residual` (m,), each of `variance`.
+        """Record readings that the filter is about to use.
 
-        `rows` (m, n) is how they depend on the states, `covariance` (n, n) that of the states now, without
-        them.
+        Args:
+            covariance: (n, n) of the present states before the readings.
+            rows: (m, n) derivative of the readings by the states.
+            residual: (m,) readings less their forecast, in their unit.
+            variance: of each reading, in its unit squared.
         """
         if self._latest is not None:
             self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
     def correct_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> None:
-        """Note an update before which the states may have changed in one of several ways."""
+        """Record an update before which the states may have changed in one of several ways.
+
+        Args:
+            branches: the ways, each with its weight, transition, residual and covariance.
+            rows: (m, n) derivative of the readings by the states.
+            variance: of each reading, in its unit squared.
+        """
         if self._latest is not None:
             self._latest = self._latest.corrected_either(branches, rows, variance)
 

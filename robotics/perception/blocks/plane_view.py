@@ -24,20 +24,29 @@ class PlaneView(NamedTuple):
     camera_T_plane: Transform
 
     def eye(self, pose: Pose2) -> FloatArray:
-        """Return (3,) where the camera is, in the pose's frame: z above the plane."""
+        """Return the position (3,) of the camera in the frame of a pose in the plane, in [m]; z is above the
+        plane.
+        """
         camera_T_pose = self.camera_T_plane @ pose.lift()
         return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])
 
     def pixels(self, pose: Pose2, points: FloatArray) -> FloatArray:
-        """(..., 2) of points (..., 2)."""
+        """Return the pixels (..., 2) of points (..., 2), in [m], in the frame of a pose in the plane."""
         camera_T_pose = self.camera_T_plane @ pose.lift()
         space = points.reshape(-1, 2) @ camera_T_pose[:3, :2].T + camera_T_pose[:3, 3]
         return self.camera.project(space).reshape(points.shape)
 
     def profiles(self, pose: Pose2, first: FloatArray, last: FloatArray, count: int) -> FloatArray | None:
-        """Greys (..., count) along short lines from `first` (..., 2) to `last`; None if one leaves the image.
+        """Return greys (..., count), from 0 to 255, along short lines in the plane; None if one leaves the
+        image.
 
         Only the ends go through the lens: between them a line of a few millimetres is straight.
+
+        Args:
+            pose: pose in the plane, in whose frame the lines are.
+            first: (..., 2) starts of the lines, in [m].
+            last: (..., 2) their ends, in [m].
+            count: number of greys along each line.
         """
         ends = self.pixels(pose, np.stack([first, last]))
         height, width = self.image.shape

@@ -49,11 +49,19 @@ def draw_overlay(
     outlines: Sequence[FloatArray] = (),
     points: FloatArray | None = None,
 ) -> ByteArray:
-    """Return a BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and
-    gaps.
+    """Return a BGR copy (h, w, 3) of an image with detections drawn into it.
 
-    `outlines` (n, 2) in [px] are drawn closed, `points` (n, 2) as small circles. Spines and gaps are in
-    the shelf frame: they are drawn where camera and `camera_T_shelf` are given.
+    Args:
+        image: (h, w), grey.
+        tags: drawn with their numbers.
+        labels: drawn with their texts.
+        spines: in the shelf frame; drawn if camera and `camera_T_shelf` are given.
+        gaps: as `spines`.
+        camera: its model.
+        camera_T_shelf: (4, 4) pose of the shelf.
+        landmarks: drawn with their centres.
+        outlines: (n, 2) each, in [px], drawn closed.
+        points: (n, 2) in [px], drawn as small circles.
     """
     picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
     words: list[_Box] = []

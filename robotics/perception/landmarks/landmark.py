@@ -49,7 +49,7 @@ def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.
 
 
 def pattern() -> FloatArray:
-    """Return the fields (8, 8) from the upper left: 1 white, 0 black."""
+    """Return the fields (8, 8) of the landmark from the upper left, without unit: 1 white, 0 black."""
     fields = np.zeros((CELLS_ACROSS, CELLS_ACROSS))
     fields[WHITE_FIELD, WHITE_FIELD] = 1.0
     return fields
@@ -62,7 +62,7 @@ def square_corners(side: float) -> FloatArray:
 
 
 def diagonals_meet(corners: FloatArray) -> FloatArray:
-    """Return (2,) where the diagonals of a quadrangle (4, 2) meet."""
+    """Return the point (2,) where the diagonals of a quadrangle (4, 2) meet, in the unit of the corners."""
     a, b, c, d = corners
     along, across, start = c - a, d - b, b - a
     share = (start[0] * across[1] - start[1] * across[0]) / (along[0] * across[1] - along[1] * across[0])
@@ -70,7 +70,7 @@ def diagonals_meet(corners: FloatArray) -> FloatArray:
 
 
 def seen_landmark(rays: FloatArray, camera: CameraModel, score: float) -> Landmark:
-    """Return the landmark with corners at `rays` (4, 2)."""
+    """Return the landmark with corners at `rays` (4, 2), x/z and y/z in the camera frame, without unit."""
     both = np.vstack([rays, diagonals_meet(rays)])
     pixels = camera.project(np.column_stack([both, np.ones(5)]))
     right = rays[1] + rays[2] - rays[0] - rays[3]

@@ -30,8 +30,8 @@ class SquareEdges(NamedTuple):
 def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> SquareEdges | None:
     """Return the dark square with corners near `guess` (4, 2) in [px], clockwise as seen, at most 8 px off.
 
-    None if an edge is not there, not straight (the lens undone), not dark inside, or leaves the image.
-    Edge points are undistorted, not the image: an image would be interpolated once more.
+    None if an edge is not there, not straight (the lens undone), not dark inside, or leaves the image. Edge
+    points are undistorted, not the image: an image would be interpolated once more.
     """
     ends = _coarse_corners(image, camera, guess)
     return None if ends is None else _fine(image, camera, ends)

@@ -10,7 +10,7 @@ from handcart.primitives.seam.kept_divisions import MAX_DIVISIONS, KeptDivisions
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.placement.placer import Placements
+from handcart.robotics.manipulation.placement.placements import Placements
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 
 

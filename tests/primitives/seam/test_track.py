@@ -19,7 +19,7 @@ from handcart.primitives.seam.seam_work import SeamPart, SeamWork
 from handcart.primitives.seam.track import Track, _check_known
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placement.placement_division import PathSegment
-from handcart.robotics.manipulation.placement.placer import Placements
+from handcart.robotics.manipulation.placement.placements import Placements
 
 HERE = Pose2(2.0257, 3.0387, math.radians(-25.62))
 """Whence the seam's begin can be tracked."""

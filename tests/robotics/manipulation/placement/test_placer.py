@@ -11,7 +11,8 @@ from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
 from handcart.robotics.manipulation.placement.placement_division import TooFewPlacements
-from handcart.robotics.manipulation.placement.placer import Placements, Placer, Work
+from handcart.robotics.manipulation.placement.placements import Placements, Work
+from handcart.robotics.manipulation.placement.placer import Placer
 
 from ..seams import arched, five_joint_urdf
 
