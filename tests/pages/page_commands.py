@@ -6,6 +6,8 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
+from tests.tutorials.tutorial_steps import BLOCK as TUTORIAL_BLOCK
+
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"```(?P<kind>[a-z]+)[^\n]*\n(?P<text>.*?)```", re.S)
 SHELLS = ("bash", "sh", "console")
@@ -41,6 +43,12 @@ def snippets(page: str) -> list[Snippet]:
         Snippet(page, text.count("\n", 0, block.start()) + 2, block["kind"], block["text"])
         for block in BLOCK.finditer(text)
     ]
+
+
+def shown_files(page: str) -> list[tuple[str, str]]:
+    """Return path and content of each file that a page shows with its path as the caption."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    return [(block["file"], block["text"]) for block in TUTORIAL_BLOCK.finditer(text) if block["file"]]
 
 
 def command_lines(page: str) -> list[str]:

@@ -14,8 +14,8 @@ import typer
 from ruamel.yaml import YAML
 
 from handcart.tools.command_line import LazyGroup, app
-from tests.pages.page_commands import OWN_TESTS, ROOT, command_lines, pages, snippets
-from tests.tutorials.tutorial_steps import carry_out
+from tests.pages.page_commands import OWN_TESTS, ROOT, command_lines, pages, shown_files, snippets
+from tests.tutorials.tutorial_steps import carry_out, write_file
 
 PREPARED = {
     "docs/how_to/explain.md": ["run tasks/return_book/task.yaml"],
@@ -31,6 +31,7 @@ PREPARED = {
     "docs/how_to/locate.md": [],
     "docs/how_to/new.md": [],
     "docs/how_to/obstacles.md": [],
+    "docs/how_to/people.md": [],
     "docs/explanation/stack_blocks.md": [],
     "docs/explanation/outcomes.md": [],
 }
@@ -57,7 +58,7 @@ NOT_RUN = {
 }
 """Why a command is not run here, by its page, its beginning, or both."""
 
-FEWER = {"--worlds 9": "--worlds 1"}  # fewer of what is only counted
+FEWER = {"--worlds 9": "--worlds 1", "--runs 4": "--runs 1"}  # fewer of what is only counted
 
 
 def reason_not_run(page: str, line: str) -> str:
@@ -98,6 +99,8 @@ def test_page_works_as_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, p
     monkeypatch.chdir(tmp_path)
     for name in ("tasks", "benchmarks"):
         (tmp_path / name).symlink_to(ROOT / name)
+    for name, text in shown_files(page):
+        write_file(tmp_path, name, text)
     lines = [line for line in command_lines(page) if not reason_not_run(page, line)]
     for line in [*(f"handcart {words}" for words in PREPARED[page]), *lines]:
         for more, fewer in FEWER.items():
