@@ -46,6 +46,7 @@ from handcart.primitives.outcomes.outcome import Success
 
 TASK_FILE = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 NEAR, TOO_NEAR = 6, 2
+MIN_TOLERANCE_MM = 40.0  # of a place; on coarse cells as much as a cell, which walls on one side leave open
 
 
 class Stood(NamedTuple):
@@ -129,7 +130,8 @@ def _places(room: Room, folder: Path, settings: dict[str, str], result: Trial) -
     for number in range(TOO_NEAR):
         wanted[f"too_near_{number}"] = (*next(refused), room.rng.uniform(-180.0, 180.0))
     result.places = NEAR
-    write_places(folder, wanted)
+    tolerance_mm = max(MIN_TOLERANCE_MM, 1e3 * room.cell)
+    write_places(folder, wanted, tolerance_mm)
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
     checked = check(TASK_FILE, settings=settings)
     found = {each.name: each for each in checked.places}
@@ -139,7 +141,7 @@ def _places(room: Room, folder: Path, settings: dict[str, str], result: Trial) -
         if way.fits == each.startswith("too_near") or (way.route is None) != (each in refused_names):
             result.wrongly.append(f"{each}: {found[each].words()}")
     kept = [each for each in wanted if found[each].way.route is not None]
-    write_places(folder, {each: wanted[each] for each in kept})
+    write_places(folder, {each: wanted[each] for each in kept}, tolerance_mm)
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
     result.allowed = len(kept)
     return _tour(own_place, {each: wanted[each] for each in kept})

@@ -154,8 +154,12 @@ def write(room: Room, folder: Path, start: tuple[float, float]) -> dict[str, str
     return {**named, "robot": robot, "wait_s": "1.5"}
 
 
-def write_places(folder: Path, places: dict[str, tuple[float, float, float]]) -> None:
-    lines = [f"  {n}: {{x_m: {x}, y_m: {y}, heading_deg: {h}}}\n" for n, (x, y, h) in places.items()]
+def write_places(
+    folder: Path, places: dict[str, tuple[float, float, float]], tolerance_mm: float | None = None
+) -> None:
+    """Write places.yaml: x, y in [m] and the heading in [deg] of each place, with one tolerance for all."""
+    allowed = "" if tolerance_mm is None else f", tolerance_mm: {tolerance_mm:g}"
+    lines = [f"  {n}: {{x_m: {x}, y_m: {y}, heading_deg: {h}{allowed}}}\n" for n, (x, y, h) in places.items()]
     (folder / "places.yaml").write_text("format: handcart-places/1\nplaces:\n" + "".join(lines))
 
 

@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.wall_cells import WallCells
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
-from handcart.robotics.numerics.compiled import compiled, compiled_for
+from handcart.robotics.numerics.compiled import compiled
 
 from .way_guard import NO_STANDS, RETURN_NOISE_M, START_RETREAT_RATIO, HoldingObstacle
 
@@ -167,7 +167,7 @@ def _apart(points: FloatArray, others: FloatArray, limit: float) -> BoolArray:
     return found
 
 
-@compiled_for("(f8[:,::1], f8, f8[:,::1], i8, f8[::1], f8, f8[:,::1])")
+@compiled
 def _touched(
     corners: FloatArray,
     radius: float,

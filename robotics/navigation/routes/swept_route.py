@@ -9,7 +9,7 @@ import numpy as np
 from handcart.robotics.geometry.footprint import Footprint, polygon_distance
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
-from handcart.robotics.numerics.compiled import compiled_for
+from handcart.robotics.numerics.compiled import compiled
 
 TANGENT_M = 0.08  # of route before and behind a point, over which its heading is taken
 TURN_STEP_RAD = 0.1  # at most between two poses that are looked at
@@ -51,7 +51,7 @@ def travel_headings(points: FloatArray) -> FloatArray:
     return np.asarray(np.unwrap(np.arctan2(rays[1], rays[0])))
 
 
-@compiled_for("(b1[:,::1], f8[:,::1], f8, f8[:,::1], f8[::1], f8[::1], f8)")
+@compiled
 def _swept(
     blocked: BoolArray,
     corners: FloatArray,

@@ -153,7 +153,11 @@ def test_a_cars_heading_is_judged_as_move_to_claims_it(off_deg: float, right: bo
     robot: Any = SimpleNamespace(
         pose=Pose2(0.0, 0.0, heading),
         localization=SimpleNamespace(
-            sigma=(0.01, 1.0), covariance=covariance, repeatability=covariance, source="Gps"
+            sigma=(0.01, 1.0),
+            covariance=covariance,
+            repeatability=covariance,
+            map_shift=np.zeros(2),
+            source="Gps",
         ),
         spec=SimpleNamespace(drive=SimpleNamespace(kind="ackermann")),
     )
