@@ -11,7 +11,7 @@ import numpy as np
 
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.robot.localization.determination import PoseNeed, Undetermined, undetermined
+from handcart.backends.robot.localization.determination import NO_SHIFT, PoseNeed, Undetermined, undetermined
 from handcart.backends.robot.localization.lidar import MIN_ECHOES
 from handcart.backends.robot.localization.localizations import START_SIGMA
 from handcart.backends.robot.localization.pose_covariance import repeatability_of
@@ -23,6 +23,7 @@ from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import ScanBeams, map_ranges
+from handcart.robotics.navigation.localization.surface_depth import depth_shift
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .place_room import PLACES_KEY, PlaceRoom
@@ -69,7 +70,9 @@ def pose_findings(
         if room.way.route is None or not room.driven_to:
             continue
         need = model.places[room.name].need_of(robot.drive.kind)
-        forecast = forecast_pose(field, robot, lidar, task.knowledge.start, room.way.route.points, need)
+        docks = model.places[room.name].docks
+        route = room.way.route.points
+        forecast = forecast_pose(field, robot, lidar, task.knowledge.start, route, need, docks)
         if forecast.found is not None:
             where = f"{forecast.blind_m:.1f} of {forecast.route_m:.1f} m of the way there are as uncertain"
             words = f"place {room.name!r}: {forecast.found.words}, by a lidar of {lidar.reach_m:g} m reach"
@@ -93,6 +96,7 @@ def forecast_pose(
     start: Pose2,
     route: FloatArray,
     need: PoseNeed,
+    docks: bool = False,
 ) -> PoseForecast:
     """Drive a route on the map with the localizer of the robot, and scans as the map has them.
 
@@ -103,6 +107,7 @@ def forecast_pose(
         start: map_T_base.
         route: (n, 2) in [m].
         need: how exactly the pose is needed at the end.
+        docks: True if the robot measures the front there itself, so that the map's cells do not matter.
     """
     localizer = ScanLocalizer(
         field,
@@ -112,7 +117,8 @@ def forecast_pose(
         START_SIGMA,
         max(MIN_RANGE_SIGMA_M, lidar.sigma_mm / 1e3),
     )
-    localizer.correct(_expected(field, robot, lidar, start).points)
+    points = _expected(field, robot, lidar, start).points
+    localizer.correct(points)
     length = float(np.hypot(*np.diff(route, axis=0).T).sum())
     step = max(MIN_STEP_M, length / MAX_SCANS)
     before, blind = start, 0.0
@@ -130,7 +136,8 @@ def forecast_pose(
         blind += way if undetermined(spread, USUAL_NEED) is not None else 0.0
         before = pose
     spread = repeatability_of(localizer.covariance, localizer.map_error)
-    return PoseForecast(undetermined(spread, need), blind, length, silent, silent_at)
+    shift = NO_SHIFT if docks else depth_shift(field, points, before)
+    return PoseForecast(undetermined(spread, need, shift=shift), blind, length, silent, silent_at)
 
 
 def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:

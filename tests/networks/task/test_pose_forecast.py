@@ -83,3 +83,16 @@ def test_silent_route_to_a_well_seen_place_is_found(reach: float) -> None:
 def test_route_with_echoes_everywhere_is_no_finding() -> None:
     found = hall_forecast(12.0)
     assert (found.silent_m, found.silent_at) == (0.0, None)
+
+
+@pytest.mark.parametrize(
+    ("cell", "docks", "is_reported"), [(0.02, False, False), (0.1, False, True), (0.1, True, False)]
+)
+def test_walls_on_one_side_leave_half_a_cell_open(cell: float, docks: bool, is_reported: bool) -> None:
+    corner = [FloorBox(5.0, 0.0, 0.0, 10.0, 0.2), FloorBox(0.0, 5.0, 0.0, 0.2, 10.0)]
+    robot = load_robot("cart")
+    assert robot.range_sensor is not None
+    field = LikelihoodField(from_boxes(corner, cell, (-0.5, -0.5), (11.0, 11.0)))
+    start, route = Pose2(2.0, 2.0, 0.0), np.array([[2.0, 2.0], [4.0, 4.0]])
+    found = forecast_pose(field, robot, robot.range_sensor, start, route, NEED, docks)
+    assert (found.found is not None) is is_reported
