@@ -94,7 +94,7 @@ def test_they_come_and_are_recorded_with_each_trial(
     (trial,) = CampaignFolder.read(tmp_path / "out").trials()
     assert trial.faults[0] == {"fault": "exception", "at_s": 2.0, "bitten": 1}
     assert sum(each["fault"].startswith("slip") for each in trial.faults) >= 2
-    assert "MOVE_TO Fail (motion): InjectedError: the backend broke" in said.out
+    assert "MOVE_TO Fail code_error (motion): InjectedError: the backend broke" in said.out
     assert f"--faults {plan}" in said.out
     plan.write_text(PLAN.replace("2.0", "2.5"), encoding="utf-8")
     said = handcart(*command, "--faults", plan, "--out", tmp_path / "out")
