@@ -219,7 +219,7 @@ class Robot:
     @cached_property
     def drive_limits(self) -> DriveLimits:
         """Limits of the base's speed, turn rate and accelerations."""
-        return self.spec.drive.limits.corrected(self.spec.localizer == "scan")
+        return self.spec.drive.limits
 
     @property
     def stopping_distance(self) -> float:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 BRAKING_SHARE = 0.5  # share of the acceleration that braking is planned with; the rest is for late commands
 # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
 END_APPROACH_RATE = 4.0
-CORRECTED_APPROACH_RATE = 6.0  # the same where each scan corrects the pose: slip at the end is then seen
 
 MIN_LATERAL_SPEED_M_S = 1e-3  # below which no turn is limited by the lateral acceleration
 
@@ -28,23 +27,17 @@ class DriveLimits(NamedTuple):
     """Maximum of speed times turn rate, in [m/s²]."""
     sideways: float = 0.0
     """Maximum speed sideways in [m/s]; 0 of a base that cannot drive sideways."""
-    end_rate: float = END_APPROACH_RATE
-    """Speed for each metre or radian that is left close to the end, in [1/s]."""
-
-    def corrected(self, by_scans: bool) -> DriveLimits:
-        """Return the limits with a faster end if each scan corrects the pose."""
-        return self._replace(end_rate=CORRECTED_APPROACH_RATE) if by_scans else self
 
     def turn_rate_at(self, speed: float) -> float:
         """Return the maximum turn rate at a speed in [m/s], in [rad/s]."""
         return min(self.turn_rate, self.lateral_acceleration / max(abs(speed), MIN_LATERAL_SPEED_M_S))
 
 
-def rate_to_stop(rest: float, most: float, acceleration: float, end_rate: float = END_APPROACH_RATE) -> float:
+def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
     """Return the speed with which to cover `rest` and stop there; works for metres and for radians, with
     sign.
     """
-    size = min(most, math.sqrt(2.0 * BRAKING_SHARE * acceleration * abs(rest)), end_rate * abs(rest))
+    size = min(most, math.sqrt(2.0 * BRAKING_SHARE * acceleration * abs(rest)), END_APPROACH_RATE * abs(rest))
     return math.copysign(size, rest)
 
 

@@ -186,8 +186,7 @@ class PathTracker:
         off = reference.relative_to(pose)
         if abs(off.theta) > TURN_FROM or (self._turning and abs(off.theta) > TURN_UNTIL):
             self._turning = True
-            limits = self._limits
-            return 0.0, rate_to_stop(off.theta, limits.turn_rate, limits.turn_acceleration, limits.end_rate)
+            return 0.0, rate_to_stop(off.theta, self._limits.turn_rate, self._limits.turn_acceleration)
         self._turning = False
         planned = min(most, float(np.interp(self._progress, self._along, self._speed)))
         speed = planned * math.cos(

@@ -92,9 +92,7 @@ class PoseRegulator:
         far = math.hypot(goal.x, goal.y) > MIN_STEERED_DISTANCE_M
         turn_rate = self._turn_rate(self._bearing(goal)) if far else 0.0
         rest = self._stop.relative_to(pose).x
-        return self._ramp.towards(
-            rate_to_stop(rest, limits.speed, limits.acceleration, limits.end_rate), turn_rate, dt
-        )
+        return self._ramp.towards(rate_to_stop(rest, limits.speed, limits.acceleration), turn_rate, dt)
 
     def _choose_phase(self, pose: Pose2, goal: Pose2) -> None:
         distance = pose.distance(
@@ -129,4 +127,4 @@ class PoseRegulator:
 
     def _turn_rate(self, turn: float) -> float:
         limits = self._ramp.limits
-        return rate_to_stop(turn, limits.turn_rate, limits.turn_acceleration, limits.end_rate)
+        return rate_to_stop(turn, limits.turn_rate, limits.turn_acceleration)
