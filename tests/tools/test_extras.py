@@ -97,7 +97,8 @@ def test_labels_say_what_to_install(library: str) -> None:
     how = f"SEARCH needs {library}, not installed; install with: pip install 'handcart[labels]'\n"
     assert (said.returncode, said.stdout) == (2, "")
     assert said.stderr.endswith(how)
-    assert said.stderr.count("\n") == 1
+    own_lines = [line for line in said.stderr.splitlines() if not line.startswith("checking ")]
+    assert len(own_lines) == 1  # besides the word that it computes, on a slow machine
 
 
 @pytest.mark.slow
