@@ -179,7 +179,7 @@ def test_a_new_robot_has_done_and_seen_nothing(robot: Robot) -> None:
 
 def test_limits_are_those_of_its_files(robot: Robot) -> None:
     limits = robot.drive_limits
-    assert tuple(limits) == pytest.approx((0.6, math.radians(90.0), 0.5, math.radians(120.0), 1.0, 0.0, 0.0))
+    assert tuple(limits) == pytest.approx((0.6, math.radians(90.0), 0.5, math.radians(120.0), 1.0, 0.0))
     assert robot.stopping_distance == pytest.approx(0.6 * 3 * 0.05 + 0.6**2 / (2 * 0.5))
     assert robot.joint_speeds == pytest.approx(np.full(6, math.radians(85.0)))
     assert 0.05 < robot.range_sensor_height < 0.6
