@@ -42,3 +42,4 @@ def test_what_stands_between_hides_it(tmp_path: Path) -> None:
     assert sights(tmp_path, 1.0, crate=(0.0, 7.0)).hidden == 10
     assert sights(tmp_path, 1.0, crate=(3.0, 7.0)).hidden == 0
     assert sights(tmp_path, 1.0, crate=(0.0, -7.0)).hidden == 0
+    assert sights(tmp_path, 1.0, crate=(0.0, 9.5)).hidden == 0  # on the line of sight, behind the station
