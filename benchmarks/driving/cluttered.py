@@ -43,7 +43,7 @@ from handcart.networks.events.events import Ended, Event
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_options import RunOptions
-from handcart.networks.task.preparing import prepare
+from handcart.networks.task.preparing import Prepared, prepare
 from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
@@ -139,17 +139,26 @@ def try_world(world: World, chosen: argparse.Namespace) -> Trial:
         settings |= {"robot": str(_robot(folder, chosen))}
         settings |= {"tour": "[goal]", "wait_s": "2"}
         with prepare(TASK, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
+            run_watched(prepared, folder, result)
             scene = prepared.backend.scene  # type: ignore[attr-defined]
-            judge, watch = Judge(prepared), Watch(scene, prepared.backend, result)
-            try:
-                done = execute(prepared, folder / "run", RunOptions(observers=(watch, judge)))
-                result.outcome, result.fails = str(done.summary["outcome"]), int(done.summary["fails"])
-                result.reason = result.reason or str(done.summary["reason"])[:300]
-            except TimeoutError:
-                result.outcome = "out of time"
-            result.false, result.contacts = list(judge.untrue), len(scene.contacts)
+            result.contacts = len(scene.contacts)
             _compare(prepared.robot, scene.base, result)
     return result
+
+
+def run_watched(prepared: Prepared, folder: Path, result: Trial) -> Judge:
+    """Run a task below a folder, write its end and its false outcomes into `result`, and return the judge."""
+    scene = prepared.backend.scene  # type: ignore[attr-defined]
+    judge, watch = Judge(prepared), Watch(scene, prepared.backend, result)
+    try:
+        done = execute(prepared, folder / "run", RunOptions(observers=(watch, judge)))
+        result.outcome, result.fails = str(done.summary["outcome"]), int(done.summary["fails"])
+        result.reason = result.reason or str(done.summary["reason"])[:300]
+    except TimeoutError:
+        result.outcome = "out of time"
+        result.reason = result.reason or f"after {result.given_s:g} s"
+    result.false = list(judge.untrue)
+    return judge
 
 
 def _robot(folder: Path, chosen: argparse.Namespace) -> Path:

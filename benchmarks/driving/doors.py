@@ -16,13 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.driving.cluttered import GIVEN_S, Trial, Watch
+from benchmarks.driving.cluttered import Trial, run_watched
 from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.cluttered_worlds import Box, map_text, world_text
-from handcart.evaluation.judging.judge import Judge
 from handcart.files.errors import FileError
-from handcart.networks.runs.run import execute
-from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 
@@ -90,15 +87,9 @@ def _drive(doorway: Doorway, chosen: argparse.Namespace, result: Trial) -> None:
         settings = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
         settings |= {"robot": str(robot), "tour": "[goal]", "wait_s": "2"}
         with prepare(TASK, backend=chosen.backend, settings=settings, seed=doorway.seed) as prepared:
+            run_watched(prepared, folder, result)
             scene = prepared.backend.scene  # type: ignore[attr-defined]
-            judge, watch = Judge(prepared), Watch(scene, prepared.backend, result)
-            try:
-                done = execute(prepared, folder / "run", RunOptions(observers=(watch, judge)))
-                result.outcome, result.fails = str(done.summary["outcome"]), int(done.summary["fails"])
-                result.reason = result.reason or str(done.summary["reason"])[:300]
-            except TimeoutError:
-                result.outcome, result.reason = "out of time", f"after {GIVEN_S:g} s"
-            result.false, result.contacts = list(judge.untrue), len(scene.contacts)
+            result.contacts = len(scene.contacts)
 
 
 def main() -> None:

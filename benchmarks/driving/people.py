@@ -19,13 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.driving.cluttered import SLOW_MS, TASK, Trial, Watch
+from benchmarks.driving.cluttered import SLOW_MS, TASK, Trial, run_watched
 from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.people_worlds import PeopleWorld, people_world, write_people_world
 from handcart.evaluation.judging.contact_survey import ContactSurvey
 from handcart.evaluation.judging.judge import Judge
-from handcart.networks.runs.run import execute
-from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
 
 RADIUS_M = 0.22  # of the robot's footprint
@@ -63,16 +61,8 @@ def try_people(world: PeopleWorld, chosen: argparse.Namespace) -> PeopleTrial:
             "wait_s": f"{WAIT_S}",
         }
         with prepare(TASK, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
-            scene = prepared.backend.scene  # type: ignore[attr-defined]
-            judge, watch = Judge(prepared), Watch(scene, prepared.backend, result)
-            try:
-                done = execute(prepared, folder / "run", RunOptions(observers=(watch, judge)))
-                result.outcome, result.fails = str(done.summary["outcome"]), int(done.summary["fails"])
-                result.reason = result.reason or str(done.summary["reason"])[:300]
-            except TimeoutError:
-                result.outcome = "out of time"
-            result.false = list(judge.untrue)
-            _count(judge, scene, result)
+            judge = run_watched(prepared, folder, result)
+            _count(judge, prepared.backend.scene, result)  # type: ignore[attr-defined]
     return result
 
 

@@ -66,8 +66,7 @@ def people_world(seed: int, count: int, radius: float) -> PeopleWorld:
         ways = Ways(grid, radius, start)
         goal = _somewhere(rng, size)
         route = ways.to(goal).route
-        beside = (start.x + CELL_M, start.y)
-        has_room = _room(grid, np.array([start[:2], beside])) > radius + 0.2
+        has_room = _room_at(grid, start) > radius + 0.2 and _room_at(grid, goal) > radius + 2.0 * CELL_M
         if has_room and route is not None and path_length(route.points) >= DRIVE_LENGTH_M:
             break
     else:
@@ -112,6 +111,11 @@ def _person(
         pauses = np.where(rng.random(len(points)) < 0.2, rng.uniform(0.5, 3.0, len(points)), 0.0)
         return Person(points, [round(float(pause), 2) for pause in pauses])
     raise RuntimeError("nobody finds a way")
+
+
+def _room_at(grid: GridMap, pose: Pose2) -> float:
+    """Return the least distance of a place from the centres of occupied cells, in [m]."""
+    return _room(grid, np.array([pose[:2], (pose.x + CELL_M, pose.y)]))
 
 
 def _room(grid: GridMap, points: FloatArray) -> float:

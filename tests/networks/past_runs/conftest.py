@@ -34,3 +34,18 @@ def scripted_run(
         return tmp_path / folder
 
     return done
+
+
+TWO_WAYS_BACK = """\
+format: handcart-task/1
+title: Two ways
+robot: librarian
+start: a
+goal: z
+situations: {a: {}, b: {}, c: {}, z: {}}
+actions:
+  - {do: THINK, from: a, to: b, cost_s: 2, attempts: 2, on_fail: c, with: {name: near}}
+  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: ahead}}
+  - {do: THINK, from: a, to: z, cost_s: 6, with: {name: far}}
+  - {do: THINK, from: c, to: a, cost_s: 1, with: {name: back}}
+"""

@@ -13,20 +13,8 @@ from handcart.networks.graph.planner import Planner
 from handcart.networks.graph.route import RunDecisions
 from handcart.networks.past_runs.decision_replay import DecisionReplay, replay_decisions
 from handcart.networks.past_runs.past_run import read_run
+from tests.networks.past_runs.conftest import TWO_WAYS_BACK as TASK
 
-TASK = """\
-format: handcart-task/1
-title: Two ways
-robot: librarian
-start: a
-goal: z
-situations: {a: {}, b: {}, c: {}, z: {}}
-actions:
-  - {do: THINK, from: a, to: b, cost_s: 2, attempts: 2, on_fail: c, with: {name: near}}
-  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: ahead}}
-  - {do: THINK, from: a, to: z, cost_s: 6, with: {name: far}}
-  - {do: THINK, from: c, to: a, cost_s: 1, with: {name: back}}
-"""
 Make = Callable[..., Path]
 
 

@@ -21,21 +21,9 @@ from handcart.networks.runs.run_header import network_fields
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
 from tests.networks.conftest import Stand
+from tests.networks.past_runs.conftest import TWO_WAYS_BACK as TASK
 
 Known = TypeVar("Known")
-TASK = """\
-format: handcart-task/1
-title: Two ways
-robot: librarian
-start: a
-goal: z
-situations: {a: {}, b: {}, c: {}, z: {}}
-actions:
-  - {do: THINK, from: a, to: b, cost_s: 2, attempts: 2, on_fail: c, with: {name: near}}
-  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: ahead}}
-  - {do: THINK, from: a, to: z, cost_s: 6, with: {name: far}}
-  - {do: THINK, from: c, to: a, cost_s: 1, with: {name: back}}
-"""
 REPEAT = """\
 format: handcart-task/1
 title: Three times

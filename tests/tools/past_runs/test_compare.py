@@ -13,19 +13,8 @@ from pathlib import Path
 import pytest
 
 from tests.tools.conftest import Said
+from tests.tools.past_runs.conftest import TWO_WAYS as TASK
 
-TASK = """\
-format: handcart-task/1
-title: Two ways
-robot: librarian
-start: a
-goal: z
-situations: {a: {}, b: {}, z: {}}
-actions:
-  - {do: THINK, from: a, to: b, cost_s: 2, attempts: 2, with: {name: near}}
-  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: ahead}}
-  - {do: THINK, from: a, to: z, cost_s: 6, with: {name: far}}
-"""
 Make = Callable[..., Path]
 Handcart = Callable[..., Said]
 
