@@ -179,7 +179,7 @@ class Search(ActionPrimitive):
                 yield from move_straight(robot, base_T_hand, self._held, self._around)
                 return
             except Discrepancy:
-                pass
+                pass  # no straight line is free: the path is planned instead
         yield from move_to_pose(robot, base_T_hand, self._held, self._around)
 
     def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:

@@ -24,7 +24,7 @@ RANGE = "range_sensor: {beams: 90, reach_m: 8, sigma_mm: 10}\nlinks: {range_sens
 FOLLOWS = '<mimic joint="turn"/>'
 
 
-def told(tmp_path: Path, section: str, onto: str, kind: str = "fixed", more: str = "") -> str:
+def findings_of(tmp_path: Path, section: str, onto: str, kind: str = "fixed", more: str = "") -> str:
     """Return the findings on a robot with that sensor on one of its links; empty if there are none."""
     (tmp_path / "robot.urdf").write_text(URDF.format(onto=onto, kind=kind, more=more), encoding="utf-8")
     (tmp_path / "robot.yaml").write_text(LIFTING_ROBOT + section, encoding="utf-8")
@@ -41,7 +41,7 @@ def told(tmp_path: Path, section: str, onto: str, kind: str = "fixed", more: str
 )
 def test_camera_behind_a_joint_that_nothing_reads_is_refused(tmp_path: Path, onto: str, kind: str) -> None:
     limit = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
-    words = told(tmp_path, CAMERA, onto, kind, limit)
+    words = findings_of(tmp_path, CAMERA, onto, kind, limit)
     urdf = f"{tmp_path}/robot.urdf:6"
     assert f"{tmp_path}/robot.yaml:12:17: the joint 'mount' ({urdf}) is between the links `base`" in words
     assert "and nothing reads it; allowed: a sensor behind joints of the section `arm` only" in words
@@ -60,7 +60,7 @@ def test_camera_behind_a_joint_that_nothing_reads_is_refused(tmp_path: Path, ont
 def test_camera_behind_the_arms_own_joints_is_accepted(
     tmp_path: Path, onto: str, kind: str, more: str
 ) -> None:
-    assert told(tmp_path, CAMERA, onto, kind, more) == ""
+    assert findings_of(tmp_path, CAMERA, onto, kind, more) == ""
 
 
 @pytest.mark.parametrize(
@@ -76,5 +76,5 @@ def test_range_sensor_is_refused_where_the_arm_moves_it(
     tmp_path: Path, onto: str, kind: str, more: str, refused: bool
 ) -> None:
     """A joint that nothing moves stays at zero, and may carry it."""
-    words = told(tmp_path, RANGE, onto, kind, more)
+    words = findings_of(tmp_path, RANGE, onto, kind, more)
     assert ("allowed: one fixed on the base" in words) is refused
