@@ -24,6 +24,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.arms.screw_table import SCREW_TABLE_TYPES, screw_table
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.paths.tool_path import ToolPath, tool_path
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
@@ -31,8 +32,11 @@ from handcart.robotics.manipulation.placement.placements import Work
 from handcart.robotics.manipulation.placement.placer import Placer
 from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.compiled import compile_early
 
 HEIGHT_STEP_M = 0.02  # [m] between two heights from which something is looked at
+
+compile_early(screw_table, SCREW_TABLE_TYPES, __name__)
 
 
 class StopReach:

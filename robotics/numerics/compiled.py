@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 COMPILED_AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
-"""Functions compiled by `compiled_for` in each module, with their argument types."""
+"""Functions that another process compiles early, by the module that asks, with their argument types."""
 
 
 ANY_ORDER = {"reassoc", "contract", "arcp", "nsz"}
@@ -84,10 +84,18 @@ def compiled_for(arguments: str) -> Callable[[Function], Function]:
 
     def compiles(function: Function) -> Function:
         kernel = Kernel(function)
-        COMPILED_AHEAD.setdefault(function.__module__, []).append((kernel, arguments))
+        compile_early(kernel, arguments, function.__module__)
         return cast(Function, kernel)
 
     return compiles
+
+
+def compile_early(kernel: Callable[..., Any], arguments: str, module: str) -> None:
+    """Let another process start early on a compiled function, wherever `module` has been imported.
+
+    `arguments` are those of `compiled_for`. For functions that few users of their own module call.
+    """
+    COMPILED_AHEAD.setdefault(module, []).append((cast(Kernel, kernel), arguments))
 
 
 @contextmanager

@@ -45,7 +45,7 @@ def compiling_ahead() -> Iterator[None]:
 
 
 def compile_modules(modules: list[str]) -> None:
-    """Compile the functions that `compiled_for` has in those modules, the latest first."""
+    """Compile the functions that those modules asked for, the latest first."""
     for name in modules:
         import_module(name)
         for kernel, arguments in reversed(COMPILED_AHEAD.get(name, [])):

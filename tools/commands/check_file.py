@@ -181,6 +181,8 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
         wrong = f"the key 'format' doesn't name a kind of file{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
+        if not asked.quick:
+            _import_domain_checks(data.get("knowledge"))
         return _task_facts(file, settings, asked.quick)
     if kind == "table":
         return _table_facts(file)
@@ -237,6 +239,18 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
     facts |= {"lines": lines, "warnings": [*checked.warnings, *postures, *facts["warnings"]]}
     return {**facts, **places, "errors": [*checked.errors, *facts["errors"]]}
+
+
+def _import_domain_checks(knowledge: object) -> None:
+    """Import the checks of the domains first: the functions they need are then compiled on other cores,
+    while the map is checked here.
+    """
+    from handcart.tasks.domain import domains, imported
+
+    for domain in domains():
+        named = domain.knowledge.files if domain.knowledge else {}
+        if domain.task_facts and isinstance(knowledge, dict) and not named.keys().isdisjoint(knowledge):
+            imported(domain.task_facts)
 
 
 def _domain_facts(task: Task) -> dict[str, Any]:

@@ -30,6 +30,25 @@ assert len(kernels) >= 8
 wrong = [kernel for kernel, types in kernels if kernel.dispatcher.signatures != [types_of(types)]]
 print(*(kernel.__name__ for kernel in wrong))
 """
+CHECKS = """\
+from pathlib import Path
+from handcart.networks.task import preparing
+from handcart.robotics.manipulation.arms.screw_table import SCREW_TABLE_TYPES, screw_table
+from handcart.robotics.numerics.compiled import COMPILED_AHEAD
+from handcart.robotics.numerics.compiling_ahead import types_of
+from handcart.tools.commands.check_file import file_facts
+
+check, known_first = preparing.check, []
+
+def watched(*given: object, **named: object) -> object:
+    known_first.extend(kernel for module in COMPILED_AHEAD.values() for kernel, _ in module)
+    return check(*given, **named)
+
+preparing.check = watched
+file_facts(Path("tasks/stack_blocks/task.yaml"), {})
+assert screw_table in known_first
+assert screw_table.dispatcher.signatures == [types_of(SCREW_TABLE_TYPES)]
+"""
 DIES = f"""\
 import os, signal
 import numba
@@ -146,3 +165,8 @@ def _kernel() -> Any:
         return 2.0 * x
 
     return numba.njit(doubled)
+
+
+def test_a_check_knows_the_domains_kernels_before_the_map_s() -> None:
+    """The arm's functions take longest: another core begins with them while the map is checked here."""
+    subprocess.run([sys.executable, "-c", CHECKS], cwd=ROOT, check=True, timeout=120)
