@@ -15,7 +15,7 @@ from .swept_route import swept_room
 from .voronoi_graph import voronoi_graph
 
 MAX_TRIES = 8  # places that are closed because the polygon does not pass them, until there is no route
-CELL_CENTRES = 1.0  # of a cell that the middle of a gap is off the centres of cells, on both sides
+CELL_CENTRES = (0.5, 1.0)  # of a cell that the middle of a gap is off the centres of cells; tried in turn
 LEAVING_M = 0.35  # at both ends, where the polygon may have less room: it begins there, or is to stand there
 
 
@@ -42,9 +42,25 @@ def polygon_route(
     A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
     otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.
     """
+    for off in CELL_CENTRES:
+        route = _route_with(grid, shape, start, goal, settings, off)
+        if route is not None:
+            return route
+    return None
+
+
+def _route_with(
+    grid: GridMap,
+    shape: Footprint,
+    start: tuple[float, float],
+    goal: tuple[float, float],
+    settings: RouteSettings,
+    off: float,
+) -> Route | None:
+    """Return a route on a graph whose cells may be `off` cells off the middle of a gap."""
     for _ in range(MAX_TRIES):
         try:
-            need = shape.inscribed + settings.room - CELL_CENTRES * grid.resolution
+            need = shape.inscribed + settings.room - off * grid.resolution
             graph = voronoi_graph(grid, need, seed_point=start)
         except ValueError:
             return None
