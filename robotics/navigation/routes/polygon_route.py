@@ -7,12 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.footprint import Footprint
+from handcart.robotics.navigation.maps.blocked_squares import path_clearance
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .route import CORNER_ROUNDING_PASSES, Route, plan_route
+from .straight_pass import straight_passes
 from .swept_route import swept_room
-from .voronoi_graph import voronoi_graph
+from .voronoi_graph import VoronoiGraph, voronoi_graph
 
 MAX_TRIES = 8  # places that are closed because the polygon does not pass them, until there is no route
 CELL_CENTRES = (0.5, 1.0)  # of a cell that the middle of a gap is off the centres of cells; tried in turn
@@ -40,7 +42,8 @@ def polygon_route(
     """Return a route along which a polygon, at the heading of travel, has room; None if none is found.
 
     A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
-    otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.
+    otherwise. Where the polygon passes neither way, nor straight through the middle of the narrow place, the
+    spot is closed and another route is looked for.
     """
     for off in CELL_CENTRES:
         route = _route_with(grid, shape, start, goal, settings, off)
@@ -72,8 +75,26 @@ def _route_with(
             spot = _tight_spot(grid, shape, route.points, settings.room)
             if spot is None:
                 return route
+        assert route is not None
         assert spot is not None
+        straight = _straight_route(graph, shape, route, spot, settings.room)
+        if straight is not None:
+            return straight
         grid = grid.with_points(spot[None])
+    return None
+
+
+def _straight_route(
+    graph: VoronoiGraph, shape: Footprint, route: Route, spot: FloatArray, room: float
+) -> Route | None:
+    """Return a route that passes a narrow place straight through its middle; None if it has too little room
+    there.
+    """
+    grid = graph.map
+    for points in straight_passes(grid, shape, route.points, spot):
+        if _tight_spot(grid, shape, points, room) is None:
+            cells = (points[:, ::-1] - (grid.origin_y, grid.origin_x)) / grid.resolution - 0.5
+            return Route(points, path_clearance(graph.squares, cells) * grid.resolution)
     return None
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.driving.doors import LENGTH_M, WIDTH_M, make_doorway
 from handcart.robotics.geometry.footprint import polygon
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.replanning import Replanner
+from handcart.robotics.navigation.routes.straight_pass import straight_passes
 from handcart.robotics.navigation.routes.swept_route import MAX_ROOM_M, swept_room
 from handcart.robotics.navigation.routes.ways import Ways
 
@@ -90,3 +92,34 @@ def test_look_keeps_a_route_only_while_the_rectangle_passes() -> None:
         planner.look(grid.with_points(post, 0.06), START, GOAL, route=first.points, better=False).kind
         != "kept"
     )
+
+
+@pytest.mark.parametrize("door", [0.49, 0.53])
+def test_door_in_a_turned_wall_is_passed_wherever_cells_lie(door: float) -> None:
+    for seed in range(230, 260):
+        doorway = make_doorway(seed, door)
+        shift = np.random.default_rng(seed).uniform(-0.05, 0.0, 2) - 0.3
+        corner = float(shift[0]), float(shift[1])
+        grid = from_boxes(doorway.walls, 0.05, corner, (LENGTH_M + 0.7, WIDTH_M + 0.7))
+        way = Ways(grid, SHAPE, Pose2(*doorway.start)).to(Pose2(*doorway.goal))
+        assert way.route is not None, (seed, way.reason)
+        inner = np.hypot(*(way.route.points - doorway.start[:2]).T) > 0.4
+        inner &= np.hypot(*(way.route.points - doorway.goal[:2]).T) > 0.4
+        assert swept_room(grid, SHAPE, way.route.points)[inner].min() > -0.046
+
+
+def test_turned_door_narrower_than_the_rectangle_is_refused() -> None:
+    for seed in range(200, 210):
+        doorway = make_doorway(seed, 0.36)
+        grid = from_boxes(doorway.walls, 0.05, (-0.31, -0.33), (LENGTH_M + 0.7, WIDTH_M + 0.7))
+        assert Ways(grid, SHAPE, Pose2(*doorway.start)).to(Pose2(*doorway.goal)).why == "too narrow"
+
+
+def test_straight_pass_is_in_the_middle_and_across_the_door() -> None:
+    grid = rooms(0.6)
+    askew = np.column_stack([np.linspace(1.0, 5.0, 81), np.linspace(0.7, 1.3, 81)])
+    for points in straight_passes(grid, SHAPE, askew, askew[40]):
+        inside = np.abs(points[:, 0] - 3.0) < 0.3
+        assert np.abs(points[inside, 1] - 1.0).max() < 0.03
+        assert np.hypot(*np.diff(points, axis=0).T).max() < 0.051
+        assert points[[0, -1]].tolist() == askew[[0, -1]].tolist()
