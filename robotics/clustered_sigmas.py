@@ -14,17 +14,21 @@ _POSE = 6  # numbers that a group can tell at most: it is wrong as a pose is
 def clustered_sigmas(
     jacobian: FloatArray, residuals: FloatArray, groups: NDArray[np.integer], best: float = 0.0
 ) -> FloatArray:
-    """Return standard deviations (k,) of parameters found by least squares; infinite for undetermined ones.
+    """Return standard deviations of parameters found by least squares.
 
     Measurements from one posture share the arm's error. So residuals of a group count together: the
     clustered "sandwich" estimate (Liang and Zeger, 1986), and a group counts at most as much as a pose's
     six numbers.
 
     Args:
-        jacobian: (n, k) at the result.
-        residuals: (n,).
-        groups: (n,) numbers from 0.
-        best: lower bound of the residuals (rms).
+        jacobian: (n, k) derivative of the residuals by the parameters, at the result.
+        residuals: (n,) in any one unit.
+        groups: (n,) number of each residual's group, from 0.
+        best: lower bound of the residuals' root mean square, in their unit.
+
+    Returns:
+        (k,) in the units of the parameters; infinite for parameters that the measurements do not
+            determine.
     """
     parameters = jacobian.shape[1]
     scales = np.linalg.norm(jacobian, axis=0)

@@ -14,17 +14,20 @@ _STEEP = 1e-300  # what is parallel to a side counts as this much across it
 def boxes_ahead(
     start: FloatArray, ways: FloatArray, middles: FloatArray, turns: FloatArray, halves: FloatArray
 ) -> FloatArray:
-    """Return the shares (n,) of ways at which they meet the first of some boxes; infinite if they meet none.
+    """Return the shares of ways at which they meet the first of some boxes.
 
     The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986). From inside, a box is met where
     the way leaves it.
 
     Args:
         start: (3,) start of all ways, in [m].
-        ways: (n, 3) vectors to their ends, in [m].
-        middles: (k, 3) middles of the boxes, in [m].
-        turns: (k, 3, 3) rotations of the boxes in the frame of the ways.
+        ways: (n, 3) vectors to their ends, in [m], in the frame of `start`.
+        middles: (k, 3) middles of the boxes in the same frame, in [m].
+        turns: (k, 3, 3) rotations of the boxes in the same frame.
         halves: (k, 3) halves of their sides, in [m].
+
+    Returns:
+        (n,) from 0 to 1, without unit; infinite for a way that meets no box.
     """
     found = np.full(len(ways), np.inf)
     for box in range(len(middles)):

@@ -43,7 +43,17 @@ class Footprint(NamedTuple):
         return self._replace(corners=np.ascontiguousarray(self.corners @ np.array([[cos, -sin], [sin, cos]])))
 
     def outline(self, x: float, y: float, heading: float, parts: int = 48) -> FloatArray:
-        """Return points (m, 2) of the closed outline at a pose, in [m] and [rad], for pictures."""
+        """Return the closed outline of a base at a pose on the map, for pictures.
+
+        Args:
+            x: of the base, in [m].
+            y: of the base, in [m].
+            heading: of the base, in [rad].
+            parts: number of points on a disc's outline.
+
+        Returns:
+            (m, 2) points on the map, in [m]; the last one is the first one.
+        """
         shape = self.corners
         if self.is_disc:
             around = np.linspace(0.0, 2.0 * math.pi, parts, endpoint=False)
@@ -61,7 +71,13 @@ def polygon(corners: FloatArray) -> Footprint:
 
 @compiled
 def polygon_distance(corners: FloatArray, x: float, y: float) -> float:
-    """Return the signed distance of a point to a polygon (n, 2), in [m]; negative inside."""
+    """Return the signed distance of a point to a polygon, in [m]; negative inside.
+
+    Args:
+        corners: (n, 2) of the polygon, in order, in [m].
+        x: of the point in the frame of the corners, in [m].
+        y: of the point in the frame of the corners, in [m].
+    """
     best, inside = np.inf, False
     last = len(corners) - 1
     for i in range(len(corners)):
@@ -79,7 +95,15 @@ def polygon_distance(corners: FloatArray, x: float, y: float) -> float:
 
 @compiled
 def polygon_distances(corners: FloatArray, points: FloatArray) -> FloatArray:
-    """Return the signed distances (m,) of points (m, 2) to a polygon (n, 2), in [m]; negative inside."""
+    """Return the signed distances of points to a polygon; negative inside.
+
+    Args:
+        corners: (n, 2) of the polygon, in order, in [m].
+        points: (m, 2) in the frame of the corners, in [m].
+
+    Returns:
+        (m,) in [m].
+    """
     found = np.empty(len(points))
     for i in range(len(points)):
         found[i] = polygon_distance(corners, points[i, 0], points[i, 1])
@@ -88,9 +112,13 @@ def polygon_distances(corners: FloatArray, points: FloatArray) -> FloatArray:
 
 @compiled
 def polygon_gap(one: FloatArray, other: FloatArray) -> float:
-    """Return the distance between two polygons (n, 2) and (m, 2), in [m].
+    """Return the distance between two polygons, in [m]; negative where they overlap.
 
-    Negative where they overlap: the depth of the deepest corner, or -1e-6 where only sides cross.
+    Overlaps count the depth of the deepest corner, or -1e-6 where only sides cross.
+
+    Args:
+        one: (n, 2) corners in order, in [m].
+        other: (m, 2) corners in order in the same frame, in [m].
     """
     gap = np.inf
     for i in range(len(one)):

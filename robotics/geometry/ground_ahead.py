@@ -14,18 +14,21 @@ from handcart.robotics.numerics.compiled import compiled
 def ground_ahead(
     start: FloatArray, ways: FloatArray, corner: FloatArray, cell: float, heights: FloatArray, top: float
 ) -> FloatArray:
-    """Shares (n,) of ways at which they first come under a field of heights; infinite where they don't.
+    """Return the shares of ways at which they first come under a field of heights.
 
-    Heights are bilinear between their points, and looked up each half cell along a way; between two of those
-    ground and way are straight lines.
+    Heights are bilinear between their points, and looked up each half cell along a way; between two of
+    those ground and way are straight lines.
 
     Args:
-        start: (3,) of all ways, in [m].
-        ways: (n, 3) to their ends, in [m].
-        corner: (2,) place of `heights[0, 0]`, in [m].
-        cell: between points whose heights are given, in [m].
+        start: (3,) start of all ways, in [m].
+        ways: (n, 3) vectors to their ends, in [m], in the frame of `start`.
+        corner: (2,) place of `heights[0, 0]` in the same frame, in [m].
+        cell: distance between points whose heights are given, in [m].
         heights: (rows, columns) in [m]; rows along y, columns along x.
-        top: the largest of `heights`.
+        top: largest of `heights`, in [m].
+
+    Returns:
+        (n,) from 0 to 1, without unit; infinite where a way stays above the ground.
     """
     rows, columns = heights.shape
     sides = (cell * (columns - 1), cell * (rows - 1))

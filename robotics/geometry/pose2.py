@@ -44,8 +44,13 @@ class Pose2(NamedTuple):
         return other.inverse().compose(self)
 
     def apply(self, points: FloatArray) -> FloatArray:
-        """Return points (n, 2) of this pose's own frame, such as the base, in the frame that the pose is
-        given in; in [m].
+        """Return points in the frame that the pose is given in.
+
+        Args:
+            points: (n, 2) in the pose's own frame, such as that of the base, in [m].
+
+        Returns:
+            (n, 2) in [m].
         """
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         rotation = np.array([[cos, sin], [-sin, cos]])

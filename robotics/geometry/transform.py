@@ -43,7 +43,7 @@ def rotations(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> FloatArra
 
 
 def inverse(a_T_b: Transform) -> Transform:
-    """b_T_a of a_T_b."""
+    """Return b_T_a (4, 4), the inverse of a_T_b (4, 4)."""
     result, turn = np.zeros((4, 4)), a_T_b[:3, :3].T
     result[:3, :3], result[:3, 3], result[3, 3] = turn, -turn @ a_T_b[:3, 3], 1.0
     return result

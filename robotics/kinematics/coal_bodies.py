@@ -39,6 +39,11 @@ def coal_body(shape: Shape) -> object:
 def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
     """Return a geometry of coal as a shape; a mesh as its convex hull.
 
+    Args:
+        geometry: coal's geometry.
+        pose: (4, 4) of the geometry in the frame that the shape is to be in.
+        name: name of the shape.
+
     Raises:
         ValueError: it is another kind of geometry, or a mesh without volume.
     """

@@ -13,7 +13,7 @@ Triple = tuple[float, float, float]
 
 
 def origin_of(element: ElementTree.Element) -> Transform:
-    """Pose (4, 4) that a joint, a collision or an inertial states as its `origin`."""
+    """Return the pose (4, 4) that the `origin` of a URDF element states, in the frame of its parent link."""
     origin = element.find("origin")
     return np.eye(4) if origin is None else transform(triple(origin, "xyz"), triple(origin, "rpy"))
 
@@ -39,10 +39,10 @@ def link_poses(urdf_text: str) -> dict[str, Transform]:
 
 
 def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
-    """Pose (4, 4) of a URDF's link in the link `base`, all joints at zero.
+    """Return the pose (4, 4) of a URDF's link in the link `base`, all joints at zero.
 
     Raises:
-        ValueError: the URDF has no such link.
+        ValueError: the text is not a URDF, or has no such link.
     """
     poses = link_poses(urdf_text)
     if missing := [name for name in (frame, base) if name not in poses]:

@@ -8,7 +8,11 @@ from handcart.robotics.numerics.compiled import compiled
 
 @compiled
 def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Return x (n, m) of matrix (n, n) x = right (n, m), by Gaussian elimination with row pivots.
+    """Return the solution x (n, m) of matrix x = right, by Gaussian elimination with row pivots.
+
+    Args:
+        matrix: (n, n) in any units.
+        right: (n, m) in any units.
 
     Raises:
         ZeroDivisionError: the matrix is singular to the last bit.

@@ -39,19 +39,38 @@ class PitchArm(NamedTuple):
     """Lowest and highest angles of the pitch joints, in [rad]."""
 
     def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Return the scores of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
+        """Return the scores of a path's points from base poses.
+
+        Args:
+            bases: (b, 3) world_T_base on the floor: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
+            rule: measure and limits.
+        """
         values, usable = pitch_arm_table(
             self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits
         )
         return PlacementScores(values.T, usable.T)
 
     def joints(self, base: FloatArray, path: ToolPath) -> FloatArray:
-        """Yaw and pitch angles (p, 4) in [rad] from a base pose (3,); NaN out of reach."""
+        """Return the yaw and pitch angles that hold the tool at a path's points.
+
+        Args:
+            base: (3,) world_T_base on the floor: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
+
+        Returns:
+            (p, 4) in [rad]; NaN out of reach.
+        """
         return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
 
     def shoulders(self, bases: FloatArray) -> FloatArray:
-        """Return the position (b, 2) of the yaw axis, in [m], for each base pose (b, 3): x, y in [m], heading
-        in [rad].
+        """Return the positions of the yaw axis in the world.
+
+        Args:
+            bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
+
+        Returns:
+            (b, 2) in [m].
         """
         return self._stands(bases)[:, :2]
 

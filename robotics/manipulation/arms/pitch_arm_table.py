@@ -35,12 +35,13 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
 def pitch_arm_table(
     stands: FloatArray, marks: FloatArray, arm: FloatArray, measure: int, limits: FloatArray
 ) -> tuple[SingleArray, BoolArray]:
-    """Return scores (p, b) and where they are usable (p, b); see `PitchArm.scores`.
+    """Return the scores (p, b) of points from base poses, and a mask (p, b) of where they are usable.
 
     Args:
-        stands: (b, 4) position of the yaw axis in [m], and the base's heading as its cosine and sine.
+        stands: (b, 4) position of the yaw axis in the world, in [m], and cosine and sine of the base's
+            heading.
         marks: (p, 11) rows of the path, see `PitchArm.marks`.
-        arm: (12,) lengths in [m], cosines and turns of the arm, as the class makes them.
+        arm: (12,) lengths in [m], cosines and turns of the arm, as `PitchArm` computes them.
         measure: number of the `Measure`.
         limits: (3, 4) low and high limits in [m] and a factor for each joint, see `ScoreRule.limits`.
     """

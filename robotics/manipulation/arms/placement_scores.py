@@ -33,7 +33,11 @@ class PlacementScores(NamedTuple):
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 
     def only(self, kept: BoolArray | IndexArray) -> PlacementScores:
-        """Return the scores of some placements, chosen by a mask (b,) or by their numbers (k,)."""
+        """Return the scores of some placements.
+
+        Args:
+            kept: mask (b,), or numbers (k,) of the placements; without unit.
+        """
         joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
         return PlacementScores(
             np.asfortranarray(self.values[kept]), np.asfortranarray(self.usable[kept]), joined

@@ -46,7 +46,14 @@ class Scara(NamedTuple):
     """Between stowed and any target, so that the tip doesn't come to the wheels, in [rad]."""
 
     def tip(self, q: FloatArray) -> FloatArray:
-        """Return (2,) in [m], arm frame, with the joints at `q` (2,) or (3,) in [rad]."""
+        """Return the position of the tip.
+
+        Args:
+            q: (2,) or (3,) joints, the angles in [rad] first.
+
+        Returns:
+            (2,) in the arm's plane, from the first joint, in [m].
+        """
         one, both = float(q[0]), float(q[0] + q[1])
         return np.array(
             [
@@ -56,8 +63,13 @@ class Scara(NamedTuple):
         )
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """Return the Jacobian (2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected), at `q`
-        (2,) in [rad].
+        """Return the Jacobian of the tip by theta1 and theta2 (eq. 5, corrected).
+
+        Args:
+            q: (2,) joint angles in [rad].
+
+        Returns:
+            (2, 2) in [m/rad], in the arm's plane.
         """
         one, both = float(q[0]), float(q[0] + q[1])
         across, along = self.fore * math.sin(both), self.fore * math.cos(both)
@@ -69,8 +81,13 @@ class Scara(NamedTuple):
         )
 
     def inverse(self, target: FloatArray) -> FloatArray | None:
-        """Return (2,) angles that hold the tip at `target` (2,) in [m], arm frame; None beyond reach or
-        limits.
+        """Return the angles that hold the tip at a position; None beyond reach or limits.
+
+        Args:
+            target: (2,) in the arm's plane, from the first joint, in [m].
+
+        Returns:
+            (2,) in [rad].
         """
         x, y = float(target[0]), float(target[1])
         cos = (x * x + y * y - self.upper**2 - self.fore**2) / (2.0 * self.upper * self.fore)
@@ -84,20 +101,34 @@ class Scara(NamedTuple):
         return q if self.within(q, working=True) else None
 
     def within(self, q: FloatArray, working: bool = False) -> bool:
-        """Return True if angles `q` (2,), in [rad], keep the limits (of working targets if `working`)."""
+        """Return True if joint angles keep the limits.
+
+        Args:
+            q: (2,) in [rad].
+            working: True for the narrower limits of working targets.
+        """
         low, high = self.theta1_working if working else self.theta1
         inside = low - 1e-9 <= q[0] <= high + 1e-9
         return bool(inside and self.theta2[0] - 1e-9 <= q[1] <= self.theta2[1] + 1e-9)
 
     def base_tip(self, q: FloatArray) -> FloatArray:
-        """Return (3,) in [m], base frame, with the joints at `q` (3,) in [rad], [rad], [m]."""
+        """Return the position (3,) of the tip in the base frame, in [m].
+
+        Args:
+            q: (3,) two angles in [rad] and the slide in [m].
+        """
         x, y, z, yaw = self.mount
         plane = Pose2(x, y, yaw).apply(self.tip(q)[None]).reshape(2)
         return np.array([plane[0], plane[1], z - float(q[2])])
 
     def joints_for(self, point: FloatArray) -> FloatArray | None:
-        """Return (3,) joints that hold the tip at `point` (3,) in [m], base frame; None if it can't be
-        reached.
+        """Return the joints that hold the tip at a point; None if it can't be reached.
+
+        Args:
+            point: (3,) in the base frame, in [m].
+
+        Returns:
+            (3,) two angles in [rad] and the slide in [m].
         """
         x, y, z, yaw = self.mount
         angles = self.inverse(Pose2(x, y, yaw).inverse().apply(np.asarray(point)[None, :2]).reshape(2))

@@ -69,19 +69,22 @@ class ScoreRule(NamedTuple):
 
     @property
     def limits(self) -> FloatArray:
-        """Rows (3, n) for `worth`: low and high limit in [m], and one over half of their distance."""
+        """Return the rows (3, n) for `worth`.
+
+        They hold each joint's low and high limit in [m], and one over half of their distance in [1/m].
+        """
         return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
 
 
 @compiled
 def worth(measure: int, elements: FloatArray, rates: FloatArray, spread: float, limits: FloatArray) -> float:
-    """Score of a reached point, or UNUSABLE where a limit is broken.
+    """Return the score of a reached point, from 0 to 1 or a manipulability; `UNUSABLE_SCORE` beyond a limit.
 
     Args:
         measure: a `Measure`.
         elements: |k^T J| (n,), in [m].
         rates: |J^-1 k| (n,), in [rad/m].
-        spread: Yoshikawa's manipulability.
+        spread: Yoshikawa's manipulability, in the units of the Jacobian.
         limits: (3, n) of the `ScoreRule`.
     """
     if measure == 0:

@@ -65,12 +65,27 @@ class ScrewArm:
         return pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
 
     def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Return the scores of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
+        """Return the scores of a path's points from base poses.
+
+        Args:
+            bases: (b, 3) world_T_base on the floor: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
+            rule: measure and limits.
+        """
         values, usable, joined = self._table(bases, path, rule, np.empty((0, 0, 0)))
         return PlacementScores(values.T, usable.T, joined.T)
 
     def joints(self, base: FloatArray, path: ToolPath, rule: ScoreRule | None = None) -> FloatArray:
-        """Joint angles (p, n) in [rad] from a base pose (3,); NaN where `scores` calls a point unusable."""
+        """Return the joint angles that hold the tool at a path's points.
+
+        Args:
+            base: (3,) world_T_base on the floor: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
+            rule: measure and limits; None: reachability alone.
+
+        Returns:
+            (p, n) in [rad]; NaN where `scores` calls a point unusable.
+        """
         rule = rule or ScoreRule.uniform(Measure.REACHABILITY, 0.1, 1.0, self.chain.dof)
         angles = np.full((1, len(path.points), self.chain.dof), np.nan)
         self._table(np.atleast_2d(base), path, rule, angles)

@@ -24,8 +24,12 @@ _LONGEST_STEP = 0.5  # [rad]
 
 @compiled
 def turn_matrix(axis: FloatArray, angle: float, out: FloatArray) -> None:
-    """Write the rotation (3, 3) by an angle in [rad] around a unit vector `axis` (3,) into `out` (Rodrigues'
-    formula).
+    """Write the rotation around an axis into `out`, by Rodrigues' formula.
+
+    Args:
+        axis: (3,) unit vector.
+        angle: in [rad].
+        out: (3, 3), written.
     """
     s, c = math.sin(angle), math.cos(angle)
     d = 1.0 - c
@@ -94,14 +98,13 @@ def tip_and_jacobian(
 
 @compiled
 def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArray) -> None:
-    """Write the error of a pose to a target, without a free turn, into `error` (6,): [m] and [rad] in the
-    axes of the base.
+    """Write the error of a pose to a target, without a free turn, into `error`.
 
     Args:
         pose: (4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
         free: 1 if the turn around the tool's z is free, 0 if not, 2 if that around its x is.
-        error: (6,), written.
+        error: (6,), written: [m] above, [rad] below, in the axes of the base.
     """
     goal = target[:3, :3].copy()
     if free == 1:
@@ -141,12 +144,12 @@ def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArra
 
 @compiled
 def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
-    """Remove the free turn from the columns of `rows` (6, k), [m] above and [rad] below, in place.
+    """Remove the free turn from the columns of a Jacobian or of a twist, in place.
 
     Args:
         pose: (4, 4) base_T_tip, whose axis is free.
         free: number of the free turn, 0 if none is.
-        rows: (6, k), changed.
+        rows: (6, k) in the axes of the base, [m] above and [rad] below; changed.
     """
     if free == 0:
         return
@@ -186,7 +189,12 @@ def determinant_in_place(matrix: FloatArray) -> float:
 
 @compiled
 def solve_in_place(matrix: FloatArray, right: FloatArray) -> bool:
-    """Gauss with pivots for a small square matrix (n, n), the solution into `right` (n,); False: singular."""
+    """Solve a small system of linear equations by Gauss's elimination with pivots; return False if singular.
+
+    Args:
+        matrix: (n, n) in any units; overwritten.
+        right: (n,) right-hand side; the solution is written into it.
+    """
     n = len(right)
     for column in range(n):
         pivot = column

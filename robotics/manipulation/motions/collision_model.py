@@ -92,8 +92,10 @@ class CollisionModel:
         return float(self._data.distanceResults[closest].min_distance)
 
     def contacts(self, q: FloatArray) -> list[tuple[str, str]]:
-        """Return the names of all pairs closer than the margin at joint angles `q` (n,), in [rad] or [m], for
-        messages.
+        """Return the names of all pairs of bodies closer than the margin, for messages.
+
+        Args:
+            q: (n,) joint angles, in [rad] or [m].
         """
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         pin.computeCollisions(*arguments, False)
@@ -102,14 +104,14 @@ class CollisionModel:
         return list(dict.fromkeys(pairs))
 
     def line_free(self, q_from: FloatArray, q_to: FloatArray, step: float = 0.01) -> bool:
-        """Return True if the straight joint line between two angles (n,) is free, ends included.
+        """Return True if the straight joint line between two postures is free, ends included.
 
         Args:
-            q_from: (n,) joint angles, in [rad].
-            q_to: (n,) joint angles, in [rad].
+            q_from: (n,) joint angles, in [rad] or [m].
+            q_to: (n,) joint angles, in [rad] or [m].
             step: largest joint motion between two checks, in [rad]. At 0.9 m reach 0.01 rad is at most 9
-                mm
-                at the fingertips; a `margin` of half of that covers the gaps between checks.
+                mm at
+                the fingertips; a `margin` of half of that covers the gaps between checks.
         """
         count = max(1, int(np.ceil(float(np.abs(q_to - q_from).max()) / step)))
         if self.in_collision(q_to) or self.in_collision(q_from):
@@ -118,8 +120,11 @@ class CollisionModel:
         return not any(self.in_collision(q) for q in between[_coarse_first(len(between))])
 
     def path_free(self, path: FloatArray, step: float = 0.01) -> bool:
-        """Return True if all straight joint lines along `path` (m, n), in [rad] or [m], are free, looked at
-        every `step`.
+        """Return True if all straight joint lines along a path are free, its points included.
+
+        Args:
+            path: (m, n) joint angles, in [rad] or [m].
+            step: largest joint motion between two checks, in [rad] or [m].
         """
         if len(path) == 1:
             return not self.in_collision(path[0])

@@ -26,16 +26,27 @@ def plan_motion(
     max_branches: int = 4000,
     step: float = 0.01,
 ) -> FloatArray | None:
-    """Return a free path of straight joint lines (m, n) in [rad] from `q_start` (n,) to `q_goal` (n,), or
-    None.
+    """Return a free path of straight joint lines between two postures; None if none was found.
 
     The straight line is taken when it is free; otherwise RRT-Connect (Kuffner and LaValle 2000, from OMPL)
     searches between the joint limits and its path is shortened. Continuous joints turn the shorter way:
     the path ends in the turn of `q_goal` that is nearest to `q_start`; if no path is found, one of them
-    after the other turns the longer way. The same seed gives the same path: effort is bounded by
-    `max_branches` lines tried for each, not by time. `step` [rad] is the distance of checks on a line. The
-    result is also None if an end itself is in collision (`collision.contacts` names the pairs) or beyond
-    the limits.
+    after the other turns the longer way. The same seed gives the same path: effort is bounded by the
+    number of lines, not by time.
+
+    Args:
+        arm: kinematics of the arm.
+        collision: bodies to keep clear of.
+        q_start: (n,) in [rad] or [m].
+        q_goal: (n,) in [rad] or [m].
+        seed: seed of the search.
+        max_branches: maximum number of lines tried for each turn of the goal.
+        step: distance of checks on a line, in [rad].
+
+    Returns:
+        (m, n) in [rad] or [m]; None also if an end is in collision (`collision.contacts` names the pairs)
+            or
+        beyond the limits.
     """
     if not (arm.within(q_start) and arm.within(q_goal)):
         return None
@@ -63,11 +74,19 @@ def plan_straight(
     step: float = 0.005,
     collision: CollisionModel | None = None,
 ) -> FloatArray | None:
-    """Joint angles (m, n) that move the tip in a straight line to `base_T_goal` (4, 4), or None.
+    """Return joint angles that move the tip in a straight line to a pose; None if there are none.
 
-    The tip moves at most `step` [m] and turns at most 10 times as many [rad] from one row to the next. None
-    when a pose on the line can't be reached without the arm leaping to another configuration, or when it
-    collides (where `collision` is given).
+    Args:
+        arm: kinematics of the arm.
+        q_start: (n,) joint angles at the start, in [rad] or [m].
+        base_T_goal: (4, 4) pose of the tip at the end.
+        step: largest motion of the tip from one row to the next, in [m]; it turns at most 10 times as many
+            [rad].
+        collision: bodies to keep clear of; None: collisions are not checked.
+
+    Returns:
+        (m, n) in [rad] or [m]; None if a pose on the line can't be reached without the arm leaping to
+        another configuration, or if it collides.
     """
     start, goal = pin.SE3(arm.forward(q_start)), pin.SE3(base_T_goal)
     motion = pin.log6(start.actInv(goal)).vector

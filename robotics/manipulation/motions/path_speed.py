@@ -18,14 +18,17 @@ from .toppra_library import (
 def highest_speed(
     rounded: RoundedPath, velocity: FloatArray, acceleration: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return arc lengths (g,) and the highest speed along the path at each (g,), starting and ending at rest.
+    """Return the highest speed along a path at its arc lengths, starting and ending at rest.
 
     Source: TOPP-RA, Pham and Pham 2018.
 
     Args:
         rounded: the path, in [rad].
-        velocity: limits (n,), in [rad/s].
-        acceleration: limits (n,), in [rad/s²].
+        velocity: (n,) limits, in [rad/s].
+        acceleration: (n,) limits, in [rad/s²].
+
+    Returns:
+        Arc lengths (g,) in [rad], and the speed at each (g,) in [rad/s].
 
     Raises:
         RuntimeError: no speed profile keeps the limits.

@@ -40,10 +40,16 @@ class RoundedPath:
         return float(self.knots[-1])
 
     def at(self, s: FloatArray, order: int = 0) -> FloatArray:
-        """Return the joint angles (k, n), in [rad], at arc lengths `s` (k,), or their derivative by arc
-        length of order 1 or 2.
+        """Return the joint angles at arc lengths, or their derivative by arc length.
 
         At a knot the derivatives are those of the piece that begins there.
+
+        Args:
+            s: (k,) arc lengths, in [rad] over all joints.
+            order: 0 for the angles, 1 or 2 for a derivative.
+
+        Returns:
+            (k, n) in [rad]; derivatives without unit (order 1) or in [1/rad] (order 2).
         """
         index = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
         along = (s - self.knots[index])[:, None]

@@ -41,7 +41,7 @@ class ToolPath(NamedTuple):
 
     @property
     def twists(self) -> FloatArray:
-        """(p, 6): motion of the tool for each metre of path, in [m/m; rad/m].
+        """Return the motion (p, 6) of the tool for each metre of path, in the world, [m/m] and then [rad/m].
 
         Two unit vectors joined, as below eq. 3 of Shin (2005), would mix units and be 0/0 on a seam along
         which the tool doesn't turn.

@@ -67,7 +67,12 @@ class BaseScorer:
         self.work = work
 
     def scores(self, bases: FloatArray, path: ToolPath) -> PlacementScores:
-        """Return the scores of base poses (b, 3): x, y in [m], heading in [rad]."""
+        """Return the scores of a path's points from base poses, by the scorer's own rule.
+
+        Args:
+            bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
+        """
         return self.scores_by(bases, path, self.rule)
 
     def reached(self, bases: FloatArray, path: ToolPath) -> BoolArray:
@@ -85,17 +90,27 @@ class BaseScorer:
         return self.step, 2.0 * np.pi / self.grid.headings
 
     def scores_by(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Return the scores of base poses (b, 3), x, y in [m] and heading in [rad], by another rule."""
+        """Return the scores of a path's points from base poses, by another rule.
+
+        Args:
+            bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
+            rule: measure and limits.
+        """
         if self.pitch_arm is not None:
             return self.pitch_arm.scores(bases, path, rule)
         return self._screw_arm.scores(bases, path, rule)
 
     def robust_scores(self, bases: FloatArray, path: ToolPath) -> PlacementScores:
-        """Return the scores, with only those cells usable that are reached from neighbouring stops of the
-        base as well.
+        """Return the scores, with only those cells usable that are reached from neighbouring base poses as
+        well.
 
         Scores of an arm with a closed form are unchanged: there only the few chosen placements are
         checked.
+
+        Args:
+            bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
+            path: path of the tool in the world.
         """
         scores = self.scores(bases, path)
         if self.pitch_arm is not None or not len(bases):
@@ -146,8 +161,13 @@ class BaseScorer:
         return np.vstack((back[:0:-1], on))
 
     def candidates(self, path: ToolPath) -> FloatArray:
-        """Return a grid of base poses (b, 3), x, y in [m] and heading in [rad], around a path, within the
-        arm's reach of it.
+        """Return a grid of base poses around a path, within the arm's reach of it.
+
+        Args:
+            path: path of the tool in the world.
+
+        Returns:
+            (b, 3) world_T_base: x, y in [m], heading in [rad].
         """
         spots = self._spots(path, self.step)
         while len(spots) * self.grid.headings > self.grid.bases:

@@ -33,15 +33,22 @@ class OpenFloor:
         self._rooms, _ = ndimage.label(away >= radius, structure=np.ones((3, 3)))
 
     def reached_from(self, start: tuple[float, float]) -> BoolArray:
-        """(h, w): the map's cells that a base gets to from there, in [m]."""
+        """Return a mask (h, w) of the map's cells that a base gets to from a place.
+
+        Args:
+            start: x and y on the map, in [m]; off the map nothing is reached.
+        """
         if not self._grid.inside(np.array([start]))[0]:
             return np.zeros(self._rooms.shape, dtype=np.bool_)
         home = self._rooms[tuple(self._grid.to_cell(np.array([start]))[0])]
         return np.asarray((self._rooms == home) & (home != 0))
 
     def leads_to(self, bases: FloatArray, reached: BoolArray) -> BoolArray:
-        """Return a mask (b,), True for base poses (b, 3), x, y in [m] and heading in [rad], that are on
-        `reached` cells (h, w).
+        """Return a mask (b,) of the base poses that are on reached cells.
+
+        Args:
+            bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
+            reached: (h, w) mask of cells, see `reached_from`.
         """
         inside = self._grid.inside(bases[:, :2])
         cells = self._grid.to_cell(bases[inside, :2])

@@ -72,7 +72,7 @@ class StopTable(NamedTuple):
 
     @property
     def usable(self) -> BoolArray:
-        """(b, n): served, with a landmark in sight."""
+        """Return a mask (b, n): True where a stop serves a goal and has a landmark in sight."""
         sighted = np.asarray(self.sights.any(axis=1))
         return np.asarray(self.served & sighted[:, None])
 
@@ -90,7 +90,12 @@ class StopPlacer:
         self._placer, self._sights = placer, sights
 
     def table(self, bases: FloatArray, goals: Sequence[Goal]) -> StopTable:
-        """Return the table of base poses (b, 3), x, y in [m] and heading in [rad], against goals."""
+        """Return the table of base poses against goals.
+
+        Args:
+            bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
+            goals: poses that the arm must reach.
+        """
         values = np.zeros((len(bases), len(goals)))
         served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
         sights = self._in_sight(bases)

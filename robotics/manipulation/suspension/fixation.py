@@ -23,14 +23,24 @@ class StopRule(NamedTuple):
     """eps2, about the camera's z, in [rad]."""
 
     def met(self, planned: Transform, seen: Transform) -> bool:
-        """Return True if camera_T_landmark as `seen` is near enough to the `planned` one."""
+        """Return True if a landmark is seen near enough to where it should be.
+
+        Args:
+            planned: (4, 4) camera_T_landmark of the plan.
+            seen: (4, 4) camera_T_landmark as seen.
+        """
         x, y = (seen[:2, 3] - planned[:2, 3]).tolist()
         return (
             abs(x) <= self.position and abs(y) <= self.position and self.turned(planned, seen) <= self.angle
         )
 
     def turned(self, planned: Transform, seen: Transform) -> float:
-        """Size of the turn about the camera's z from the `planned` to the `seen` landmark, in [rad]."""
+        """Return the size of the turn about the camera's z from the planned to the seen landmark, in [rad].
+
+        Args:
+            planned: (4, 4) camera_T_landmark of the plan.
+            seen: (4, 4) camera_T_landmark as seen.
+        """
         turn = seen[:3, :3] @ planned[:3, :3].T
         return abs(math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))
 
@@ -57,45 +67,68 @@ class PlannedView(NamedTuple):
     """C0_T_P0, (4, 4)."""
 
     def camera_error(self, camera_T_landmark: Transform) -> Transform:
-        """dT_C, planned_T_camera: where the camera is, seen from where it should be (eq. 4)."""
+        """Return planned_T_camera (4, 4), the pose of the camera in its planned pose: dT_C of eq. 4.
+
+        Args:
+            camera_T_landmark: (4, 4) as seen.
+        """
         return self.camera_T_landmark @ inverse(camera_T_landmark)
 
     def next_hand(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """base_T_hand of the next move: M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ · 60_T_C0⁻¹.
+        """Return base_T_hand (4, 4) of the next move: M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ ·
+        60_T_C0⁻¹.
 
-        Without errors the landmark is then seen as planned. `base_T_hand` is where the hand is now, and
-        `camera_T_landmark` what is seen from there.
+        Without errors the landmark is then seen as planned.
+
+        Args:
+            base_T_hand: (4, 4) pose of the hand now.
+            camera_T_landmark: (4, 4) as seen from there.
         """
         back = inverse(self.camera_error(camera_T_landmark))
         return base_T_hand @ self.hand_T_camera @ back @ inverse(self.hand_T_camera)
 
     def travelling_error(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """Return dT_M, planned_T_base (4, 4): the actual pose of the base in the planned one.
+        """Return planned_T_base (4, 4), the actual pose of the base in the planned one: dT_M.
 
-        Eq. 11 with the posture that the next move would give, so that the remaining error of the fixation is
-        included. At the planned posture this is eq. 5.
+        Eq. 11 with the posture that the next move would give, so that the remaining error of the fixation
+        is included. At the planned posture this is eq. 5.
+
+        Args:
+            base_T_hand: (4, 4) pose of the hand now.
+            camera_T_landmark: (4, 4) as seen from there.
         """
         return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
 
     def travelling_error_by_posture(self, base_T_hand: Transform) -> Transform:
-        """dT_M as the paper takes it (eq. 11): by the final posture, as if nothing were left.
+        """Return planned_T_base (4, 4) as the paper takes it (eq. 11): by the final posture, as if no error
+        were left.
 
         A turn of the base by up to the rule's angle is lost: 0.1 rad displace a block by 20 mm.
+
+        Args:
+            base_T_hand: (4, 4) final pose of the hand.
         """
         return self.base_T_hand @ inverse(base_T_hand)
 
 
 def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Transform:
-    """Return base_T_goal, the pose that the arm must reach from the actual base (eq. 7, and eq. 6 for the
+    """Return base_T_goal (4, 4), the pose that the arm must reach from the actual base (eq. 7; eq. 6 for the
     hand).
 
-    `planned_T_base` is dT_M, `planned_T_goal` is M0_T_B0, the posture from the planned base.
+    Args:
+        planned_T_base: (4, 4) actual pose of the base in the planned one: dT_M.
+        planned_T_goal: (4, 4) pose to reach from the planned base: M0_T_B0.
     """
     return inverse(planned_T_base) @ planned_T_goal
 
 
 def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
-    """M0_T_B0, base_T_goal: the arm's part of a goal, where `world_T_base` is the base's (section 3)."""
+    """Return base_T_goal (4, 4), the arm's part of a goal: M0_T_B0 (section 3).
+
+    Args:
+        world_T_goal: (4, 4) pose of the goal.
+        world_T_base: (4, 4) planned pose of the base.
+    """
     return inverse(world_T_base) @ world_T_goal
 
 

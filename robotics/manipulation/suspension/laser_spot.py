@@ -38,9 +38,14 @@ class SpotShift(NamedTuple):
 
 
 def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall: Transform) -> FloatArray:
-    """Return the position (2,) of the spot: (x, y) of the wall's frame in [m], whose plane is z = 0.
+    """Return the position (2,) of a laser's spot on a wall: x and y in the wall's frame, in [m].
 
-    The beam points along the laser's x axis.
+    The beam points along the laser's x axis; the wall is the plane z = 0 of its frame.
+
+    Args:
+        world_T_base: (4, 4) pose of the base.
+        base_T_laser: (4, 4) pose of the laser.
+        world_T_wall: (4, 4) pose of the wall's frame.
 
     Raises:
         ValueError: the beam doesn't meet the wall.

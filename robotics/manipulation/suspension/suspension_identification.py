@@ -62,12 +62,17 @@ def fit_sightings(
 ) -> SuspensionFit:
     """Fit the model to landmarks of one sheet, seen from many postures.
 
-    The arm's error, with a standard deviation of `arm_error` [m] along each axis, moves the corners of a
-    landmark together, and sideways more than it changes their size: each sighting is weighted so.
-    Otherwise the heights, which separate tilt from pivot, would be lost in the arm's sideways error.
+    The arm's error moves the corners of a landmark together, and sideways more than it changes their size:
+    each sighting is weighted so. Otherwise the heights, which separate tilt from pivot, would be lost in
+    the arm's sideways error. The pose of the sheet is fitted as well, its height and its tilt too: at the
+    reference posture the base is already tilted by an unknown angle.
 
-    The pose of the sheet is fitted as well, its height and its tilt too: at the reference posture the base
-    is already tilted by an unknown angle. `base_T_sheet` (4, 4) need be good to a few centimetres only.
+    Args:
+        sightings: landmarks, each with the postures from which it was seen.
+        hand_T_camera: (4, 4) pose of the camera.
+        base_T_sheet: (4, 4) pose of the sheet, good to a few centimetres.
+        known: parameters that are not fitted, by name, in SI units.
+        arm_error: standard deviation of the arm's error along each axis, in [m].
 
     Raises:
         ValueError: the sightings don't determine a parameter.

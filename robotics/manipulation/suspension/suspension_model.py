@@ -14,9 +14,14 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 
 def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float = 0.0) -> Transform:
-    """Return the turned base in the frame of the base before: dPsi · dPhi of eq. 12, in [rad].
+    """Return the pose (4, 4) of the turned and tilted base in the frame of the base before: dPsi · dPhi of
+    eq. 12.
 
-    It tilts around a point of its z axis at the height `pivot` in [m], which the paper omits.
+    Args:
+        yaw: in [rad].
+        roll: in [rad].
+        pitch: in [rad].
+        pivot: height of the point of the base's z axis around which it tilts, in [m]; the paper omits it.
     """
     lean = transform((0.0, 0.0, pivot)) @ transform(rpy=(roll, pitch, 0.0)) @ transform((0.0, 0.0, -pivot))
     return np.asarray(transform(rpy=(0.0, 0.0, yaw)) @ lean)
@@ -50,12 +55,22 @@ class SuspensionModel(NamedTuple):
         return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)
 
     def displaced(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the true pose of the hand, in the base frame at `reference` (eq. 12)."""
+        """Return the true pose (4, 4) of the hand in the base frame at a reference (eq. 12).
+
+        Args:
+            base_T_hand: (4, 4) pose of the hand by the arm's joints.
+            reference: (4, 4) base_T_hand at the reference.
+            swings: number of swings since the reference.
+        """
         return self.motion(base_T_hand, reference, swings) @ base_T_hand
 
     def corrected(self, base_T_goal: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the base_T_hand to command so that the hand comes to `base_T_goal` (in the base frame at
-        `reference`).
+        """Return the base_T_hand (4, 4) to command so that the hand truly comes to a goal.
+
+        Args:
+            base_T_goal: (4, 4) pose of the goal in the base frame at the reference.
+            reference: (4, 4) base_T_hand at the reference.
+            swings: number of swings since the reference.
         """
         command = base_T_goal
         for _ in range(_REFINEMENTS):

@@ -80,7 +80,7 @@ class CarTracker:
 
     @property
     def ahead(self) -> FloatArray:
-        """(k, 2) what is left of the leg that is driven, in [m]."""
+        """Rest (k, 2) of the leg that is being driven, on the map, in [m]."""
         if self._at >= len(self._legs):
             return np.empty((0, 2))
         leg = self._legs[self._at]

@@ -150,7 +150,11 @@ class SensorView(NamedTuple):
         return SensorView(x, y, self.start - angle, self.width)
 
     def sees(self, points: FloatArray) -> BoolArray:
-        """Return which points (n, 2) in the base frame are in the field of view (n,)."""
+        """Return a mask (n,): which points are in the field of view.
+
+        Args:
+            points: (n, 2) in the base frame, in [m].
+        """
         angle = np.arctan2(points[:, 1] - self.y, points[:, 0] - self.x)
         return np.asarray(np.mod(angle - self.start, 2.0 * math.pi) <= self.width)
 

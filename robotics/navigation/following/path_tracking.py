@@ -76,8 +76,8 @@ class PathTracker:
         """Continue along another route to the same goal, without a stop.
 
         Args:
-            points: (n, 2) from near the robot to the goal, in [m].
-            allowed: speed limits by position.
+            points: (n, 2) from near the robot to the goal, on the map, in [m].
+            allowed: speed limits by position; None: those of the drive.
         """
         self._set_route(points, allowed)
 
@@ -132,7 +132,7 @@ class PathTracker:
 
     @property
     def ahead(self) -> FloatArray:
-        """(k, 2) the rest of the route, from where the robot is on it, in [m]."""
+        """Rest (k, 2) of the route on the map, from the robot's place on it, in [m]."""
         here = [np.interp(self._progress, self._along, self._points[:, i]) for i in (0, 1)]
         return np.vstack([here, self._points[self._along > self._progress]])
 

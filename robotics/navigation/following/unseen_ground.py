@@ -69,11 +69,11 @@ def is_driven(
     """Return whether the middle of a robot stays on an arc where it has driven.
 
     Args:
-        driven: (n, 2) where its middle has been, in [m], in the frame of `pose`.
-        pose: of the robot.
-        curvature: of the arc, in [1/m], to the left.
+        driven: (n, 2) positions that its middle had, on the map, in [m].
+        pose: map_T_base.
+        curvature: of the arc, in [1/m], positive to the left.
         length: of the arc, in [m]; below zero backwards.
-        near: distance to `driven` allowed, in [m].
+        near: allowed distance from `driven`, in [m].
     """
     if len(driven) == 0:
         return False

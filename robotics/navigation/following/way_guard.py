@@ -92,12 +92,12 @@ class WayGuard:
     def free_way(
         self, pose: Pose2, scan: FloatArray, curvature: float, length: float
     ) -> tuple[float, HoldingObstacle | None]:
-        """Return how much of an arc is free, in [m], and the obstacle that ends it.
+        """Return how much of an arc is free, in [m], and the obstacle that ends it; None if all is free.
 
         Args:
             pose: map_T_base.
             scan: (n, 2) points of the lidar in the base frame, in [m].
-            curvature: in [1/m], positive to the left.
+            curvature: of the arc, in [1/m], positive to the left.
             length: length of the arc, in [m]; below zero backwards.
         """
         chart = self._map

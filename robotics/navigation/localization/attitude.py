@@ -44,10 +44,10 @@ class Attitude:
         """Update the attitude with a period's readings.
 
         Args:
-            rates: (3,) turn rates, in [rad/s].
-            accelerations: (3,) felt accelerations, in [m/s²].
+            rates: (3,) turn rates about the base's axes, in [rad/s].
+            accelerations: (3,) specific force along the base's axes, gravity included, in [m/s²].
             period: in [s].
-            at_rest: neither wheels nor arm were commanded to move.
+            at_rest: True if neither wheels nor arm were commanded to move.
         """
         rate = float(rates[2])
         steady = at_rest and abs(rate - self._bias) < max(

@@ -35,7 +35,7 @@ class BentWay(NamedTuple):
 
     @property
     def covariance(self) -> FloatArray:
-        """(2, 2) of the position, in [m²]."""
+        """Covariance (2, 2) of the position, in [m²]."""
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
     def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:

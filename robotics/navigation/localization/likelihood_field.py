@@ -63,7 +63,7 @@ class LikelihoodField:
 
     @cached_property
     def facing(self) -> Uint16Array:
-        """(8, h, w) of the cells to the nearest surface that faces the sensor, by `beam_sectors`.
+        """Distances (8, h, w) of the cells to the nearest surface that faces the sensor, by `beam_sectors`.
 
         In steps of which a cell has `STEPS_PER_CELL`, at most 255 cells. (1, h, w), the distance to any
         surface, where the map was drawn from echoes.
@@ -84,11 +84,20 @@ class LikelihoodField:
         return found
 
     def read(self, points: FloatArray) -> FloatArray:
-        """Distance (n,) in [m] of points (n, 2) of the map to the nearest surface; inf outside the map."""
+        """Return the distances (n,) of points to the nearest surface, in [m]; inf outside the map.
+
+        Args:
+            points: (n, 2) on the map, in [m].
+        """
         return np.asarray(read_distance(self.distance, self._scaled(points)))
 
     def reading(self, points: FloatArray, sensor: tuple[float, float]) -> FieldValues:
-        """Return distances of points (n, 2), in [m], to the surfaces that face a sensor at x, y in [m]."""
+        """Return the distances of points to the surfaces that face a sensor, with their slopes.
+
+        Args:
+            points: (n, 2) on the map, in [m].
+            sensor: x and y of the sensor on the map, in [m].
+        """
         sectors = beam_sectors(points, sensor, len(self.facing))
         readings = read_field(self.facing, self.map.occupied, self._scaled(points), sectors)
         return FieldValues(readings[:, 0] * self.map.resolution, readings[:, 1:3])
@@ -165,14 +174,18 @@ def read_field(
     at: FloatArray,
     sectors: Int32Array,
 ) -> FloatArray:
-    """Return (n, 4): distance in [cells], its slopes along x and y, and 1 in solids; infinity and zeros
-    outside.
+    """Return distances to the nearest surface, their slopes, and which points are in solid cells.
 
     Args:
         facing: (k, h, w) distances, see `LikelihoodField.facing`.
         occupied: (h, w) cells of the map.
         at: (n, 2) column and row of points, cell centres at whole numbers.
         sectors: (n,) which of the k distances each point reads.
+
+    Returns:
+        (n, 4): distance in [cells], its slopes along x and y, without unit, and 1 in solid cells. Outside
+            the
+        map infinity and zeros.
     """
     _, height, width = facing.shape
     out = np.empty((len(at), 4))

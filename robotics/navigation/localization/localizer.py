@@ -207,7 +207,10 @@ class ScanLocalizer(Localizer):
 
     @property
     def map_error(self) -> FloatArray:
-        """(3, 3) share of the map's error in `covariance`: the same in all poses measured at one place."""
+        """Share (3, 3) of the map's error in `covariance`, x, y in [m] and heading in [rad].
+
+        It is the same in all poses measured at one place.
+        """
         return self._map_error @ self._map_error.T
 
     @override
@@ -361,6 +364,11 @@ def is_apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_er
 
 
 def pose_difference(before: Pose2, after: Pose2) -> FloatArray:
-    """Return (3,) x, y in [m] and turn in [rad] from one pose to another, on the map."""
+    """Return the difference (3,) of two poses on the map: x, y in [m] and turn in [rad].
+
+    Args:
+        before: map_T_base of the first pose.
+        after: map_T_base of the second pose.
+    """
     x, y, turn = np.subtract(after, before).tolist()
     return np.array([x, y, wrap(turn)])

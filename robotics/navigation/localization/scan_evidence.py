@@ -60,12 +60,12 @@ def weakest_evidence(
 
     Args:
         grid: the map.
-        facing: (k, h, w) of its cells to the nearest surface that faces the sensor, see `LikelihoodField`.
+        facing: (k, h, w) distances of its cells to the nearest surface, see `LikelihoodField.facing`.
         points: (n, 2) where beams ended, on the map, in [m].
-        reading: of the likelihood field at the points.
+        reading: values of the likelihood field at the points.
         pose: map_T_base that fits best.
-        information: (3, 3) of the scan alone, of x, y in [m] and heading in [rad].
-        scale: of the robust cost, in [m].
+        information: (3, 3) of the scan alone, in [1/m²] and [1/rad²]: x, y and heading.
+        scale: scale of the robust cost, in [m].
         noise: sigma of a point's distance, in [m].
     """
     lever = information[:2, 2] / max(float(information[2, 2]), 1e-9)
@@ -165,19 +165,19 @@ def rises(
     """Return by how much the cost of a scan rises as it is shifted along directions, forth and back.
 
     Args:
-        rays: (k, 2) unit vectors.
-        steps: (n,) by which it is shifted, in [m].
-        every: so manieth point counts.
+        rays: (k, 2) unit vectors on the map.
+        steps: (n,) shifts along each of them, in [m].
+        every: only each point whose number is a multiple of this counts.
         origin: lower-left corner of the map, in [m].
         resolution: side of a cell, in [m].
-        facing: (k, h, w) of the cells to the nearest surface that faces the sensor, in steps.
+        facing: (k, h, w) distances of the cells, see `LikelihoodField.facing`.
         sectors: (m,) which of the k distances each point reads.
         points: (m, 2) of the scan on the map, in [m].
         distances: (m,) of the points to the nearest surface, in [m].
-        slopes: (m, 2) of the distances; empty where nobody asks what they claim.
-        middle: (2,) the base, in [m].
-        lever: (2,) by which the heading turns back, in [rad/m].
-        scale: of the robust cost, in [m].
+        slopes: (m, 2) of the distances, without unit; empty if their claim is not needed.
+        middle: (2,) position of the base on the map, in [m].
+        lever: (2,) turn of the heading that goes with a shift, in [rad/m].
+        scale: scale of the robust cost, in [m].
 
     Returns:
         (k, n, 3) in [m²]: the rise as it is seen, as the slopes claim it, and that of one point on a wall
@@ -267,14 +267,14 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
 
 
 def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
-    """Return a prior's covariance (3, 3) without relation between its error along a direction and the rest.
+    """Return a prior's covariance (3, 3) without correlation between the worst direction and the rest.
 
-    The direction that a scan does not determine is only about right: through such a relation, the scan would
-    seem to determine it.
+    The direction that a scan does not determine is only about right: through such a correlation, the scan
+    would seem to determine it.
 
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
-        seen: what the scan determines.
+        seen: the scan's worst direction; with a share above 0, the covariance is returned as it is.
     """
     if seen.share > 0.0:
         return covariance

@@ -107,16 +107,15 @@ def match_scan(
     """Return the pose from which the scan looks like the map.
 
     Args:
-        field: of the map.
+        field: likelihood field of the map.
         points: (n, 2) where beams ended, in the base frame, in [m].
-        prior: map_T_base as odometry has it.
+        prior: map_T_base by odometry.
         prior_covariance: (3, 3) of the prior, in [m, m, rad].
         sigma: noise of a range, in [m].
-        anneal: start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks slowly
-            and
-            the prior counts only at the end.
-        map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; zero if None.
-        before: evidence of the scan before, at about the same place, which has to confirm this one's.
+        anneal: True to start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks
+            slowly and the prior counts only at the end.
+        map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; None: zero.
+        before: evidence of the previous scan, at about the same place, which has to confirm this one's.
     """
     noise = math.hypot(sigma, CELL_SIGMA * field.map.resolution)
     final = 2.5 * noise
@@ -216,10 +215,9 @@ def descend_scan(
     scale: float,
     noise: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the pose (3,) that fits a scan best at one robust scale, and its information (3, 3), by
-    Gauss-Newton.
+    """Return the pose that fits a scan best at one robust scale, by Gauss-Newton.
 
-    Poses are x, y in [m] and heading in [rad], on the map.
+    Poses are map_T_base: x, y in [m] and heading in [rad].
 
     Args:
         facing: (k, h, w) distances, see `LikelihoodField.facing`.
@@ -227,13 +225,16 @@ def descend_scan(
         points: (n, 2) of the scan in the base frame, in [m].
         start: (3,) pose where the descent begins.
         prior: (3,) expected pose.
-        information: (3, 3) of the expected pose.
-        direction: (2,) unit vector along which the scan says less.
+        information: (3, 3) of the expected pose, in [1/m²] and [1/rad²].
+        direction: (2,) unit vector on the map along which the scan says less.
         share: share of the scan's information about the position along `direction` that is kept.
         origin: x, y of the map's lower-left cell centre, in [m].
         resolution: side of a cell, in [m].
         scale: scale of the robust weights, in [m].
         noise: sigma of a range, in [m].
+
+    Returns:
+        The pose (3,), and its information (3, 3) in [1/m²] and [1/rad²].
     """
     pose, off = np.empty(3), np.empty(3)
     moved, total = np.empty((len(points), 2)), np.empty((3, 3))

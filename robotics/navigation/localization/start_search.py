@@ -46,7 +46,7 @@ class ScanBeams(NamedTuple):
 
     @property
     def points(self) -> FloatArray:
-        """(m, 2) what was hit, in the base frame, in [m]."""
+        """Points (m, 2) where beams ended, in the base frame, in [m]."""
         hit = np.isfinite(self.ranges)
         rays = np.column_stack([np.cos(self.angles[hit]), np.sin(self.angles[hit])])
         return np.asarray(self.origin + self.ranges[hit, None] * rays)
@@ -119,13 +119,13 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
 
 
 def map_ranges(field: LikelihoodField, sensor: Pose2, angles: FloatArray, reach: float) -> FloatArray:
-    """Range (n,) in [m] of each beam to what the map shows; infinity where that is beyond the reach.
+    """Return the range (n,) in [m] of each beam to what the map shows; infinity beyond the reach.
 
     Args:
-        field: of the map.
+        field: likelihood field of the map.
         sensor: map_T_sensor.
         angles: (n,) of the beams, in [rad], from the sensor's heading.
-        reach: in [m].
+        reach: largest range, in [m].
     """
     grid = field.map
     return np.asarray(

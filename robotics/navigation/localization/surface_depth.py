@@ -21,10 +21,11 @@ MIN_INFORMATION = 1.0  # points: a direction with fewer is not determined by the
 
 
 def depth_shift(field: LikelihoodField, points: FloatArray, pose: Pose2) -> FloatArray:
-    """Return the shift (2,) of a matched position in [m] if all surfaces lie half a cell deep in their cells.
+    """Return the shift (2,) of a matched position on the map, in [m], if surfaces lie half a cell deep in
+    cells.
 
     Args:
-        field: of the map.
+        field: likelihood field of the map.
         points: (n, 2) end points of the scan in the base frame, in [m].
         pose: map_T_base that fits the scan.
     """

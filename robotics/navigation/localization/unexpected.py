@@ -42,20 +42,20 @@ def path_blocked(
     horizon: float,
     fewest: int = 2,
 ) -> tuple[float, FloatArray] | None:
-    """Return where along a route a robot would touch sensed points.
+    """Return where along a route a robot would touch sensed points; None if nothing is in the way.
 
     A point that is too near already, and from which the route only leads away, is not in the way.
 
     Args:
-        route: (n, 2) the route ahead, from where the robot is, in [m].
+        route: (n, 2) the route ahead, from where the robot is, on the map, in [m].
         points: (m, 2) sensed points in the same frame, in [m].
-        radius: of the robot, with what margin is wanted, in [m].
-        horizon: how far along the route to look, in [m].
-        fewest: points that must be in the way; a lone one may be noise.
+        radius: of the robot, with the wanted margin, in [m].
+        horizon: length of the route to look along, in [m].
+        fewest: number of points that must be in the way; a lone one may be noise.
 
     Returns:
         How far along the route the robot's centre gets before touching, in [m], and the point (2,) that it
-        touches; None if nothing is in the way.
+        touches.
     """
     if len(route) == 0 or len(points) < fewest:
         return None

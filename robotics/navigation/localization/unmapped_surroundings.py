@@ -45,7 +45,7 @@ class UnmappedSurroundings:
         return None if found is None or self.contradicts(points, found.pose) else found
 
     def contradicts(self, points: FloatArray, pose: Pose2) -> bool:
-        """Return whether more beams pass through walls of the map than things are taken away.
+        """Return whether more beams pass through walls of the map than removed objects explain.
 
         Args:
             points: (n, 2) of the scan in the base frame, in [m].
@@ -87,7 +87,7 @@ class UnmappedSurroundings:
             points: (n, 2) end points in the base frame, in [m].
             before: map_T_base before the scan corrected it.
             pose: map_T_base.
-            covariance: (3, 3) of the pose.
+            covariance: (3, 3) of the pose: x, y in [m], heading in [rad].
         """
         if differs(before, pose, SHIFT_M, SHIFT_RAD):
             self.layer.clear()

@@ -72,8 +72,8 @@ def explain(field: LikelihoodField, beams: ScanBeams, poses: FloatArray, noise: 
     """Compare a scan with what the map shows from poses.
 
     Args:
-        field: of the map.
-        beams: of the scan.
+        field: likelihood field of the map.
+        beams: beams of the scan.
         poses: (n, 3) map_T_base, in [m, m, rad].
         noise: sigma of a point's distance to the map, in [m].
     """

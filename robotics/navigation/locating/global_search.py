@@ -77,14 +77,17 @@ def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:
 def refine_poses(
     field: LikelihoodField, points: FloatArray, poses: FloatArray, noise: float, scales: tuple[float, ...]
 ) -> FloatArray:
-    """Return poses (n, 3) from which scan points (m, 2), in the base frame, fit the map best, near `poses`.
+    """Return poses from which a scan fits the map best, each near one of `poses`.
 
     Args:
-        field: of the map.
-        points: (m, 2) in the base frame, in [m].
-        poses: (n, 3) map_T_base to begin at.
+        field: likelihood field of the map.
+        points: (m, 2) of the scan in the base frame, in [m].
+        poses: (n, 3) map_T_base to begin at: x, y in [m], heading in [rad].
         noise: sigma of a point's distance to the map, in [m].
-        scales: of the robust cost, in [m], before the final one.
+        scales: scales of the robust cost before the final one, in [m].
+
+    Returns:
+        (n, 3) map_T_base, in [m, m, rad].
     """
     grid = field.map
     every = np.array([*scales, 6.0 * noise, 2.5 * noise])
@@ -97,8 +100,11 @@ def refine_poses(
 
 
 def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
-    """Return a mask (n,): which poses (n, 3) are at the same place as a pose (3,); x, y in [m], heading in
-    [rad].
+    """Return a mask (n,): which poses are at the same place as another pose.
+
+    Args:
+        poses: (n, 3) map_T_base: x, y in [m], heading in [rad].
+        pose: (3,) map_T_base, likewise.
     """
     away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
     turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)

@@ -77,7 +77,7 @@ class Hypotheses:
 
     @property
     def alive(self) -> IntArray:
-        """(k,) indices of the hypotheses that are not refuted."""
+        """Indices (k,) of the hypotheses that are not refuted."""
         if not len(self.log_likelihoods):
             return np.empty(0, dtype=np.int64)
         return np.flatnonzero(self.log_likelihoods >= self.log_likelihoods[0] - REFUTED_LOG)

@@ -72,12 +72,17 @@ class LocalMap:
 
     @property
     def echoes(self) -> FloatArray:
-        """(n, 2) of all scans, in [m]."""
+        """Echoes (n, 2) of all scans, in the local frame, in [m]."""
         return np.vstack([np.empty((0, 2)), *(view.echoes for view in self._views)])
 
     @classmethod
     def of_echoes(cls, echoes: FloatArray, pose: Pose2) -> LocalMap:
-        """Return a map of surfaces alone, from echoes (n, 2) in [m] seen about local_T_base."""
+        """Return a map of surfaces alone.
+
+        Args:
+            echoes: (n, 2) in the local frame, in [m].
+            pose: local_T_base from which they were seen.
+        """
         made = cls()
         none = np.zeros(len(echoes), dtype=np.bool_)
         here = np.array([pose.x, pose.y])

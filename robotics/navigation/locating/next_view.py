@@ -86,15 +86,17 @@ def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, r
 def predicted_difference(
     here: Pose2, places: FloatArray, field: LikelihoodField, poses: FloatArray, reach: float
 ) -> FloatArray:
-    """Return (n,) mean share of beams whose ranges would differ between the best hypothesis and each other
-    one.
+    """Return how much of a scan would tell the best hypothesis from the others, at each place.
 
     Args:
-        here: local_T_base.
+        here: local_T_base of the best hypothesis.
         places: (n, 2) in the local frame, in [m].
-        field: of the map.
-        poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad].
-        reach: of the lidar, in [m].
+        field: likelihood field of the map.
+        poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
+        reach: largest range of the lidar, in [m].
+
+    Returns:
+        (n,) mean share of beams whose ranges would differ, from 0 to 1.
     """
     if len(poses) < 2:
         return np.zeros(len(places))
@@ -116,11 +118,11 @@ def look_alike(field: LikelihoodField, poses: FloatArray, radius: float, within:
     """Return whether the map looks the same for the best hypothesis and another one, from every place around.
 
     Args:
-        field: of the map.
+        field: likelihood field of the map.
         poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
-        radius: of the footprint, in [m].
-        within: distance from the base, in [m].
-        reach: of the lidar, in [m].
+        radius: radius of the footprint, in [m].
+        within: distance from the base within which places count, in [m].
+        reach: largest range of the lidar, in [m].
     """
     here = Pose2(*poses[0].tolist())
     places = _reachable(Surroundings(field.map, here, radius, np.empty((0, 2))), within)

@@ -31,7 +31,12 @@ class BoxWalls(NamedTuple):
 
 
 def surface_distances(points: FloatArray, boxes: Sequence[Box]) -> FloatArray:
-    """Return the distance (n,) in [m] of points (n, 2) to the nearest surface of any box."""
+    """Return the distance (n,) of points to the nearest surface of any box, in [m].
+
+    Args:
+        points: (n, 2) in the frame of the boxes, in [m].
+        boxes: boxes.
+    """
     found = np.full(len(points), np.inf)
     for box in boxes:
         beyond = _beyond(points, box)

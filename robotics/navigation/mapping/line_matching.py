@@ -55,9 +55,9 @@ def match_surfaces(
     Args:
         reference: surface to fit to.
         moved: surface whose pose in the reference frame is sought.
-        start: estimated pose of `moved` in the reference frame.
-        prior: (3, 3) information of `start`, also added to the result; none if None.
-        gates: distances in [m] up to which points find partners, shrinking.
+        start: estimated reference_T_moved.
+        prior: (3, 3) information of `start`, in [1/m²] and [1/rad²], also added to the result; None: none.
+        gates: shrinking distances up to which points find partners, in [m].
     """
     trust = np.zeros((3, 3)) if prior is None else prior
     pose, hessian, sigma, inliers = start, np.zeros((3, 3)), MIN_SIGMA_M, 0.0

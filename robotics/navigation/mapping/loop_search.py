@@ -46,11 +46,11 @@ def candidates(
     """Return the earlier keyframes at which a keyframe may be, the nearest of each pass, nearest first.
 
     Args:
-        poses: (n, 3) of the keyframes.
+        poses: (n, 3) map_T_base of the keyframes: x, y in [m], heading in [rad].
         travel: (n,) length of the way up to each, in [m].
         second: number of the later keyframe.
-        sigmas: (n,) standard deviation in [m] of its position relative to each.
-        view: distance in [m] at which two keyframes see the same place.
+        sigmas: (n,) standard deviation of its position relative to each, in [m].
+        view: distance at which two keyframes see the same place, in [m].
         most: maximum number of candidates.
     """
     away = np.hypot(*(poses[:, :2] - poses[second, :2]).T)

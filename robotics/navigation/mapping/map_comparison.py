@@ -50,7 +50,7 @@ class MapComparison(NamedTuple):
 
 
 def wall_points(grid: GridMap) -> FloatArray:
-    """Return the centres (n, 2) of occupied cells next to one that is not, in [m]."""
+    """Return the centres (n, 2) of occupied cells next to one that is not, on the map, in [m]."""
     solid = grid.occupied.astype(np.uint8)
     inner = cv2.erode(solid, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=1)
     return grid.to_point(np.argwhere(grid.occupied & (inner == 0)))

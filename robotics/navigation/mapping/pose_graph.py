@@ -107,6 +107,8 @@ def edge_errors(poses: FloatArray, edges: list[Edge]) -> FloatArray:
 def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
     """Return the covariance (n, 3, 3) of each pose relative to the first one, in the graph's frame.
 
+    Rows are x, y in [m] and heading in [rad].
+
     Args:
         poses: (n, 3) x, y in [m], heading in [rad].
         edges: measured relative poses.
@@ -125,7 +127,9 @@ def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
 
 
 def factorized(poses: FloatArray, edges: list[Edge]) -> Any:
-    """Return the factorized information matrix (3n, 3n); its `solve` returns columns of the covariance.
+    """Return the factorized information matrix (3n, 3n), in [1/m²] and [1/rad²].
+
+    Its `solve` returns columns of the covariance.
 
     Args:
         poses: (n, 3) x, y in [m], heading in [rad].
@@ -139,10 +143,12 @@ def factorized(poses: FloatArray, edges: list[Edge]) -> Any:
 def relative_covariances(factor: Any, poses: FloatArray, node: int, diagonal: FloatArray) -> FloatArray:
     """Return the covariance (n, 3, 3) of each pose relative to one node, in the graph's frame.
 
+    Rows are x, y in [m] and heading in [rad].
+
     Args:
-        factor: of the information matrix, see `factorized`.
-        poses: (n, 3) of the nodes.
-        node: the node that the others are relative to.
+        factor: factorized information matrix, see `factorized`.
+        poses: (n, 3) of the nodes: x, y in [m], heading in [rad].
+        node: number of the node that the others are relative to.
         diagonal: (n, 3, 3) covariance of each pose, see `covariances`.
     """
     unit = np.zeros((3 * len(poses), 3))

@@ -30,8 +30,10 @@ ODOMETRY_SIGMAS = ((0.02, 0.1, 0.05), (0.01, 0.02, 0.1))
 
 
 def odometry_information(moved: Pose2) -> FloatArray:
-    """Return the information (3, 3), in [1/m²] and [1/rad²], of a motion measured by wheels that nobody
-    calibrated.
+    """Return the information (3, 3) of a motion measured by uncalibrated wheels, in [1/m²] and [1/rad²].
+
+    Args:
+        moved: pose after the motion in the pose before it.
     """
     travel, turn = float(np.hypot(moved.x, moved.y)), abs(moved.theta)
     place, heading = (rest + metre * travel + radian * turn for rest, metre, radian in ODOMETRY_SIGMAS)

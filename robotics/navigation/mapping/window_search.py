@@ -39,7 +39,7 @@ def search_window(
     """Return the best poses of a window, the best first, each at least `APART_M` from the others.
 
     Args:
-        surface_points: (n, 2) of the reference, in [m].
+        surface_points: (n, 2) of the reference, in its frame, in [m].
         points: (m, 2) in the moved frame, in [m].
         centre: reference_T_moved in the middle of the window.
         reach: half side of the window, in [m].

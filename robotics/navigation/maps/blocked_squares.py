@@ -193,16 +193,16 @@ def _stretch_clearance(
 def line_clearance(
     squares: BlockedSquares, start: FloatArray, end: FloatArray, limit: float, enough: float
 ) -> float:
-    """Least distance of a straight line to any blocked square, in [cells]; exact, and -1 through a square.
+    """Return the least distance of a straight line to any blocked square, in [cells]; -1 through a square.
 
-    The line is followed from cell to cell (Amanatides and Woo, 1987).
+    The line is followed from cell to cell (Amanatides and Woo, 1987). The distance is exact.
 
     Args:
-        squares: of the map.
-        start: (2,) row and column, cell centres at whole numbers, on the map.
+        squares: blocked squares of the map.
+        start: (2,) row and column on the map, in [cells], cell centres at whole numbers.
         end: (2,) likewise.
-        limit: more clearance than this isn't looked for.
-        enough: less than this is as good as none: -1 is returned as soon as that is sure.
+        limit: clearance above which none is looked for, in [cells].
+        enough: clearance below which -1 is returned as soon as that is sure, in [cells].
     """
     row0, column0, row1, column1 = start[0] + 1.0, start[1] + 1.0, end[0] + 1.0, end[1] + 1.0
     rows, columns = row1 - row0, column1 - column0
@@ -238,25 +238,30 @@ def line_clearance(
 
 @compiled
 def is_clear(squares: BlockedSquares, start: FloatArray, end: FloatArray, need: float) -> bool:
-    """Return True if a straight line keeps a clearance from every blocked square; with a `need` of 0 it may
-    touch one.
+    """Return True if a straight line keeps a clearance from every blocked square.
 
     Args:
         squares: blocked squares of the map.
         start: (2,) row and column, in [cells].
         end: (2,) row and column, in [cells].
-        need: clearance in [cells].
+        need: clearance in [cells]; with 0 the line may touch a square.
     """
     return line_clearance(squares, start, end, need, need) >= need
 
 
 @compiled
 def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
-    """Return (n,) least distance to blocked squares along the stretches that meet at each point of a path (n,
-    2).
+    """Return the least distance (n,) to blocked squares along the stretches that meet at each point of a
+    path.
 
-    All in [cells]. So whatever one reads between two points, the less, the mean or anything in between, no
-    spot there is nearer to a blocked square.
+    So whatever is interpolated between two points, no spot there is nearer to a blocked square.
+
+    Args:
+        squares: blocked squares of the map.
+        path: (n, 2) row and column, in [cells].
+
+    Returns:
+        (n,) in [cells].
     """
     height, width = squares.distance.shape
     clearance = np.full(len(path), np.inf)

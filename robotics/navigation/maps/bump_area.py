@@ -16,22 +16,28 @@ SPACING_M = 0.05  # between points
 
 
 def bump_fronts(bumps: FloatArray, radius: float, half_angle_deg: float = GUARDED_ANGLE_DEG) -> FloatArray:
-    """Return (m, 2) points in [m] on the outline of a base where something stopped it.
+    """Return points on the outline of a base where something stopped it.
 
     Args:
-        bumps: (n, 3) map_T_base in [m], and direction of the motion on the map in [rad].
+        bumps: (n, 3) x, y on the map in [m], and direction of the motion on the map in [rad].
         radius: of the base's footprint, in [m].
-        half_angle_deg: of the sector about the direction of the motion.
+        half_angle_deg: half of the sector about the direction of the motion, in [deg].
+
+    Returns:
+        (m, 2) on the map, in [m].
     """
     return _sectors(bumps, np.array([radius]), half_angle_deg)
 
 
 def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray:
-    """Return (m, 2) in [m] the half of each body's points that leads as the base drives.
+    """Return the half of each body's points that leads as the base drives.
 
     Args:
         outlines: (k, 2) points of each body in the base frame, in [m].
         forwards: True if the base drives forwards, False if backwards.
+
+    Returns:
+        (m, 2) in the base frame, in [m], rounded.
     """
     ahead = 1.0 if forwards else -1.0
     halves = [each[ahead * (each[:, 0] - each[:, 0].mean()) >= 0.0] for each in outlines]
@@ -40,15 +46,17 @@ def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray
 
 
 def bump_areas(bumps: FloatArray, radius: float) -> FloatArray:
-    """Return points (m, 2) of the map, in [m], that fill the area of a possible obstacle where a base was
-    stopped.
+    """Return points that fill the area of a possible obstacle where a base was stopped.
 
     The obstacle touches the front half of the footprint somewhere and may reach `UNSEEN_SIZE_M` beyond it;
     the footprint itself is free.
 
     Args:
-        bumps: (n, 3) position where it was stopped in [m], and direction of motion in [rad], on the map.
+        bumps: (n, 3) x, y on the map in [m], and direction of the motion on the map in [rad].
         radius: radius of the base's footprint, in [m]; 0 if a point of the arm touched.
+
+    Returns:
+        (m, 2) on the map, in [m].
     """
     depths = np.arange(0.0, UNSEEN_SIZE_M + 1e-9, SPACING_M)
     return _sectors(bumps, radius + depths, FRONT_ANGLE_DEG)

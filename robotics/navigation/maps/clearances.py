@@ -61,8 +61,12 @@ class Clearances:
         return Nearest(distance * self.resolution, self.origin + self.resolution * np.array([column, row]))
 
     def at(self, points: FloatArray) -> FloatArray:
-        """Return the distance (n,) of points (n, 2), both in [m]; 0 inside a solid cell, inf if the map is
-        empty.
+        """Return the distance (n,) of points to the nearest solid cell, in [m].
+
+        It is 0 inside a solid cell, and infinite if the map is empty.
+
+        Args:
+            points: (n, 2) on the map, in [m].
         """
         if self.empty:
             return np.full(len(points), np.inf)
@@ -80,11 +84,10 @@ class Clearances:
 def nearest_square(
     solid: BoolArray, between_centres: SingleArray, x: float, y: float
 ) -> tuple[float, float, float]:
-    """Return the distance of a point to the nearest solid cell's square, and where on it: x and y; all in
-    [cells].
+    """Return the distance of a point to the nearest solid cell's square, and the nearest spot's x and y.
 
     Rings of cells are looked at from the inside out, beginning where `between_centres` says that the first
-    solid one can be.
+    solid one can be. All results are in [cells]; x and y are NaN if no cell is solid.
 
     Args:
         solid: (h, w) True for solid cells.

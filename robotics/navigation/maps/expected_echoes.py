@@ -31,9 +31,9 @@ def expected_echoes(grid: GridMap, map_T_sensor: Pose2, angles: FloatArray, reac
 
     Args:
         grid: the map. Unknown cells, and what lies beyond the map, hide nothing.
-        map_T_sensor: of the lidar.
+        map_T_sensor: pose of the lidar.
         angles: (n,) of the beams in the sensor frame, in [rad].
-        reach: to which the beams are followed, in [m].
+        reach: range up to which the beams are followed, in [m].
     """
     along = np.arange(grid.resolution, reach, grid.resolution) / grid.resolution
     turned = angles + map_T_sensor.theta

@@ -34,32 +34,48 @@ class GridMap(NamedTuple):
 
     @property
     def blocked(self) -> BoolArray:
-        """(h, w): occupied or unknown, where a robot has no business."""
+        """Mask (h, w) of the cells that are occupied or unknown, where a robot must not be."""
         return self.occupied | self.unknown
 
     def to_cell(self, points: FloatArray) -> IntArray:
-        """Cells (n, 2), row and column, of points (n, 2) in [m]; of points off the map too."""
+        """Return the cells (n, 2), row and column, of points; of points off the map too.
+
+        Args:
+            points: (n, 2) in the map frame, in [m].
+        """
         scaled = (np.asarray(points, dtype=np.float64) - (self.origin_x, self.origin_y)) / self.resolution
         cells: IntArray = np.floor(scaled[:, ::-1]).astype(np.int64)
         return cells
 
     def to_point(self, cells: IntArray | FloatArray) -> FloatArray:
-        """Centres (n, 2) in [m] of cells (n, 2), row and column; positions between cells are welcome."""
+        """Return the centres (n, 2) of cells in the map frame, in [m].
+
+        Args:
+            cells: (n, 2) row and column; fractions are positions between cells.
+        """
         corner = np.array([self.origin_x, self.origin_y])
         points: FloatArray = (np.asarray(cells)[:, ::-1] + 0.5) * self.resolution + corner
         return points
 
     def inside(self, points: FloatArray) -> BoolArray:
-        """(n,): which of the points (n, 2) in [m] lie on the map."""
+        """Return a mask (n,): which points lie on the map.
+
+        Args:
+            points: (n, 2) in the map frame, in [m].
+        """
         cells = self.to_cell(points)
         within: BoolArray = np.all((cells >= 0) & (cells < self.occupied.shape), axis=1)
         return within
 
     def with_points(self, points: FloatArray, radius: float = 0.0) -> GridMap:
-        """Return this map with each sensed point (n, 2), in [m], as an obstacle.
+        """Return this map with each sensed point as an obstacle.
 
-        Cells whose centre is within `radius`, in [m], of a point become occupied, and always its own cell.
-        Points outside the map are ignored.
+        Cells whose centre is within `radius` of a point become occupied, and always its own cell. Points
+        outside the map are ignored.
+
+        Args:
+            points: (n, 2) in the map frame, in [m].
+            radius: in [m].
         """
         cells = self.to_cell(points[self.inside(points)] if len(points) else np.empty((0, 2)))
         if len(cells) == 0:
@@ -94,20 +110,24 @@ def from_ros(
     """Return a map from a ROS map picture by nav2's trinary rule.
 
     Args:
-        image: (h, w) grey, row 0 on top, as in the file.
+        image: (h, w) grey, from 0 to 255, row 0 on top, as in the file.
         resolution: side of a cell, in [m].
-        origin: lower-left corner of the picture, in [m]; turned pictures are not read.
-        occupied_thresh: from this occupancy on a cell is occupied.
-        free_thresh: up to this occupancy a cell is free; between the two it is unknown.
-        negate: dark means free.
+        origin: lower-left corner of the picture in the map frame, in [m]; turned pictures are not read.
+        occupied_thresh: occupancy from which on a cell is occupied, 0 to 1.
+        free_thresh: occupancy up to which a cell is free, 0 to 1; between the two it is unknown.
+        negate: True if dark means free.
     """
     values = ros_occupancy(image, "trinary", occupied_thresh, free_thresh, negate)
     return from_occupancy(values, resolution, origin)
 
 
 def unknown_read_as_free(image: ByteArray, free_thresh: float, negate: bool = False) -> int:
-    """Count the cells of an image (h, w) with grey 205 (nothing was measured there) that the threshold turns
-    into free ones.
+    """Return how many cells with grey 205 (nothing was measured there) a threshold turns into free ones.
+
+    Args:
+        image: (h, w) grey, from 0 to 255.
+        free_thresh: occupancy up to which a cell is free, 0 to 1.
+        negate: True if dark means free.
     """
     is_free = occupancy_of_levels(negate)[UNKNOWN_GREY] <= free_thresh
     return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
@@ -183,18 +203,18 @@ def ros_occupancy(
     negate: bool = False,
     opaque: BoolArray | None = None,
 ) -> Int8Array:
-    """Occupancy (h, w) in percent, -1 for unknown, row 0 at the bottom: an OccupancyGrid's data.
+    """Return the occupancy (h, w) in percent, -1 for unknown, row 0 at the bottom: an OccupancyGrid's data.
 
-    After nav2_map_server/src/map_io.cpp: `trinary` knows 0, 100 and unknown; `scale` also what lies between
-    the thresholds; `raw` takes levels of 0 to 100 as they are, and others for unknown.
+    After nav2_map_server/src/map_io.cpp: `trinary` knows 0, 100 and unknown; `scale` also what lies
+    between the thresholds; `raw` takes levels of 0 to 100 as they are, and others for unknown.
 
     Args:
-        image: (h, w) grey, row 0 on top, as in the file.
-        mode: of the three.
-        occupied_thresh: from this occupancy on a cell is occupied.
-        free_thresh: up to this occupancy a cell is free.
-        negate: dark means free.
-        opaque: (h, w); where a picture is transparent nothing is known, but in mode `raw`.
+        image: (h, w) grey, from 0 to 255, row 0 on top, as in the file.
+        mode: one of the three.
+        occupied_thresh: occupancy from which on a cell is occupied, 0 to 1.
+        free_thresh: occupancy up to which a cell is free, 0 to 1.
+        negate: True if dark means free.
+        opaque: (h, w); transparent cells are unknown, except in mode `raw`. None: all are opaque.
     """
     if mode == "raw":
         levels = np.arange(256)

@@ -22,8 +22,13 @@ def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
 
 
 def keepout_cells(grid: GridMap, zones: GridMap) -> BoolArray:
-    """Return (h, w) cells of `grid` that a zone touches: whose centre lies in one, or that hold a zone's
-    centre.
+    """Return a mask (h, w) of the cells of `grid` that a zone touches.
+
+    A cell counts if its centre lies in a zone, or if it holds the centre of a zone's cell.
+
+    Args:
+        grid: map whose cells are asked for.
+        zones: map in the same frame, whose occupied cells are the zones.
     """
     height, width = grid.occupied.shape
     across, up = np.arange(width, dtype=np.int64), np.arange(height, dtype=np.int64)

@@ -17,7 +17,8 @@ _RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
 def map_walls(grid: GridMap) -> FloatArray:
-    """Return rectangles (n, 5) for the occupied cells: x, y, yaw, length, width each, in [m] and [rad].
+    """Return rectangles (n, 5) for the occupied cells: x, y, yaw, length and width on the map, in [m] and
+    [rad].
 
     Surfaces are at the centres of the outermost occupied cells, where scan matching and planning read
     them: rectangles of complete cells would be half a cell nearer on every side. A line of cells one cell

@@ -11,7 +11,11 @@ HIDDEN_DEPTH_M = 0.25  # [m] by which a thing may be deeper than it was seen
 
 
 def point_discs(points: FloatArray) -> FloatArray:
-    """Return (n, 3) x, y, radius in [m] of the things that points (m, 2) lie on."""
+    """Return discs (n, 3), x, y and radius in [m], of the things that points lie on.
+
+    Args:
+        points: (m, 2) in any one frame, in [m].
+    """
     points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     if len(points) == 0:
         return np.empty((0, 3))

@@ -27,7 +27,12 @@ class RoomSpeeds(NamedTuple):
     other: AllowedSpeeds | None = None
 
     def at(self, points: FloatArray, top: float) -> FloatArray:
-        """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
+        """Return the speed limits (n,) at points, in [m/s].
+
+        Args:
+            points: (n, 2) on the map, in [m].
+            top: top speed of the robot, in [m/s].
+        """
         cells = np.clip(self.grid.to_cell(points), 0, np.array(self.clearance.shape) - 1)
         room = self.clearance[cells[:, 0], cells[:, 1]].astype(np.float64) - self.radius
         limits = np.clip(TIGHT_SPEED_M_S + SPEED_PER_ROOM * room, min(MIN_SPEED_M_S, top), top)

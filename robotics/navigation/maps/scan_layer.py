@@ -40,12 +40,12 @@ class ScanLayer:
 
     @property
     def occupied(self) -> BoolArray:
-        """(h, w) cells in which something was sensed."""
+        """Mask (h, w) of the cells in which something was sensed."""
         return np.asarray(self._scores >= OCCUPIED_SCORE)
 
     @property
     def points(self) -> FloatArray:
-        """(n, 2) centres of the occupied cells on the map, in [m]."""
+        """Centres (n, 2) of the occupied cells on the map, in [m]."""
         return self._grid.to_point(np.argwhere(self.occupied))
 
     def merged(self) -> GridMap:
@@ -68,7 +68,7 @@ class ScanLayer:
         Args:
             map_T_sensor: pose of the sensor on the map.
             angles: (n,) of the beams in the sensor frame, in [rad].
-            ranges: (n,) in [m]; infinity where nothing came back, NaN where nothing is known.
+            ranges: (n,) in [m]; infinity for beams without an echo, NaN for those without a reading.
             explained: (n,) beams that end at what the map shows: they raise nothing.
             time: in [s].
         """
@@ -105,7 +105,7 @@ class ScanLayer:
         return bool(old.any())
 
     def cells(self) -> FloatArray:
-        """Return (n, 4) what was sensed: x, y of the cells in [m], score, and time of the last hit in [s]."""
+        """Return the sensed cells (n, 4): x, y on the map in [m], score, and time of the last hit in [s]."""
         found = np.argwhere(self._scores > 0)
         rows, columns = found.T
         return np.column_stack(

@@ -14,7 +14,12 @@ class AllowedSpeeds(Protocol):
     """Speed limits by position."""
 
     def at(self, points: FloatArray, top: float) -> FloatArray:
-        """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
+        """Return the speed limits (n,) at points, in [m/s].
+
+        Args:
+            points: (n, 2) on the map, in [m].
+            top: top speed of the robot, in [m/s].
+        """
         ...
 
 
@@ -38,7 +43,12 @@ class SpeedLimits(NamedTuple):
     multiplier: float
 
     def at(self, points: FloatArray, top: float) -> FloatArray:
-        """Return the speed limits (n,) at points (n, 2) of a robot with that top speed, both in [m/s]."""
+        """Return the speed limits (n,) at points, in [m/s].
+
+        Args:
+            points: (n, 2) on the map, in [m].
+            top: top speed of the robot, in [m/s].
+        """
         nothing = np.zeros(self.values.shape, dtype=np.bool_)
         grid = GridMap(nothing, nothing, self.resolution, *self.origin)
         cells, inside = grid.to_cell(points), grid.inside(points)

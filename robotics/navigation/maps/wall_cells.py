@@ -23,7 +23,12 @@ class WallCells:
         self._grid = grid
 
     def near(self, point: tuple[float, float], reach: float) -> FloatArray:
-        """Return the centres (n, 2) of those in a square of side 2 `reach` around a point, in [m]."""
+        """Return the centres (n, 2) of the wall cells around a point, on the map, in [m].
+
+        Args:
+            point: x and y on the map, in [m].
+            reach: half side of the square around the point, in [m].
+        """
         row, column = self._grid.to_cell(np.array([point]))[0].tolist()
         cells = math.ceil(reach / self._grid.resolution) + 1
         low = max(0, row - cells), max(0, column - cells)
@@ -31,8 +36,11 @@ class WallCells:
         return self._grid.to_point(np.argwhere(part) + low)
 
     def corners(self, centres: FloatArray, heading: float) -> FloatArray:
-        """Return centres and corners (5 n, 2) of cells, given their centres (n, 2) in a frame that is turned
-        by `heading` in [rad] against the map.
+        """Return the centres and corners (5 n, 2) of cells, in [m].
+
+        Args:
+            centres: (n, 2) of the cells, in [m], in a frame that is turned against the map.
+            heading: turn of that frame against the map, in [rad].
         """
         half = 0.5 * self._grid.resolution
         across = half * np.array([math.cos(heading), -math.sin(heading)])

@@ -179,11 +179,11 @@ class FieldKalman:
         self._still = np.zeros(2)
 
     def fix(self, position: FloatArray, sigma: float | None, odometry: GyroOdometry) -> FixResult:
-        """Update with a GNSS position (2,) in [m], if it is plausible.
+        """Update with a GNSS position, if it is plausible.
 
         Args:
-            position: (2,) position of the antenna, in [m].
-            sigma: standard deviation reported by the receiver, an axis, in [m]; None: that of the noise
+            position: (2,) position of the antenna in the field's frame, in [m].
+            sigma: standard deviation along each axis by the receiver, in [m]; None: that of the noise
                 model.
             odometry: dead reckoning by wheels and gyros alone.
         """

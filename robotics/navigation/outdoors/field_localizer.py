@@ -98,11 +98,13 @@ class FieldLocalizer(ABC):
     @property
     @abstractmethod
     def covariance(self) -> FloatArray:
-        """(3, 3) of x, y in [m] and heading in [rad], in the world's frame, at the last step."""
+        """Covariance (3, 3) of x, y in [m] and heading in [rad], in the field's frame, at the last step."""
 
     @property
     def particles(self) -> FloatArray | None:
-        """(3, n) x, y in [m], heading in [rad]; None where it isn't made of particles."""
+        """Particles (3, n): x, y in [m], heading in [rad], in the field's frame; None for a filter without
+        particles.
+        """
         return None
 
     def set_origin(self) -> None:
@@ -142,10 +144,14 @@ class FieldLocalizer(ABC):
             self._flush()
 
     def fix(self, position: FloatArray, sigma: float | None = None) -> bool:
-        """Take in a GPS position (2,) in [m], measured now; whether it was believed.
+        """Update with a GNSS position that was measured now; return whether it was believed.
 
-        `sigma` [m] an axis is what the receiver says; the filter's own figure if None. A position that isn't
-        finite is refused.
+        A position that isn't finite is refused, and so is a sigma that isn't finite or above zero.
+
+        Args:
+            position: (2,) position of the antenna in the field's frame, in [m].
+            sigma: standard deviation along each axis by the receiver, in [m]; None: that of the noise
+                model.
         """
         if not np.all(np.isfinite(position)) or (sigma is not None and not 0.0 < sigma < math.inf):
             return False

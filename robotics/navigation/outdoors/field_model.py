@@ -51,7 +51,7 @@ class FieldModel(NamedTuple):
 
     @property
     def figures(self) -> FloatArray:
-        """Return the figures of the noise (11,), in SI units, for the compiled step."""
+        """Figures (11,) of the noise for the compiled step, in SI units."""
         n = self.noise
         ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]
         gyro = [n.gyro_white, n.gyro_walk, n.gyro_warm_up_time]
@@ -160,8 +160,12 @@ def went_on(
 
 @compiled
 def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> FloatArray:
-    """Return (2,) from the base to its `antenna` [m] in the world's axes, in [m]; tilt and heading in
-    [rad].
+    """Return the level offset (2,) from the base to its antenna in the field's axes, in [m].
+
+    Args:
+        antenna: x, y, z of the antenna in the base frame, in [m].
+        tilt: roll and pitch of the base, in [rad].
+        heading: heading of the base, in [rad].
     """
     x, y, z = antenna
     roll, pitch = tilt
@@ -173,12 +177,16 @@ def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], 
 
 @compiled
 def fix_forecast(mean: FloatArray, lever: FloatArray, speed: float) -> tuple[FloatArray, FloatArray]:
-    """Return how a fix depends on the states, rows (2, 13), and its expected position (2,) in [m].
+    """Return how a fix depends on the states, and its expected value.
 
     Args:
-        mean: (13,) states.
-        lever: (2,) level offset from the base to the antenna, in [m].
+        mean: (13,) states, in SI units.
+        lever: (2,) level offset from the base to the antenna in the field's axes, in [m].
         speed: speed of the base, in [m/s].
+
+    Returns:
+        Derivatives (2, 13) of the position by the states, and the position (2,) in the field's frame, in
+            [m].
     """
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
     rows = np.zeros((2, STATE_SIZE))
@@ -211,8 +219,9 @@ def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -
 def corrected(
     mean: FloatArray, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return mean (13,) and covariance (13, 13) after readings; in Joseph's form the covariance stays
-    positive.
+    """Return mean (13,) and covariance (13, 13) of the states after readings, in SI units.
+
+    By Joseph's form, which keeps the covariance positive.
 
     Args:
         mean: (13,) states, in SI units.

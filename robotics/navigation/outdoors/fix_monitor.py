@@ -57,10 +57,12 @@ class FixMonitor:
         return count
 
     def cleared(self, residual: FloatArray, forecast: FloatArray, variance: float) -> bool:
-        """Return True if the doubt is over, given this fix's residual (2,) and its `variance` an axis, in
-        [m²].
+        """Return True if the doubt about the fixes is over.
 
-        `forecast` (2, 2) is the filter's own share of the residual's covariance, common to all of them.
+        Args:
+            residual: (2,) fix less its forecast in the field's frame, in [m].
+            forecast: (2, 2) the filter's share of the residual's covariance, common to all fixes, in [m²].
+            variance: white variance of a fix along each axis, in [m²].
         """
         self._doubted.append(residual)
         del self._doubted[:-RECOVERY_FIX_COUNT]
@@ -82,7 +84,7 @@ class FixMonitor:
 
 
 def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return a residual (2,) in sigmas, by the lower root of its covariance.
+    """Return a residual (2,) in sigmas, without unit, by the lower root of its covariance.
 
     Args:
         residual: (2,) in [m].

@@ -97,13 +97,13 @@ class GyroOdometry:
         return float(self._state[15])
 
     def update(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
-        """Take in one period's readings; one that isn't finite counts as the one before.
+        """Take in one period's readings; a reading that isn't finite is replaced by the one before.
 
         Args:
-            rates: (3,) in [rad/s].
-            accelerations: (3,) in [m/s²].
-            wheels: (2,) travel of the rear wheels, in [m].
-            dt: period, in [s].
+            rates: (3,) angular velocities in the base's axes, in [rad/s].
+            accelerations: (3,) in the base's axes, in [m/s²].
+            wheels: (2,) travel of the left and right rear wheel in the period, in [m].
+            dt: length of the period, in [s].
         """
         _update(self._state, self._felt, self._seen, rates, accelerations, wheels, dt, self._euler)
 

@@ -126,8 +126,8 @@ class HeadingBank:
         """Update with a fix, and return the logarithm of its likelihood.
 
         Args:
-            position: (2,) position of the antenna, in [m].
-            sigma: standard deviation of its white error, an axis, in [m].
+            position: (2,) position of the antenna in the field's frame, in [m].
+            sigma: standard deviation of its white error along each axis, in [m].
             odometry: dead reckoning by wheels and gyros alone, used for the tilt.
         """
         variance = sigma**2

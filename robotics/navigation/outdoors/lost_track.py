@@ -43,8 +43,12 @@ class LostTrack:
         self._tracks: list[tuple[float, ...]] = []
 
     def take(self, reckoned: Pose2, position: FloatArray, believed: bool) -> None:
-        """Record a fix of the base's `position` (2,) in [m], received when odometry alone was at
-        `reckoned`.
+        """Record a fix.
+
+        Args:
+            reckoned: pose by odometry alone when the fix was received, in the field's frame.
+            position: (2,) of the base by the fix, in the field's frame, in [m].
+            believed: True if the filter used the fix.
         """
         self._tracks.append((*reckoned, float(position[0]), float(position[1]), float(believed)))
         del self._tracks[:-MAX_REVIEWED_FIXES]

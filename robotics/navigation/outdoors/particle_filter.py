@@ -120,7 +120,7 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def particles(self) -> FloatArray:
-        """(3, n): x, y in [m], heading in [rad]."""
+        """Particles (3, n) in the field's frame: x, y in [m], heading in [rad]."""
         return self._particles[:3].copy()
 
     def _set_origin(self) -> None:

@@ -10,10 +10,14 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
-    """Return the standard deviations (2,) in x and y of errors (n, 2) of targets (n, 2), in [m].
+    """Return the standard deviations (2,) of placement errors in x and y, in [m].
 
     Defined as by Ohki et al. (2012): axes turned so that the first and the last deployed point lie in the
     direction of their targets, errors relative to their mean. So they are precision, not accuracy.
+
+    Args:
+        errors: (n, 2) deployed points less their targets, in [m].
+        targets: (n, 2) in the same frame, in [m].
     """
     laid = targets + errors
     (ax, ay), (bx, by) = laid[-1] - laid[0], targets[-1] - targets[0]
@@ -24,5 +28,10 @@ def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
 
 
 def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
-    """Return (n,) squared errors (n, 2) in units of their covariances (n, 2, 2): 2 on average if honest."""
+    """Return the normalized squared errors (n,), without unit: 2 on average if the covariances are honest.
+
+    Args:
+        errors: (n, 2) in [m].
+        covariances: (n, 2, 2) in [m²].
+    """
     return np.asarray(np.einsum("ni,nij,nj->n", errors, np.linalg.inv(covariances), errors))

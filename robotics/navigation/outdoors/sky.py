@@ -50,7 +50,7 @@ class Sky(NamedTuple):
 
 @compiled
 def leapt(covariance: FloatArray, jump: float) -> FloatArray:
-    """Return the covariance (13, 13) of the states after the GNSS error jumped, wherever it was.
+    """Return the covariance (13, 13) of the states after the GNSS error jumped to any value.
 
     Args:
         covariance: (13, 13) before, in SI units.
@@ -66,7 +66,11 @@ def leapt(covariance: FloatArray, jump: float) -> FloatArray:
 
 @compiled
 def log_normal(residual: FloatArray, covariance: FloatArray) -> float:
-    """Return the logarithm of the density of `residual` (2,) with mean zero and covariance (2, 2).
+    """Return the logarithm of a normal density with mean zero.
+
+    Args:
+        residual: (2,) in [m].
+        covariance: (2, 2) in [m²].
 
     Raises:
         ValueError: the covariance is not positive definite.

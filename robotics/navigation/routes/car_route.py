@@ -12,15 +12,15 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 def plan_car_route(
     start: Pose2, goal: Pose2, discs: FloatArray, room: float, radius: float
 ) -> CarPath | None:
-    """Return the shortest path found, or None.
+    """Return the shortest path of a car that was found, or None.
 
     Only discs that a path meets are considered: a path that is the shortest past some of them and meets
     none of the others is the shortest past all.
 
     Args:
-        start: world_T_base.
-        goal: world_T_base.
-        discs: (n, 3) x, y and radius of each obstacle, in [m].
+        start: world_T_base at the start.
+        goal: world_T_base at the goal.
+        discs: (n, 3) x, y and radius of each obstacle in the world, in [m].
         room: distance of the base's centre from each disc, in [m]; less where it starts nearer to one.
         radius: radius of the turning circle, in [m].
     """

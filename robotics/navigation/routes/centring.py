@@ -17,12 +17,15 @@ NTH_NEAREST = 1  # of the points on a side, that counts: the nearest one may be 
 
 
 def centred(points: FloatArray, shape: Footprint, sensed: FloatArray) -> tuple[FloatArray, float]:
-    """Return a route shifted to the middle of narrow places, and the largest shift in [m].
+    """Return a route shifted to the middle of narrow places.
 
     Args:
-        points: (n, 2) route from the robot on, in [m].
+        points: (n, 2) route from the robot on, on the map, in [m].
         shape: polygon of the footprint.
-        sensed: (m, 2) points that the lidar sees, in the frame of the route, in [m].
+        sensed: (m, 2) points that the lidar sees, on the map, in [m].
+
+    Returns:
+        The route (n, 2) on the map, and its largest shift, both in [m].
     """
     if len(points) < 2 or not len(sensed):
         return points, 0.0

@@ -128,7 +128,7 @@ def cheapest_nodes(
     """Run Dijkstra's search from many starts to many goals.
 
     The next node is searched linearly among all open ones: a Voronoi graph has a few hundred nodes, and a
-    heap would take longer to compile than it saves.
+    heap would take longer to compile than it saves. All costs are prices of `EdgeTable`, in one unit.
 
     Args:
         slots: (2e,) incidence as in `EdgeTable`.
@@ -140,8 +140,8 @@ def cheapest_nodes(
         limit: upper bound; a path with a higher total is ignored.
 
     Returns:
-        The last node (-1 if no path is below the limit), the total, and for each node the slot of the edge
-        that leads back from it (-1 where the path begins).
+        The last node (-1 if no path is below the limit), the total, and for each node (n,) the slot of the
+        edge that leads back from it (-1 where the path begins).
     """
     back = np.full(len(start_cost), -1, dtype=np.int64)
     done = np.zeros(len(start_cost), dtype=np.bool_)

@@ -88,10 +88,11 @@ class Replanner:
             grid: the map with what was sensed.
             start: map_T_base.
             goal: map_T_base at the goal.
-            front: (2, 2) ends of a front before which the robot is to be, as in `Ways.to`.
-            route: (n, 2) rest of the old route, from the robot on, in [m]; None if there is none.
+            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be, as in
+                `Ways.to`.
+            route: (n, 2) rest of the old route, from the robot on, on the map, in [m]; None: no old route.
             lead: length of the old route that stays the beginning of another one, in [m].
-            better: whether to look for another route although the old one is free.
+            better: True to look for another route although the old one is free.
         """
         squares = self._squares_of(grid)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
@@ -157,12 +158,12 @@ class Replanner:
 
 
 def free_length(grid: GridMap, route: FloatArray, least: float) -> tuple[float, tuple[float, float] | None]:
-    """Return how much of a route is free, in [m], and the point that is not; None if all of it is.
+    """Return how much of a route is free, in [m], and the first point that is not; None if all of it is.
 
     Args:
         grid: the map with what was sensed.
-        route: (n, 2) in [m], at least two points.
-        least: room that the robot's centre needs, in [m].
+        route: (n, 2) on the map, in [m], at least two points.
+        least: distance that the robot's centre needs from obstacles, in [m].
     """
     return _Driven(route, grid, blocked_squares(grid.blocked)).free(least, None)
 

@@ -46,10 +46,16 @@ def path_length(path: FloatArray) -> float:
 
 
 def sampled(path: FloatArray, spacing: float) -> FloatArray:
-    """Return a path (n, 2) with points inserted so that neighbours are at most `spacing` apart: (m, 2), in
-    the same unit.
+    """Return a path with points inserted, so that neighbours are at most a spacing apart.
 
     Repeated points are dropped.
+
+    Args:
+        path: (n, 2) in any one unit.
+        spacing: largest distance of neighbours, in the same unit.
+
+    Returns:
+        (m, 2) in the same unit.
     """
     parts = np.ceil(_stretches(path) / spacing).astype(np.int64)
     of = np.repeat(np.arange(len(parts)), parts)
@@ -75,7 +81,8 @@ def _evenly(path: FloatArray, spacing: float) -> IntArray:
 def straightened(
     price: SingleArray, haste: float, squares: BlockedSquares, need: float, path: FloatArray
 ) -> FloatArray:
-    """Return the corners (k, 2) of the cheapest chain of straight lines between samples of a path.
+    """Return the corners (k, 2) of the cheapest chain of straight lines between samples of a path, in
+    [cells].
 
     Found by dynamic programming. Each line keeps `need` from blocked squares; where not even the next
     sample can be reached by a line, the path itself is followed between the two, point by point.
@@ -85,7 +92,7 @@ def straightened(
         haste: added price of a cell of length.
         squares: blocked squares of the map.
         need: clearance of every line, in [cells]; the path's own stretches have it.
-        path: (n, 2) positions in [cells], row and column.
+        path: (n, 2) row and column, in [cells].
     """
     path = sampled(path, SAMPLE_SPACING_CELLS)
     samples = _evenly(path, SAMPLE_SPACING_CELLS)
@@ -169,11 +176,17 @@ def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: I
 def rounded(
     squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float = 0.0
 ) -> FloatArray:
-    """Return an evenly sampled path (n, 2), in [cells], with rounded corners (n, 2) and the same ends.
+    """Return an evenly sampled path (n, 2) with rounded corners and the same ends, in [cells].
 
     Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep
-    less than `need`, in [cells], or less than all of the path did. A sample that had more keeps that, but no
-    more than `roomy`, in [cells].
+    less than `need`, or less than all of the path did.
+
+    Args:
+        squares: blocked squares of the map.
+        need: clearance to keep, in [cells].
+        path: (n, 2) row and column, evenly sampled, in [cells].
+        rounds: number of passes over the samples.
+        roomy: clearance, in [cells], up to which a sample keeps what it had.
     """
     smooth = path.copy()
     tight = np.inf

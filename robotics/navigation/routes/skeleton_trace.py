@@ -97,10 +97,13 @@ def _walk_all(
 
 
 def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
-    """Return the skeleton's cells (n,) as flat indices, and links (h * w,): bit k for a link along step k.
+    """Return the cells of a skeleton, and the links between them.
 
     Args:
-        skeleton: (h, w), False all along the border.
+        skeleton: (h, w) mask, False all along the border.
+
+    Returns:
+        The cells (n,) as flat indices, and links (h * w,): bit k is set for a link along step k.
     """
     cells = np.flatnonzero(skeleton).astype(np.int64)
     links = np.zeros(skeleton.size, dtype=np.uint8)
@@ -127,15 +130,18 @@ def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
 
 
 def prune_leaves(cells: IntArray, links: ByteArray, width: int, touching: BoolArray) -> IntArray:
-    """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells (m,).
+    """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells.
 
     One pass only: an edge that becomes a leaf by it leads into a dead-end room.
 
     Args:
-        cells: (n,) flat indices of the skeleton.
-        links: (h * w,), changed in place.
+        cells: (n,) flat indices of the skeleton's cells.
+        links: (h * w,) bits of the linked neighbours, changed in place.
         width: width of the map, in [cells].
         touching: (h * w,) True where a leaf counts as touching an obstacle.
+
+    Returns:
+        (m,) flat indices of the remaining cells.
     """
     before = trace(cells, links, width)
     keep = np.ones(len(cells), dtype=np.bool_)

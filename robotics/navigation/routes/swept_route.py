@@ -19,7 +19,7 @@ MAX_ROOM_M = 0.1  # beyond which room is not measured
 def swept_room(
     grid: GridMap, shape: Footprint, points: FloatArray, heading: float | None = None
 ) -> FloatArray:
-    """Return the least room beside a polygon that drives along a route, turns included (n,), in [m].
+    """Return the least room (n,) beside a polygon that drives along a route, turns included, in [m].
 
     Room is measured to blocked cells, each with a disc of its own size; negative where they overlap, and
     `MAX_ROOM_M` at most.
@@ -27,8 +27,8 @@ def swept_room(
     Args:
         grid: the map; unknown cells and everything beyond the map count as blocked.
         shape: polygon of the footprint.
-        points: (n, 2) route in [m].
-        heading: in which the robot is before it turns into the route, in [rad].
+        points: (n, 2) route on the map, in [m].
+        heading: heading of the robot before it turns into the route, in [rad]; None: that of the route.
     """
     headings = travel_headings(points)
     before = np.concatenate([[headings[0] if heading is None else heading], headings[:-1]])
@@ -40,7 +40,11 @@ def swept_room(
 
 
 def travel_headings(points: FloatArray) -> FloatArray:
-    """Return the heading of travel at each point of a route (n, 2), in [rad], without jumps (n,)."""
+    """Return the heading of travel (n,) at each point of a route, in [rad], without jumps.
+
+    Args:
+        points: (n, 2) on the map, in [m].
+    """
     if len(points) < 2:
         return np.zeros(len(points))
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])

@@ -66,15 +66,17 @@ class _Line(NamedTuple):
 
 
 def car_path(start: Pose2, goal: Pose2, discs: FloatArray, radius: float) -> CarPath | None:
-    """Return the shortest path found past discs, or None.
+    """Return the shortest path of a car past discs that was found, or None.
 
     If a car would have to circle, or has no path forwards, also try backing first, and driving past the
     goal and backing there.
 
     Args:
-        start: pose of the car.
-        goal: pose to reach, with its heading.
-        discs: (n, 3) x, y and radius of obstacles, in [m], grown by what the body needs to either side.
+        start: world_T_base at the start.
+        goal: world_T_base to reach, with its heading.
+        discs: (n, 3) x, y and radius of obstacles in the world, in [m], grown by what the body needs to
+            either
+            side.
         radius: radius of the car's turning circle, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
@@ -119,11 +121,11 @@ def _forward(
 
 
 def shortest_detour(start: FloatArray, goal: FloatArray, discs: FloatArray) -> float:
-    """Return the length in [m] of the shortest path from point to point past discs; infinity if none exists.
+    """Return the length of the shortest path from point to point past discs, in [m]; infinity if none exists.
 
     Args:
-        start: (2,) in [m].
-        goal: (2,) in [m].
+        start: (2,) in the frame of the discs, in [m].
+        goal: (2,) in the frame of the discs, in [m].
         discs: (n, 3) x, y and radius, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)

@@ -53,7 +53,11 @@ REMOVABLE_TABLE = _removable_table()
 
 
 def neighbour_steps(width: int) -> IntArray:
-    """(8,): how far the neighbours are in a flat array of this width; step k + 4 is the way back."""
+    """Return the offsets (8,) of a cell's neighbours in the flat array of a map; step k + 4 is the way back.
+
+    Args:
+        width: width of the map, in [cells].
+    """
     return np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, -width + 1], dtype=np.int64)
 
 
@@ -119,11 +123,11 @@ def _peel(
 
 
 def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
-    """Return the skeleton (h, w) of the free cells (h, w), as exact in topology and centred by `distance`.
+    """Return the skeleton (h, w) of the free cells: a mask, exact in topology and centred by distance.
 
     Args:
-        free: (h, w), False all along the border.
-        distance: (h, w), to the nearest obstacle, in [cells].
+        free: (h, w) mask, False all along the border.
+        distance: (h, w) to the nearest obstacle, in [cells].
     """
     levels = int(float(distance.max(initial=0.0)) * LEVELS_PER_CELL) + 2
     flat = np.ascontiguousarray(distance).ravel()

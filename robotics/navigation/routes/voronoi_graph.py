@@ -152,7 +152,7 @@ def voronoi_graph(
 
 
 def room_price(clearance: SingleArray, resolution: float) -> SingleArray:
-    """Return the price (h, w) of a metre of path at each clearance.
+    """Return the price (h, w) of a metre of path at each clearance, without unit.
 
     Args:
         clearance: (h, w) distance of cells from obstacles, in [m].

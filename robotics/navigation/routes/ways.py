@@ -159,7 +159,7 @@ class Ways:
         """Return the price of a path on this map; inf where the robot fits nowhere.
 
         Args:
-            points: (n, 2) in [m], closer to each other than a few cells.
+            points: (n, 2) on the map, in [m], closer to each other than a few cells.
         """
         if self._graph is None:
             return math.inf

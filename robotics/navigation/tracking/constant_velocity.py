@@ -15,13 +15,13 @@ FAR_COST = 1e6  # of pairs beyond the gate
 def predict(
     means: FloatArray, covariances: FloatArray, dt: float, density: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return means (n, 4) and covariances (n, 4, 4) after a time.
+    """Return means (n, 4) and covariances (n, 4, 4) of tracks after a time.
 
     Args:
-        means: (n, 4) x, y in [m] and velocity in [m/s].
-        covariances: (n, 4, 4) of them.
-        dt: in [s].
-        density: of the white acceleration along each axis, in [m²/s³].
+        means: (n, 4) x, y on the map in [m] and velocity in [m/s].
+        covariances: (n, 4, 4) of the means, in their units.
+        dt: time, in [s].
+        density: power density of the white acceleration along each axis, in [m²/s³].
     """
     F = np.eye(4)
     F[0, 2] = F[1, 3] = dt
@@ -38,9 +38,9 @@ def assign(
     """Return pairs of tracks and measurements: most likely all together, each pair within the gate.
 
     Args:
-        means: (n, 4) predicted.
-        covariances: (n, 4, 4).
-        measured: (m, 2) positions in [m].
+        means: (n, 4) predicted x, y on the map in [m] and velocity in [m/s].
+        covariances: (n, 4, 4) of the means, in their units.
+        measured: (m, 2) positions on the map, in [m].
         noises: (m, 2, 2) covariance of each, in [m²].
     """
     if not len(means) or not len(measured):
@@ -59,7 +59,14 @@ def assign(
 def correct(
     means: FloatArray, covariances: FloatArray, measured: FloatArray, noises: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return means (n, 4) and covariances (n, 4, 4) after one position (n, 2) each, with noise (n, 2, 2)."""
+    """Return means (n, 4) and covariances (n, 4, 4) of tracks after one measured position each.
+
+    Args:
+        means: (n, 4) x, y on the map in [m] and velocity in [m/s].
+        covariances: (n, 4, 4) of the means, in their units.
+        measured: (n, 2) positions on the map, in [m].
+        noises: (n, 2, 2) covariance of each, in [m²].
+    """
     spread = covariances[:, :2, :2] + noises
     gain = covariances[:, :, :2] @ np.linalg.inv(spread)
     means = means + (gain @ (measured - means[:, :2])[..., None])[..., 0]

@@ -122,9 +122,10 @@ class MovingTracks:
         """Take in a scan.
 
         Args:
-            points: (n, 2) echoes that the map does not explain, in the order of their beams, in [m].
+            points: (n, 2) echoes that the map does not explain, on the map, in the order of their beams,
+                in [m].
             scan: all beams, with their time and the pose of the lidar.
-            pose_covariance: (3, 3) of the base's pose, in [m] and [rad].
+            pose_covariance: (3, 3) of the base's pose: x, y in [m], heading in [rad].
         """
         sensor = np.array(scan.map_T_sensor[:2])
         near = np.hypot(*(points - sensor).T) <= self._reach

@@ -46,14 +46,15 @@ class People(NamedTuple):
 
     @property
     def moving(self) -> BoolArray:
-        """(p,) who moves."""
+        """Mask (p,) of the people who move."""
         return np.asarray((self.velocities != 0.0).any(axis=1))
 
     @property
     def rows(self) -> FloatArray:
-        """All persons for pictures: (p, 7).
+        """Table (p, 7) of all people, for pictures.
 
-        Columns are x, y in [m], the velocity in [m/s], and xx, xy, yy of the position's covariance.
+        Columns are x, y on the map in [m], the velocity in [m/s], and xx, xy, yy of the position's
+        covariance in [m²].
         """
         return np.hstack([self.positions, self.velocities, self.covariances[:, [0, 0, 1], [0, 1, 1]]])
 
@@ -95,12 +96,12 @@ def least_gaps(paths: FloatArray, times: FloatArray, people: People, radius: flo
 
 
 def with_people(grid: GridMap, people: People, here: FloatArray, radius: float, keep: float) -> GridMap:
-    """Return a map on which people stand where they are and will be in the next `FORESEEN_S`.
+    """Return a map on which people are obstacles where they are and will be in the next `FORESEEN_S`.
 
     Args:
         grid: the map with what was sensed.
-        people: those to lead around.
-        here: (2,) position of the robot, around which nothing is drawn.
+        people: people to lead around.
+        here: (2,) position of the robot on the map, in [m], around which nothing is drawn.
         radius: radius of its footprint, in [m].
         keep: distance to keep from people, in [m].
     """

@@ -35,16 +35,20 @@ def find_block(
     expected: Pose2,
     within: float,
 ) -> Pose2 | None:
-    """Return plane_T_block of the top face of a block, length x width `size` [m], in the plane z = 0 of a
-    frame.
+    """Return plane_T_block of the top face of a block in the plane z = 0 of a frame; None if it is not found.
 
-    Its centre is searched within `within` [m] of `expected`, its x (along its length) within `MAX_TURN_RAD`
-    of the expected one. The face must be completely in the image (h, w), of one shade, and brighter than its
-    surroundings; one of its four edges may border on something as bright, and is then placed according to
-    the size.
+    The face must be completely in the image, of one shade, and brighter than its surroundings; one of its
+    four edges may border on something as bright, and is then placed according to the size. A face whose
+    size is 2 mm off is not found: a lower block looks smaller, which separates blocks of one kind in
+    several layers.
 
-    The result is None if no such face is found, or its size is 2 mm off. A lower block looks smaller,
-    which separates blocks of one kind in several layers.
+    Args:
+        image: (h, w), grey.
+        camera: model of the camera.
+        camera_T_plane: (4, 4) pose of the frame.
+        size: length and width of the face, in [m].
+        expected: expected plane_T_block; its x axis is along the length, within `MAX_TURN_RAD`.
+        within: largest distance of the centre from the expected one, in [m].
 
     Raises:
         ValueError: the plane doesn't lie before the camera, or the size is less than 15 mm.

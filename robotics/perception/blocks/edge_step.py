@@ -58,8 +58,9 @@ class _Fit(NamedTuple):
 def fit_steps(profiles: FloatArray, away: BoolArray, least: float) -> Steps:
     """Fit a step down, or two steps where these explain a profile much better, to grey profiles across edges.
 
-    With two steps, the face under an edge is seen as a strip of few pixels, of a third shade. A strip and a
-    wide blur look alike, so the blur is taken from the edges whose lower face is turned away from the camera.
+    With two steps, the face under an edge is seen as a strip of few pixels, of a third shade. A strip and
+    a wide blur look alike, so the blur is taken from the edges whose lower face is turned away from the
+    camera.
 
     Args:
         profiles: (k, m) grey levels, from 0 to 255, from inside to outside of each of k edges.

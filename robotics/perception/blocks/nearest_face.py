@@ -35,17 +35,16 @@ class Face(NamedTuple):
 def nearest_face(
     image: ByteArray, camera: CameraModel, camera_T_plane: Transform, expected: Pose2
 ) -> Face | None:
-    """Return the bright face nearest to an expected pose in the plane z = 0.
+    """Return the bright face nearest to an expected pose in the plane z = 0 of a frame.
 
-    None if nothing bright is completely within `HALF_VIEW_M` along both axes.
-
-    This is rougher than `find_block`, to 2 mm, and knows no expected size.
+    None if nothing bright is completely within `HALF_VIEW_M` along both axes. This is rougher than
+    `find_block`, to 2 mm, and knows no expected size.
 
     Args:
         image: (h, w), grey.
-        camera: its model.
-        camera_T_plane: (4, 4).
-        expected: pose in the plane, in [m] and [rad].
+        camera: model of the camera.
+        camera_T_plane: (4, 4) pose of the frame.
+        expected: expected plane_T_face, in [m] and [rad].
     """
     side = 2 * round(HALF_VIEW_M / M_PER_PX) + 1
     to_plane = np.array([[M_PER_PX, 0.0, -HALF_VIEW_M], [0.0, M_PER_PX, -HALF_VIEW_M], [0.0, 0.0, 1.0]])

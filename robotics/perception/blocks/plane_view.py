@@ -24,14 +24,22 @@ class PlaneView(NamedTuple):
     camera_T_plane: Transform
 
     def eye(self, pose: Pose2) -> FloatArray:
-        """Return the position (3,) of the camera in the frame of a pose in the plane, in [m]; z is above the
-        plane.
+        """Return the position (3,) of the camera in the frame of a pose in the plane, in [m]; z points out of
+        the plane.
+
+        Args:
+            pose: pose in the plane, in [m] and [rad].
         """
         camera_T_pose = self.camera_T_plane @ pose.lift()
         return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])
 
     def pixels(self, pose: Pose2, points: FloatArray) -> FloatArray:
-        """Return the pixels (..., 2) of points (..., 2), in [m], in the frame of a pose in the plane."""
+        """Return the pixels (..., 2), column and row in [px], of points in the plane.
+
+        Args:
+            pose: pose in the plane, in whose frame the points are.
+            points: (..., 2) in [m].
+        """
         camera_T_pose = self.camera_T_plane @ pose.lift()
         space = points.reshape(-1, 2) @ camera_T_pose[:3, :2].T + camera_T_pose[:3, 3]
         return self.camera.project(space).reshape(points.shape)
@@ -45,7 +53,7 @@ class PlaneView(NamedTuple):
         Args:
             pose: pose in the plane, in whose frame the lines are.
             first: (..., 2) starts of the lines, in [m].
-            last: (..., 2) their ends, in [m].
+            last: (..., 2) ends of the lines, in [m].
             count: number of greys along each line.
         """
         ends = self.pixels(pose, np.stack([first, last]))

@@ -34,16 +34,15 @@ def flat_view(
     m_per_px: float = _M_PER_PX,
     heights: tuple[float, float] | None = None,
 ) -> FlatView:
-    """Return the part of the plane x = 0 of the shelf that the image shows, without lens distortion and
-    slant.
+    """Return the part of the shelf's plane x = 0 that an image shows, without lens distortion and slant.
 
     Args:
         image: (h, w), grey.
-        camera: its model.
+        camera: model of the camera.
         camera_T_shelf: (4, 4) pose of the shelf.
         mask: (h, w) True where the image shows the shelf (False: a held book hides it); None: everywhere.
         m_per_px: size of a pixel of the view, in [m].
-        heights: least and largest z that is shown, in [m]; None: all.
+        heights: least and largest z that is shown, in the shelf frame, in [m]; None: all.
 
     Raises:
         ValueError: the camera doesn't look at the shelf's front.

@@ -31,7 +31,10 @@ class LabelBox(NamedTuple):
 
     @property
     def corners(self) -> FloatArray:
-        """(4, 2) of y, z in [m]: upper left, upper right, lower right, lower left, seen from the front."""
+        """Corners (4, 2) of the label, y and z in the shelf frame, in [m].
+
+        In the order upper left, upper right, lower right, lower left, as seen from the front.
+        """
         down = np.array(self.along) * self.length / 2
         right = np.array([self.along[1], -self.along[0]]) * self.width / 2
         corners: FloatArray = (

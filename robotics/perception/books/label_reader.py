@@ -64,7 +64,11 @@ class LabelReader(ABC):
 
     @abstractmethod
     def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
-        """One reading for each upright crop (crop_height_px, w): text running left to right."""
+        """Return one reading for each crop.
+
+        Args:
+            crops: upright pictures (crop_height_px, w), grey, with text running left to right.
+        """
 
     def read(
         self,
@@ -164,8 +168,12 @@ def _flat_label(
 
 
 def cut_to_print(crop: ByteArray) -> ByteArray:
-    """Return a crop (h, w), grey, without the empty paper before and after the text: (h, k), with a margin of
-    a fifth of h.
+    """Return a crop (h, k), grey, without the empty paper before and after the text.
+
+    A margin of a fifth of its height stays on both sides.
+
+    Args:
+        crop: (h, w), grey.
     """
     height, width = crop.shape
     inner = crop[height // 6 : -height // 6]

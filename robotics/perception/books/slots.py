@@ -100,7 +100,11 @@ class OffsetView(NamedTuple):
         return self.view.eye + self.offset
 
     def at(self, y: FloatArray) -> FloatArray:
-        """Grey (n, m) of the view's strips at each of `y` (m,) in [m]."""
+        """Return the grey levels (n, m) of the view's strips, 0 to 255.
+
+        Args:
+            y: (m,) lateral positions in the shelf frame, in [m].
+        """
         return self.view.strips.at(y - self.offset)
 
     def shows(self, interval: Gap) -> bool:

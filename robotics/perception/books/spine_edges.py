@@ -43,15 +43,19 @@ class Strips(NamedTuple):
         return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
 
     def lateral(self, column: float) -> float:
-        """y in [m] of a column."""
+        """Return the lateral position y of a column in the shelf frame, in [m]."""
         return self.left + self.sign * column * self.m_per_px
 
     def above(self, height: float) -> Strips:
-        """Those above a height in [m]."""
+        """Return the strips above a height in the shelf frame, in [m]."""
         return self._replace(grey=self.grey[self.z > height], z=self.z[self.z > height])
 
     def at(self, y: FloatArray) -> FloatArray:
-        """Grey (n, m) of each strip at each of `y` (m,) in [m]; NaN where not seen."""
+        """Return the grey levels (n, m) of all strips, 0 to 255; NaN where the view shows nothing.
+
+        Args:
+            y: (m,) lateral positions in the shelf frame, in [m].
+        """
         columns = (y - self.left) * self.sign / self.m_per_px
         inside = (columns >= 0.0) & (columns < self.grey.shape[1] - 1)
         below = np.where(inside, columns, 0.0).astype(int)

@@ -65,13 +65,22 @@ def find_spines(
     mask: BoolArray | None = None,
     thicknesses: Mapping[CallNumber, float] = MappingProxyType({}),
 ) -> SpineView:
-    """Return the labelled spines in `image`, both sides of which are in view.
+    """Return the labelled spines in an image, both sides of which are in view.
 
     A label makes a spine: its sides are the first edges next to it that run up the complete view; of a
-    book with known thickness, in [m], those at that distance, because beside a dark slot a dark spine
-    shows only one edge. One view can't identify the things between two spines, see `find_slots`.
-    `camera_T_shelf` (4, 4) may be a few millimetres and degrees off, which shifts all positions alike;
-    `mask` (h, w) is True where the image shows the shelf. Positions hold at the mean height of the view.
+    book with known thickness those at that distance, because beside a dark slot a dark spine shows only
+    one edge. One view can't identify the things between two spines, see `find_slots`. Positions hold at
+    the mean height of the view.
+
+    Args:
+        image: (h, w), grey.
+        camera: model of the camera.
+        camera_T_shelf: (4, 4) pose of the shelf; errors of a few millimetres and degrees shift all
+            positions
+            alike.
+        labels: labels of the image, in the shelf frame.
+        mask: (h, w) True where the image shows the shelf; None: everywhere.
+        thicknesses: known thicknesses of books, in [m].
 
     Raises:
         ValueError: the camera doesn't look at the shelf.

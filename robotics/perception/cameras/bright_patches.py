@@ -22,7 +22,7 @@ class BrightPatches:
         """(n, 5): column and row where each begins, width, height, and number of pixels."""
 
     def mask(self, number: int) -> ByteArray:
-        """Return (height, width) of a patch: 1 where it is."""
+        """Return the mask (height, width) of a patch within its box, without unit: 1 inside, 0 outside."""
         x, y, width, height, _ = self.boxes[number].tolist()
         return _mask(self._runs, number, x, y, width, height)
 

@@ -36,7 +36,11 @@ class CalibrationBoard(ABC):
         return float(self._size[0]), float(self._size[1])
 
     def draw(self, m_per_px: float = 1.25e-4) -> ByteArray:
-        """Grey image (h, w) to print with `m_per_px` [m] a pixel, without a margin."""
+        """Return the board as a grey image (h, w) for printing, without a margin.
+
+        Args:
+            m_per_px: size of a pixel, in [m].
+        """
         width, height = np.rint(self._size / m_per_px).astype(int).tolist()
         return self._drawn(width, height)
 

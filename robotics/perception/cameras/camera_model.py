@@ -32,10 +32,13 @@ class CameraModel(NamedTuple):
     lens: LensKind = "brown"
 
     def project(self, points: FloatArray) -> FloatArray:
-        """Return the pixels (n, 2) of points (n, 3) of the camera frame in [m].
+        """Return the pixels (n, 2) of points, column and row in [px].
 
         Points behind the camera give NaN, and so do points farther off the axis than the lens model holds
         (`fold_radius`): beyond, it maps them back into the picture.
+
+        Args:
+            points: (n, 3) in the camera frame, in [m].
         """
         if len(points) == 0:
             return np.empty((0, 2))
@@ -51,8 +54,11 @@ class CameraModel(NamedTuple):
         return result
 
     def undistort(self, pixels: FloatArray) -> FloatArray:
-        """Return the rays (n, 2) through pixels (n, 2), in [px]: x/z and y/z in the camera frame; NaN if not
+        """Return the rays (n, 2) through pixels: x/z and y/z in the camera frame, without unit; NaN if not
         found.
+
+        Args:
+            pixels: (n, 2) column and row, in [px].
         """
         if len(pixels) == 0:
             return np.empty((0, 2))
@@ -88,7 +94,14 @@ class CameraModel(NamedTuple):
         return points
 
     def plane_in_image(self, points: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-        """Pixels (n, 2) of points (n, 2) (y, z in [m]) on the plane at `x`: inverse of pixel_on_plane."""
+        """Return the pixels (n, 2) of points on a plane, column and row in [px]: the inverse of
+        `pixel_on_plane`.
+
+        Args:
+            points: (n, 2) y and z in the plane's frame, in [m].
+            camera_T_plane: (4, 4) pose of the frame.
+            x: distance of the plane along the frame's x, in [m].
+        """
         space = np.column_stack([np.full(len(points), x), points])
         return self.project(space @ camera_T_plane[:3, :3].T + camera_T_plane[:3, 3])
 
@@ -109,8 +122,11 @@ class CameraModel(NamedTuple):
 
 
 def plane_to_rays(camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-    """Return the homography (3, 3) from (y, z, 1) on the plane at `x` [m] of a frame to rays of the camera
-    frame.
+    """Return the homography (3, 3) from (y, z, 1) on a plane, in [m], to rays of the camera frame.
+
+    Args:
+        camera_T_plane: (4, 4) pose of the plane's frame.
+        x: distance of the plane along the frame's x, in [m].
     """
     rotation, origin = camera_T_plane[:3, :3], camera_T_plane[:3, 3]
     return np.column_stack([rotation[:, 1], rotation[:, 2], origin + rotation[:, 0] * x])
@@ -119,9 +135,15 @@ def plane_to_rays(camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
 def picture_of_plane(
     camera_T_plane: FloatArray, upper_left: tuple[float, float], m_per_px: float, x: float = 0.0
 ) -> FloatArray:
-    """`picture_to_rays` for a picture of the plane at `x`, seen from -x: y runs to the left, z up.
+    """Return the homography (3, 3) from (column, row, 1) of a picture of a plane to rays of the camera frame.
 
-    `upper_left` is (y, z) in [m] of the picture's first pixel.
+    The picture shows the plane from -x of its frame: y runs to the left, z up.
+
+    Args:
+        camera_T_plane: (4, 4) pose of the plane's frame.
+        upper_left: y and z of the picture's first pixel, in [m].
+        m_per_px: size of a pixel, in [m].
+        x: distance of the plane along the frame's x, in [m].
     """
     to_plane = np.array([[-m_per_px, 0.0, upper_left[0]], [0.0, -m_per_px, upper_left[1]], [0.0, 0.0, 1.0]])
     picture_to_rays: FloatArray = plane_to_rays(camera_T_plane, x) @ to_plane

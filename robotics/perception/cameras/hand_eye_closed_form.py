@@ -22,9 +22,14 @@ HAND_EYE_METHODS = {
 def closed_form(
     base_T_hand: Sequence[Transform], camera_T_board: Sequence[Transform], method: str
 ) -> Transform | None:
-    """Return hand_T_camera (4, 4) by one of OpenCV's `HAND_EYE_METHODS`; None if it breaks down.
+    """Return hand_T_camera (4, 4) by one of OpenCV's methods; None if it breaks down.
 
     OpenCV's gripper2base is base_T_hand, its target2cam camera_T_board, its cam2gripper hand_T_camera.
+
+    Args:
+        base_T_hand: poses (4, 4) of the hand.
+        camera_T_board: poses (4, 4) of the board, one for each pose of the hand.
+        method: name of one of `HAND_EYE_METHODS`.
     """
     turn, origin = cv2.calibrateHandEye(
         [hand[:3, :3] for hand in base_T_hand],

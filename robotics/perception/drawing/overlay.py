@@ -53,14 +53,14 @@ def draw_overlay(
 
     Args:
         image: (h, w), grey.
-        tags: drawn with their numbers.
-        labels: drawn with their texts.
-        spines: in the shelf frame; drawn if camera and `camera_T_shelf` are given.
-        gaps: as `spines`.
-        camera: its model.
+        tags: tags, drawn with their numbers.
+        labels: labels, drawn with their texts.
+        spines: spines in the shelf frame; drawn if camera and `camera_T_shelf` are given.
+        gaps: gaps in the shelf frame; drawn as `spines` are.
+        camera: model of the camera.
         camera_T_shelf: (4, 4) pose of the shelf.
-        landmarks: drawn with their centres.
-        outlines: (n, 2) each, in [px], drawn closed.
+        landmarks: landmarks, drawn with their centres.
+        outlines: polygons (n, 2) in [px], drawn closed.
         points: (n, 2) in [px], drawn as small circles.
     """
     picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)

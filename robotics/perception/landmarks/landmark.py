@@ -32,7 +32,12 @@ class Landmark(NamedTuple):
 
 
 def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> ByteArray:
-    """Draw the sheet, `side` + 2 `margin` in [m] across: grey (n, n) image with `m_per_px` [m] a pixel, y up.
+    """Return the printable sheet of a landmark: a grey image (n, n), y up, `side` + 2 `margin` across.
+
+    Args:
+        side: side of the landmark, in [m].
+        margin: white margin around it, in [m].
+        m_per_px: size of a pixel, in [m].
 
     Raises:
         ValueError: a field or the margin is not a whole number of pixels, which would displace edges.
@@ -56,7 +61,11 @@ def pattern() -> FloatArray:
 
 
 def square_corners(side: float) -> FloatArray:
-    """Return (4, 3) in [m] of the landmark's frame, in the order of `Landmark.corners`."""
+    """Return the corners (4, 3) of a landmark in its own frame, in [m], in the order of `Landmark.corners`.
+
+    Args:
+        side: side of the landmark, in [m].
+    """
     half = side / 2
     return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
 
@@ -70,7 +79,13 @@ def diagonals_meet(corners: FloatArray) -> FloatArray:
 
 
 def seen_landmark(rays: FloatArray, camera: CameraModel, score: float) -> Landmark:
-    """Return the landmark with corners at `rays` (4, 2), x/z and y/z in the camera frame, without unit."""
+    """Return the landmark with given corners.
+
+    Args:
+        rays: (4, 2) rays to the corners, x/z and y/z in the camera frame, without unit.
+        camera: model of the camera.
+        score: correlation of the square's inside with the landmark's, 0 to 1.
+    """
     both = np.vstack([rays, diagonals_meet(rays)])
     pixels = camera.project(np.column_stack([both, np.ones(5)]))
     right = rays[1] + rays[2] - rays[0] - rays[3]

@@ -27,13 +27,17 @@ def find_landmarks(
     side: float = 0.06,
     distances: tuple[float, float] = (0.0, np.inf),
 ) -> list[Landmark]:
-    """Return the landmarks that are completely in the image (h, w), the one nearest to the optical axis
-    first.
+    """Return the landmarks that are completely in an image, the one nearest to the optical axis first.
 
     A mark is a landmark if its edges are four straight lines after undistortion, if it is the picture of a
     square, and if its inside matches the landmark's. A square of another size differs by its distance
-    only: `distances` [m] from the camera are accepted for a `side` in [m]. Its edges may be as short as 36
-    px.
+    only. Its edges may be as short as 36 px.
+
+    Args:
+        image: (h, w), grey.
+        camera: model of the camera.
+        side: side of a landmark, in [m].
+        distances: least and largest accepted distance from the camera, in [m].
     """
     found: list[Landmark] = []
     for guess in _candidates(image):

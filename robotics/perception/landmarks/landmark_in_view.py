@@ -19,9 +19,13 @@ RIM_PX = 16.0  # [px] of the picture in which a landmark may be, or not
 def wholly_in_view(
     camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
 ) -> BoolArray:
-    """Return (n,) True for landmarks of a kind at `places`, base_T_mark, that are well within the picture.
+    """Return a mask (n,): which landmarks are well within the picture; occlusion is ignored.
 
-    Occlusion is ignored.
+    Args:
+        camera: model of the camera.
+        base_T_camera: (4, 4) pose of the camera.
+        kind: size of the landmarks and height of their surface.
+        places: base_T_mark of each, in [m] and [rad].
     """
     square = square_corners(kind.side)
     corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)

@@ -35,10 +35,13 @@ def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
 
 
 def facing(height: float) -> Transform:
-    """camera_T_plane of a plane at right angles to the optical axis, `height` [m] away, its z to the camera.
+    """Return camera_T_plane (4, 4) of a plane at right angles to the optical axis, its z towards the camera.
 
-    x is the camera's x, y is against the camera's y: `facing(h) @ planar_pose(seen, facing(h)).lift()` is the
-    paper's C_T_P0 of a hand that faces straight down (Hatano et al., 2000, section 5.2).
+    x is the camera's x, y is against the camera's y: `facing(h) @ planar_pose(seen, facing(h)).lift()` is
+    the paper's C_T_P0 of a hand that faces straight down (Hatano et al., 2000, section 5.2).
+
+    Args:
+        height: distance of the plane from the camera, in [m].
     """
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[2, 3] = height

@@ -28,10 +28,15 @@ class SquareEdges(NamedTuple):
 
 
 def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> SquareEdges | None:
-    """Return the dark square with corners near `guess` (4, 2) in [px], clockwise as seen, at most 8 px off.
+    """Return the dark square near a guess; None if no such square is there.
 
-    None if an edge is not there, not straight (the lens undone), not dark inside, or leaves the image. Edge
-    points are undistorted, not the image: an image would be interpolated once more.
+    Each edge must be there, straight once the lens is undone, dark inside, and in the image. Edge points
+    are undistorted, not the image: an image would be interpolated once more.
+
+    Args:
+        image: (h, w), grey.
+        camera: model of the camera.
+        guess: (4, 2) corners, clockwise as seen, at most 8 px off, in [px].
     """
     ends = _coarse_corners(image, camera, guess)
     return None if ends is None else _fine(image, camera, ends)

@@ -40,12 +40,16 @@ class Tag(NamedTuple):
 def read_tags(
     image: ByteArray, region: Region | None = None, family: TagFamily = DEFAULT_FAMILY
 ) -> list[Tag]:
-    """Return the family's tags in an image (h, w), grey, or in one region of it, ordered by id.
+    """Return the family's tags in an image or in one region of it, ordered by id.
 
-    A tag of 10 mm may be 0.35 m away at f = 800 px.
+    A tag of 10 mm may be 0.35 m away at f = 800 px. One bit is corrected if the family's codes differ
+    enough (`tag_family.corrected_bits`), otherwise none: a smeared or half covered tag is not found, and
+    never read as another one.
 
-    One bit is corrected if the family's codes differ enough (`tag_family.corrected_bits`), otherwise none: a
-    smeared or half covered tag is not found, and never read as another one.
+    Args:
+        image: (h, w), grey.
+        region: part of the image to look at, in [px]; None: all of it.
+        family: family of the tags.
     """
     top, left = 0, 0
     if region is not None:
@@ -66,10 +70,14 @@ def read_tags(
 
 
 def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
-    """Return camera_T_tag (4, 4) of a tag whose black square has sides of `side` [m]: x right, y up, z out of
-    it.
+    """Return camera_T_tag (4, 4) of a tag: x right, y up, z out of it.
 
     Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014).
+
+    Args:
+        tag: tag with its corners in the image.
+        camera: model of the camera.
+        side: side of the tag's black square, in [m].
 
     Raises:
         ValueError: the corners are not an image of a square.
