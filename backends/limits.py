@@ -62,13 +62,13 @@ def _check_sideways(drive: Drive, speed: float, sideways: float) -> None:
 
 
 def checked_joints(model: ArmModel, joints: FloatArray, last: FloatArray, most: FloatArray) -> FloatArray:
-    """Return the commanded joint angles (n,), in [rad] or [m], if they are within the limits.
+    """Return the commanded joints (n,), in [rad] or [m], if they are within the limits.
 
     Args:
         model: model of the arm.
-        joints: (n,) wanted at the end of the next period.
-        last: (n,) commanded for the end of this period.
-        most: (n,) largest step of each joint in a period.
+        joints: (n,) wanted at the end of the next period, in [rad] or [m].
+        last: (n,) commanded for the end of this period, in [rad] or [m].
+        most: (n,) largest step of each joint in a period, in [rad] or [m].
 
     Raises:
         CommandError: a value isn't finite, is beyond its limit, or too far from the last one.

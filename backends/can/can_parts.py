@@ -68,7 +68,7 @@ class CanParts:
 
     @property
     def joints(self) -> FloatArray | None:
-        """The arm's command (n,), in [rad] or [m]; None without an arm."""
+        """Last commanded joints (n,) of the arm, in [rad] or [m]; None without an arm."""
         return None if self.arm is None else self.arm.command()
 
     @joints.setter

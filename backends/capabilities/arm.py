@@ -28,7 +28,7 @@ class Arm(Capability):
 
     @abstractmethod
     def command(self) -> FloatArray:
-        """Return the last commanded joint angles, (n,) in [rad], which the arm holds."""
+        """Return the last commanded joints (n,), in [rad] or [m], which the arm holds."""
 
     @abstractmethod
     def joints(self) -> FloatArray:

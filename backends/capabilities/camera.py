@@ -19,8 +19,9 @@ class Camera(Capability):
 
     @abstractmethod
     def image(self) -> ByteArray:
-        """Return this period's picture, (height, width), with the lens's distortion and the sensor's
-        noise.
+        """Return this period's picture (height, width), grey, from 0 to 255.
+
+        It has the lens's distortion and the sensor's noise.
         """
 
     @property
@@ -31,7 +32,7 @@ class Camera(Capability):
     @property
     @abstractmethod
     def hand_T_camera(self) -> Transform:
-        """Pose of the optical frame (z forward, x right, y down) in the hand frame, as calibrated, (4, 4).
+        """Pose (4, 4) of the optical frame (z forward, x right, y down) in the hand frame, as calibrated.
 
         Raises:
             NotOnHand: the hand does not carry the camera.
@@ -44,5 +45,5 @@ class Camera(Capability):
 
     @property
     def carrier_T_camera(self) -> Transform:
-        """Pose of the optical frame in the frame of the link `carrier`, as calibrated, (4, 4)."""
+        """Pose (4, 4) of the optical frame in the frame of the link `carrier`, as calibrated."""
         return self.hand_T_camera

@@ -27,7 +27,11 @@ class DepthImage(NamedTuple):
     """Time of the picture in [s], counted in periods of the backend since it was built."""
 
     def points(self, model: CameraModel) -> FloatArray:
-        """Return the points that have a reading, (n, 3) in [m] in the base frame, row by row."""
+        """Return the points (n, 3) that have a reading, row by row, in the base frame, in [m].
+
+        Args:
+            model: intrinsics and distortion of the camera.
+        """
         rows, columns = np.nonzero(np.isfinite(self.depth))
         z = self.depth[rows, columns].astype(np.float64)
         rays = model.undistort(np.column_stack((columns, rows)).astype(np.float64))

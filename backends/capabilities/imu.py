@@ -17,8 +17,13 @@ class Imu(Capability):
 
     @abstractmethod
     def rates(self) -> FloatArray:
-        """Turn rates (3,) about the axes in [rad/s], mean over this period, with the gyros' bias."""
+        """Return the turn rates (3,) about the IMU's axes, in [rad/s]: the mean over this period, with the
+        gyros' bias.
+        """
 
     @abstractmethod
     def accelerations(self) -> FloatArray:
-        """Return the accelerometers' reading (3,) in [m/s²]; at rest and level, gravity's +9.81 along z."""
+        """Return the accelerometers' reading (3,) along the IMU's axes, in [m/s²].
+
+        At rest and level it is gravity's +9.81 along z.
+        """

@@ -46,7 +46,7 @@ class Scan(_Beams):
     """One turn of a range sensor, or the part of it that the sensor sees."""
 
     def points(self) -> FloatArray:
-        """Return the hit points, (m, 2) in [m], in the base frame."""
+        """Return the hit points (m, 2) in the base frame, in [m]."""
         return self._points
 
     @cached_property
@@ -59,12 +59,13 @@ class Scan(_Beams):
         return self.base_T_sensor.apply(points)
 
     def blind(self) -> BoolArray:
-        """Return (n,) whether a beam of a read scan shows neither a thing nor free ground."""
+        """Return a mask (n,): True for beams that show neither an obstacle nor free ground."""
         return self.validity >= Validity.TOO_CLOSE
 
     def rep117(self) -> FloatArray:
-        """Return the ranges (n,) in [m] as REP 117 encodes them: infinity no return, -infinity too close, NaN
-        invalid.
+        """Return the ranges (n,) as REP 117 encodes them, in [m].
+
+        Infinity is no return, -infinity too close, NaN invalid.
         """
         ranges = self.ranges.copy()
         if len(self.validity):

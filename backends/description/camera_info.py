@@ -90,8 +90,9 @@ class CameraInfo(FileModel):
 
     @property
     def distortion(self) -> FloatArray:
-        """Return the distortion coefficients in OpenCV's order: (4,) of a fisheye lens, (5,) or (8,) of
-        others, without unit.
+        """Distortion coefficients in OpenCV's order, without unit.
+
+        (4,) of a fisheye lens, (5,) or (8,) of others.
         """
         size = next(size for size in (5, 8) if size >= len(self._coefficients))
         filled = np.zeros(4 if self.lens == "fisheye" else size)
@@ -100,7 +101,7 @@ class CameraInfo(FileModel):
 
     @property
     def K(self) -> FloatArray:
-        """(3, 3) in [px]."""
+        """Camera matrix (3, 3), in [px]."""
         return np.array(self.camera_matrix.data).reshape(3, 3)
 
 

@@ -259,12 +259,16 @@ class RobotFile(SensorTable, OutlinedFile):
         return JointUnits(names, slides, tuple(kind == "continuous" for kind in of_arm))
 
     def joint_speeds(self) -> FloatArray:
-        """(n,): how fast the arm's joints may move by the robot's file, in [rad/s] or [m/s]."""
+        """Speed limits (n,) of the arm's joints by the robot's file, in [rad/s] or [m/s]; empty without an
+        arm.
+        """
         arm = self.arm
         return np.empty(0) if arm is None else self._each(arm.top_speed_deg_s, arm.slide_speed_mm_s)
 
     def joint_accelerations(self) -> FloatArray:
-        """(n,): how hard they may speed up, in [rad/s²] or [m/s²]."""
+        """Acceleration limits (n,) of the arm's joints by the robot's file, in [rad/s²] or [m/s²]; empty
+        without an arm.
+        """
         arm = self.arm
         return (
             np.empty(0) if arm is None else self._each(arm.acceleration_deg_s2, arm.slide_acceleration_mm_s2)

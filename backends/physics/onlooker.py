@@ -9,14 +9,14 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import FloatArray
 
 FROM, TOWARDS = np.array([-1.5, 1.6, 1.75]), np.array([0.45, -0.1, 0.55])
-"""Where they stand and what they look at, (3,) in [m] in the base's frame."""
-FOLLOWING_TIME_S = 0.8  # [s] that they take to follow
-_BEFORE = 0.95  # of the way to what is between them and the robot
-_FAR = 2.0  # [m]: who is further off than that from where they should be is there at once
+"""Position of the camera and point that it looks at, (3,) each in the base frame, in [m]."""
+FOLLOWING_TIME_S = 0.8  # time constant of following the robot
+_BEFORE = 0.95  # share of the way to an obstacle between camera and robot
+_FAR = 2.0  # [m] from the wanted position, beyond which the camera jumps there
 
 
 class Onlooker:
-    """Walks behind the robot, to its left, on this side of walls; turns their head calmly."""
+    """Chase camera behind the robot, to its left, on this side of walls; it turns calmly."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
@@ -24,7 +24,12 @@ class Onlooker:
         self._time = 0.0
 
     def look(self, world_T_base: Transform, time: float) -> Transform:
-        """world_T_camera (4, 4) of their eye, the robot being there at a time in [s]."""
+        """Return world_T_camera (4, 4) of the chase camera (z forward, x right, y down).
+
+        Args:
+            world_T_base: (4, 4) pose of the robot.
+            time: simulated time, in [s].
+        """
         eye, at = ((world_T_base @ (*point, 1.0))[:3] for point in (FROM, TOWARDS))
         share = 1.0 - float(np.exp(-max(0.0, time - self._time) / FOLLOWING_TIME_S))
         if not np.linalg.norm(self._eye - eye) < _FAR or time < self._time:
@@ -38,12 +43,17 @@ class Onlooker:
 
     @property
     def at(self) -> FloatArray:
-        """Return the point that it looks at, (3,) in [m]."""
+        """Point (3,) in the world that the camera looks at, in [m]."""
         return self._at
 
 
 def looking(eye: FloatArray, at: FloatArray) -> Transform:
-    """world_T_camera (4, 4) of a level camera at a point that looks at another one, (3,) in [m]."""
+    """Return world_T_camera (4, 4) of a level camera at a point that looks at another one.
+
+    Args:
+        eye: (3,) position of the camera in the world, in [m].
+        at: (3,) point that it looks at in the world, in [m].
+    """
     forward = (at - eye) / np.linalg.norm(at - eye)
     right = np.cross(forward, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)

@@ -166,7 +166,7 @@ class PhysicsBackend(SimulatedBackend):
             self._grip = Grip(robot.gripper, finger_shape(model), engine, body)
 
     def link_pose(self, link: str) -> Transform:
-        """Return the true world pose (4, 4) of a link's frame."""
+        """Return world_T_link (4, 4), the true pose of a link's frame."""
         return self._body.link_pose(link)
 
     @override

@@ -44,12 +44,12 @@ def render(
     size: tuple[int, int],
     lit: bool = False,
 ) -> ByteArray:
-    """Return the picture of a pinhole camera, (height, width, 3) in RGB.
+    """Return the picture (height, width, 3) in RGB of a pinhole camera.
 
     Args:
         engine: engine with the bodies to render.
-        world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
-        K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+        world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+        K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].
         lit: see `BulletRenderer.picture`.
     """
@@ -60,10 +60,16 @@ def render(
 def render_with_depth(
     engine: BulletEngine, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]
 ) -> tuple[ByteArray, FloatArray]:
-    """Return a picture (height, width, 3) as `render` does, and the depth of its pixels (height, width).
+    """Return a picture (height, width, 3) in RGB, and the depth (height, width) of its pixels, in [m].
 
-    Depth is in [m] along the optical axis; infinite where nothing is nearer than `FURTHEST`. It is rendered
+    Depth is along the optical axis; infinite where nothing is nearer than `FURTHEST`. It is rendered
     twice, because the buffer resolves far depths well only if its nearest plane is not too near.
+
+    Args:
+        engine: engine with the bodies to render.
+        world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+        K: (3, 3) camera matrix, in [px].
+        size: width and height in [px].
     """
     view = inverse(world_T_camera @ _TO_OPENGL)
     colour, close = engine.renderer.picture_with_depth(view, _projection(K, size), size)

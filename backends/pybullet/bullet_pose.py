@@ -17,7 +17,9 @@ def placed(pose: Transform) -> tuple[list[float], list[float]]:
 
 
 def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
-    """Return the pose (4, 4) of a position and a quaternion x, y, z, w."""
+    """Return the pose (4, 4) of a position x, y, z in [m] and a unit quaternion x, y, z, w, in their
+    frame.
+    """
     x, y, z, w = quaternion
     result: FloatArray = np.array(
         [

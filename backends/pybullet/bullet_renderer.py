@@ -76,11 +76,11 @@ class BulletRenderer:
     def picture(
         self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
     ) -> ByteArray:
-        """Return the rendered picture, (height, width, 3) in RGB.
+        """Return the rendered picture (height, width, 3) in RGB.
 
         Args:
-            view: (4, 4) from the world to OpenGL's camera frame.
-            projection: (4, 4), OpenGL's.
+            view: (4, 4) camera_T_world in OpenGL's axes, in [m].
+            projection: (4, 4) OpenGL's projection.
             size: width and height in [px].
             lit: True for a picture for people, with light from above and shadows; otherwise each surface
                 is as

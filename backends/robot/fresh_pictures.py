@@ -40,11 +40,11 @@ class FreshPictures:
         self._moved = self._is_away(carrier)
 
     def take(self, image: ByteArray, carrier: FloatArray, noisy: bool) -> ByteArray:
-        """Return a picture that was taken with the carrier at a position.
+        """Return a picture that was taken with the carrier at a position, if it is fresh.
 
         Args:
             image: (h, w), grey.
-            carrier: (k,) where the camera's carrier is, in [m] or [rad].
+            carrier: (k,) position of the camera's carrier, in [m] or [rad].
             noisy: True if no two pictures of one place are the same.
 
         Raises:

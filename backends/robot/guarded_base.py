@@ -165,7 +165,7 @@ class GuardedBase(HolonomicBase):
 
     @property
     def felt(self) -> FloatArray:
-        """(n, 2) points on the map in [m] that it keeps off."""
+        """Points (n, 2) on the map that the base keeps off because it touched something there, in [m]."""
         return self._felt
 
     def taken(self) -> tuple[DriveCommand, HoldingObstacle | None]:
@@ -268,11 +268,11 @@ class GuardedBase(HolonomicBase):
 
 
 def steady_points(scan: Scan) -> FloatArray:
-    """Return (n, 2) points of a scan in the base frame, in [m]; each beam is the median of itself and its two
-    neighbours.
+    """Return the points (n, 2) of a scan in the base frame, in [m], without lone short readings.
 
-    A single short reading may be noise, and the minimum of hundreds of readings is always too short. Beams
-    without a return are skipped, so that their neighbours are compared with each other.
+    Each beam is the median of itself and its two neighbours: a single short reading may be noise, and the
+    minimum of hundreds of readings is always too short. Beams without a return are skipped, so that their
+    neighbours are compared with each other.
     """
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
     if len(ranges) < 3:

@@ -176,7 +176,7 @@ class Robot:
         return found
 
     def base_T_camera(self, camera: Camera) -> Transform:
-        """Pose of a camera's optical frame in the base frame by the measured joints, (4, 4)."""
+        """Return the pose (4, 4) of a camera's optical frame in the base frame, by the measured joints."""
         return self.base_T(camera.carrier) @ camera.carrier_T_camera
 
     @property
@@ -213,7 +213,7 @@ class Robot:
 
     @cached_property
     def joint_speeds(self) -> FloatArray:
-        """(n,): speed limits of the arm's joints by URDF and robot file, in [rad/s] or [m/s]."""
+        """Speed limits (n,) of the arm's joints by URDF and robot file, in [rad/s] or [m/s]."""
         return np.minimum(self.arm_model.velocity, self.spec.joint_speeds())
 
     @cached_property
@@ -254,10 +254,11 @@ class Robot:
         return float(base_T_frame(self.spec.urdf_text(), self.spec.lidar_link)[2, 3])
 
     def surroundings(self) -> FloatArray:
-        """Return the obstacles in this period's scan, without lone readings and without a lowered hand.
+        """Return the obstacles in this period's scan, without lone readings and, outdoors, without a lowered
+        hand.
 
         Returns:
-            (n, 2) points in [m], in the base frame; empty without a lidar.
+            (n, 2) points in the base frame, in [m]; empty without a lidar.
         """
         if self.lidar is None:
             return NO_STANDS
@@ -280,7 +281,7 @@ class Robot:
         return np.asarray(points[np.hypot(*(points - hand[:2]).T) > HAND_RADIUS_M])
 
     def base_T(self, frame: str) -> Transform:
-        """Pose of a frame of the robot in the base frame by the measured joints, (4, 4)."""
+        """Return the pose (4, 4) of a frame of the robot in the base frame, by the measured joints."""
         if self.spec.arm is None:
             return base_T_frame(self.spec.urdf_text(), frame)
         return self.arm_model.forward(self.arm.joints(), frame)
@@ -339,7 +340,7 @@ class Robot:
 
     @property
     def seen(self) -> ByteArray | None:
-        """The last picture that was asked for, (height, width) grey; None before the first. Takes none."""
+        """Last picture (height, width) that was asked for, grey; None before the first. Takes none."""
         return self._pictures.last
 
     def state(self) -> dict[str, Any]:

@@ -207,12 +207,13 @@ class FreeWay:
         self._slides = robot.joint_units.slides
 
     def touches_at(self, posture: FloatArray, joint: int, limit: float) -> float | None:
-        """At which angle in [rad], or way in [m], on the way to `limit` something is touched; None: nowhere.
+        """Return the position of a joint at which something is touched on its way to a limit; None if nothing
+        is.
 
         Args:
-            posture: of all joints, (n,) in [rad] or [m].
-            joint: which one moves, from 0.
-            limit: where to.
+            posture: (n,) of all joints, in [rad] or [m].
+            joint: number of the joint that moves, from 0.
+            limit: position to move it to, in [rad] or [m].
         """
         floor = self._lowest(posture) - _DEEPER  # wheels and casters stand on it
         step = _SLIDE_STEP if self._slides[joint] else _STEP

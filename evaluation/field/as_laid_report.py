@@ -45,7 +45,7 @@ class AsLaid(NamedTuple):
 
     @property
     def outline(self) -> FloatArray:
-        """(n, 2) points of the ellipse, closed, in [m]."""
+        """Closed outline (n, 2) of the ellipse in the field's frame, in [m]."""
         large, small, turn = self.ellipse
         angle = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS + 1)
         round_ = np.column_stack([large * np.cos(angle), small * np.sin(angle)])

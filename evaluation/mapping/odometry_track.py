@@ -11,12 +11,15 @@ MAX_GAP_S = 1.0
 
 
 def poses_at(times: FloatArray, track_times: FloatArray, track: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return the pose (n, 3) at each time, and whether (n,) the odometry is near enough.
+    """Return the pose at each of some times, and whether the odometry is near enough to it.
 
     Args:
         times: (n,) of the scans, in [s].
         track_times: (m,) of the odometry, in [s], in any order.
         track: (m, 3) odom_T_base: x, y in [m], heading in [rad].
+
+    Returns:
+        odom_T_base (n, 3), in [m, m, rad], and a mask (n,).
     """
     order = np.argsort(track_times, kind="stable")
     known, track = track_times[order], track[order]

@@ -74,7 +74,7 @@ class Replayed(NamedTuple):
 
     @property
     def errors(self) -> FloatArray:
-        """(k, 3) difference of estimate and reference, in [m] and [rad]."""
+        """Differences (k, 3) of estimate and reference: x, y in the world in [m], heading in [rad]."""
         away = self.poses - self.truth
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return away

@@ -202,8 +202,11 @@ _PART = {"points": (3,), "rotations": (3, 3), "tangents": (3,), "turns": (3,), "
 
 
 def distances(points: FloatArray, path: FloatArray) -> FloatArray:
-    """Return the distances (k,) of points (k, 3) from the straight lines through the points (p, 3) of a path,
-    in [m].
+    """Return the distances (k,) of points from a path, in [m].
+
+    Args:
+        points: (k, 3) in the frame of the path, in [m].
+        path: (p, 3) points joined by straight lines, in [m].
     """
     starts, ways = path[:-1], np.diff(path, axis=0)
     to = points[:, None] - starts[None]

@@ -18,12 +18,12 @@ LOG_FROM = 10.0  # where the largest of the errors is that many times the smalle
 def draw_tracking_errors(
     runs: Sequence[tuple[str, FloatArray, FloatArray]], target: Path, limit_mm: float | None = None
 ) -> None:
-    """Distance of the tool from its path over time, one panel for each of the runs, all of one scale.
+    """Draw the distance of the tool from its path over time, one panel for each run, all of one scale.
 
     Args:
         runs: title, times (k,) in [s] and errors (k,) in [m] of each.
-        target: a file.
-        limit_mm: the most that it may be; None: it isn't drawn.
+        target: file to write.
+        limit_mm: largest allowed error, in [mm]; None: no limit is drawn.
 
     Raises:
         OSError: the file can't be written.

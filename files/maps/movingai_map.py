@@ -29,10 +29,12 @@ _HEADER = (("type", r"type\s+octile"), ("height", r"height\s+(\d{1,6})"), ("widt
 
 
 def read_movingai(path: Path) -> Int8Array:
-    """Occupancy (h, w) in percent, -1 for water, row 0 at the bottom (the last in the file).
+    """Return the occupancy (h, w) of a Moving AI map in percent, -1 for water, row 0 at the bottom.
+
+    The bottom is the last row of the file.
 
     Raises:
-        FileError: it can't be read, or isn't such a map; with the line.
+        FileError: the file can't be read, or isn't such a map; with the line.
     """
     file = str(path)
     lines = decode_text(read_regular_file(path, MAX_BYTES), file, longest_line=None).splitlines()

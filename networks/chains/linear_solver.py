@@ -39,8 +39,14 @@ class LinearSolver:
         self._factors = splu(whole, permc_spec=order, diag_pivot_thresh=threshold)
 
     def solve(self, right: FloatArray, transposed: bool = False) -> FloatArray:
-        """Return the solution x (n,) or (n, k) of the equations, or of the transposed ones; `right` has the
-        same shape.
+        """Return the solution of the equations, in any unit.
+
+        Args:
+            right: (n,) or (n, k) right-hand sides.
+            transposed: True for the transposed equations.
+
+        Returns:
+            The shape of `right`.
         """
         solution: FloatArray
         if self._inverse is None:

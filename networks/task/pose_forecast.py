@@ -101,12 +101,12 @@ def forecast_pose(
     """Drive a route on the map with the localizer of the robot, and scans as the map has them.
 
     Args:
-        field: of the map.
+        field: likelihood field of the map.
         robot: its wheels and lidar.
-        lidar: its section.
+        lidar: section of the lidar in the robot's file.
         start: map_T_base.
-        route: (n, 2) in [m].
-        need: how exactly the pose is needed at the end.
+        route: (n, 2) on the map, in [m].
+        need: required accuracy of the pose at the end.
         docks: True if the robot measures the front there itself, so that the map's cells do not matter.
     """
     localizer = ScanLocalizer(

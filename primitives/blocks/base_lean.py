@@ -18,7 +18,7 @@ GRAVITY_M_S2 = 9.81
 
 
 def felt_beside(robot: Robot) -> Generator[None, None, FloatArray]:
-    """Return the measured roll and pitch (2,) in [rad], less those of the suspension's model.
+    """Measure the roll and pitch (2,) of the base that its suspension's model does not predict, in [rad].
 
     The model's tilt is that for the current pose of the hand. The accelerations are averaged while the
     robot is at rest; it needs an IMU. The result includes the mounting error of the sensors and the slope

@@ -46,7 +46,7 @@ class Fixed(NamedTuple):
 
     @property
     def covariance(self) -> FloatArray:
-        """(3, 3) of `pose`, of x, y in [m] and heading in [rad]."""
+        """Covariance (3, 3) of `pose`: x, y in [m] and heading in [rad]."""
         return np.diag([self.sigma[0], self.sigma[0], self.sigma[1]]) ** 2
 
 

@@ -71,9 +71,9 @@ def planned_view(
 
     Args:
         robot: robot whose hand-eye calibration is used.
-        mark: the landmark.
-        planned: map_T_base.
-        hand: base_T_hand (4, 4) of the view (default: the camera straight above the landmark).
+        mark: the landmark of the plan.
+        planned: map_T_base of the target place.
+        hand: (4, 4) base_T_hand of the view; None: the camera straight above the landmark.
     """
     base_T_mark = inverse(planned.lift()) @ mark.pose
     hand_T_camera = robot.camera.hand_T_camera
@@ -181,9 +181,9 @@ def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> Flo
     """Return the covariance (3, 3) of the mean of poses, of x, y in [m] and heading in [rad].
 
     Args:
-        seen: the poses, close together.
-        noise: sigma of one of them at least, of its position in [m] and its heading in [rad]. How far they
-            lie apart is added: few poses may agree by chance.
+        seen: map_T_base of each, close together.
+        noise: least sigma of one pose, of its position in [m] and its heading in [rad]. The scatter of the
+            poses is added: few poses may agree by chance.
     """
     position, heading = noise
     scatter = np.cov(np.array(seen), rowvar=False) if len(seen) > 1 else np.zeros((3, 3))
@@ -191,10 +191,13 @@ def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> Flo
 
 
 def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
-    """Return map_T_base of the same base without tilt.
+    """Return map_T_base of a tilted base as it would be without tilt.
 
-    It tilted as its model says, and by `beside` (4, 4) more, which displaces a landmark at `height` [m] in
-    the picture.
+    Args:
+        fixed: fixation with the measured pose.
+        known: suspension model, whose tilt is removed.
+        height: height of the landmark, in [m], whose place in the picture a tilt displaces.
+        beside: (4, 4) motion of the base by the tilt beyond the model, removed as well.
     """
     hand = transform((*fixed.reach, height))
     seen = beside @ known.displaced(hand, np.eye(4), 0)

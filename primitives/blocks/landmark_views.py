@@ -110,9 +110,10 @@ class LandmarkViews:
         return rivals(self._explained) if self._explained else []
 
     def wanted(self) -> Transform | None:
-        """camera_T_landmark (4, 4) of the landmark that is looked for, by the last picture.
+        """Return camera_T_landmark (4, 4) of the wanted landmark by the last picture; None if it isn't
+        visible.
 
-        The camera is taken to be tilted as planned. None: the picture doesn't show it.
+        The camera is taken to be tilted as planned.
         """
         if self.explanation is None:
             return None

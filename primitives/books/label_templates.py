@@ -19,8 +19,9 @@ PAPER, INK = 244, 22
 
 
 def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, ByteArray]:
-    """Draw the label (h, w), grey, of each call number: upright, its text running left to right, at
-    `PX_PER_M` pixels a metre.
+    """Draw the label (h, w), grey, of each call number: upright, its text running left to right.
+
+    It has `PX_PER_M` pixels a metre.
     """
     import matplotlib  # for its fonts alone; takes as long to import as the rest of a task's check
 

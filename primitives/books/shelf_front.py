@@ -18,12 +18,16 @@ FRONT_GATE_M = 0.10  # that the front may be off where map and pose have it
 
 
 def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform]:
-    """base_T_shelf (4, 4), the base standing still before it: see `Shelf` for the frame.
+    """Measure base_T_shelf (4, 4), the base standing still before the shelf: see `Shelf` for the frame.
 
     Distance and angle are measured on the shelf's front; along it the localizer's pose counts.
 
+    Args:
+        robot: robot before the shelf, at rest.
+        place: docking place of the shelf.
+
     Raises:
-        Discrepancy: no front is seen where it should be.
+        Discrepancy: no front is seen where it should be, or the place has no shelf.
     """
     if place.shelf is None:
         raise Discrepancy("no shelf is at this place", permanent=True, cause=causes.NOT_KNOWN)

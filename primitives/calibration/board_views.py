@@ -18,10 +18,15 @@ _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
 def board_views(base_T_board: Transform, count: int, scale: float = 1.0) -> Iterator[Transform]:
-    """base_T_camera (4, 4) from all sides, near and far, the camera turned too; `scale` times as far.
+    """Yield base_T_camera (4, 4) from all sides of a board, near and far, the camera turned too.
 
     Directions are spread evenly over a cap (a sunflower's seeds: Vogel, "A better way to construct the
     sunflower head", 1979). The board is taken to lie level; how it is turned doesn't matter.
+
+    Args:
+        base_T_board: (4, 4) expected pose of the board.
+        count: number of views.
+        scale: factor of the distances from the board, without unit.
     """
     above = transform(base_T_board[:3, 3].tolist())
     for n in range(count):

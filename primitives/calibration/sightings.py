@@ -39,7 +39,13 @@ class Seen(NamedTuple):
 
 
 def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
-    """base_T_hand (4, 4), pointing down, the camera `height` [m] straight above a landmark."""
+    """Return base_T_hand (4, 4), pointing down, with the camera straight above a landmark.
+
+    Args:
+        robot: robot whose hand-eye calibration is used.
+        base_T_mark: (4, 4) pose of the landmark.
+        height: height of the camera above it, in [m].
+    """
     hand = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
     hand[:3, 3] = base_T_mark[:3, 3] + (0.0, 0.0, height) - (hand @ robot.camera.hand_T_camera)[:3, 3]
     return np.asarray(hand)
@@ -48,9 +54,15 @@ def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
 def creep(
     robot: Robot, base_T_hand: Transform, held: Box, around: Sequence[Box]
 ) -> Generator[None, None, int]:
-    """Move the hand straight to a pose (4, 4), in steps too short to be swings; return the swings made.
+    """Move the hand straight to a pose, in steps too short to be swings; return the number of swings.
 
     If any motion is a swing, it is one motion.
+
+    Args:
+        robot: its arm holds the last commanded joints.
+        base_T_hand: (4, 4) final pose of the hand.
+        held: held object, posed in the hand frame.
+        around: bodies to keep clear of, posed in the base frame.
     """
     start = robot.arm_model.forward(robot.arm.command())
     way = base_T_hand[:3, 3] - start[:3, 3]

@@ -59,7 +59,7 @@ class Field(FileModel):
 
     @property
     def discs(self) -> FloatArray:
-        """Return x, y and radius of the rocks, (n, 3) in [m]."""
+        """Rocks (n, 3): x, y in the field's frame and radius, in [m]."""
         return np.array([[rock.x_m, rock.y_m, rock.radius_m] for rock in self.rocks]).reshape(-1, 3)
 
     def holds(self, x: float, y: float) -> bool:

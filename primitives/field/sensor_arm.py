@@ -89,24 +89,36 @@ class SensorArm:
             )
 
     def place_of(self, point: FloatArray) -> FloatArray:
-        """Return a ground point (2,) of the field in the arm's frame, (2,) in [m], as estimated now."""
+        """Return a ground point in the arm's own frame (2,), in [m], by the current estimate of the base's
+        pose.
+
+        Args:
+            point: (2,) in the field's frame, in [m].
+        """
         robot = self._robot
         return self.place_beside(
             world_to_base(robot.pose, robot.localization.tilt, np.array([*point, 0.0]))[:2]
         )
 
     def place_beside(self, point: FloatArray) -> FloatArray:
-        """Return a point (2,) of the base frame in the arm's own frame, (2,) in [m]."""
+        """Return a point in the arm's own frame (2,), in [m].
+
+        Args:
+            point: (2,) in the base frame, in [m].
+        """
         mount = self.scara.mount
         cos, sin = math.cos(mount[3]), math.sin(mount[3])
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
 
     def check_near(self, place: FloatArray, unsure: float) -> None:
-        """Raise `Discrepancy` if a place can't be reached, even if it is off by `unsure`, in [m].
+        """Raise an error if a place can't be reached, even if it is off by a possible error.
 
         Args:
             place: (2,) or (3,) in the base frame, in [m].
             unsure: possible error of the place, in [m].
+
+        Raises:
+            Discrepancy: the place is out of reach.
         """
         x, y, *_ = self.scara.mount
         if math.hypot(place[0] - x, place[1] - y) > self.scara.upper + self.scara.fore + unsure:

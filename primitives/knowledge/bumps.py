@@ -31,16 +31,16 @@ ROOM_M = 0.05  # [m] beside the footprint where the base is, in which nothing is
 def remember_bump(
     robot: Robot, model: WorldModel | ModelView, forwards: bool, blocked: Blocked | None = None
 ) -> FloatArray:
-    """Record in the world model that the base is stopped; return its row (3,) of `bumps`: x, y in [m],
-    direction in [rad].
-
-    Either the base touches something, or the arm that it carries.
+    """Record in the world model that the base is stopped, by a contact of its own or of its arm.
 
     Args:
         robot: at the place where it is stopped, or where it rebounded to.
         model: world model that gets the row.
         forwards: True if the base was driven forwards.
         blocked: measurement of `BlockedMotion`, if that noticed it.
+
+    Returns:
+        The row (3,) of `bumps`: x, y on the map in [m], direction of the motion in [rad].
     """
     pose, heading = robot.pose, robot.pose.theta
     if blocked is not None:
@@ -120,7 +120,7 @@ def _words(blocked: Blocked, bump: FloatArray, spec: RobotFile) -> str:
 
 
 def avoided_points(robot: Robot, model: WorldModel | ModelView) -> FloatArray:
-    """Return (n, 2) points on the map in [m] to plan around: sensed, or run into."""
+    """Return the points (n, 2) on the map to plan around, in [m]: sensed ones, and those run into."""
     arm = _away(robot, bump_areas(model.arm_bumps, 0.0))
     return np.vstack([model.obstacles, bump_areas(model.bumps, robot.spec.footprint_radius_m), arm])
 

@@ -29,7 +29,7 @@ class LevelPose(FileModel):
 
     @property
     def pose(self) -> Transform:
-        """(4, 4)."""
+        """Pose (4, 4) on the map."""
         return self.floor.lift(self.height_m)
 
     def body(self, size: tuple[float, float, float], name: str) -> Box:

@@ -98,7 +98,11 @@ class Place(FileModel):
 
     @property
     def map_T_shelf(self) -> Transform:
-        """Pose of the shelf frame, (4, 4). Raises ValueError where the place has no shelf."""
+        """Pose (4, 4) of the shelf frame on the map.
+
+        Raises:
+            ValueError: the place has no shelf.
+        """
         shelf = self._shelf()
         return self.pose.compose(Pose2(shelf.distance_m, 0.0, 0.0)).lift(shelf.board_m)
 

@@ -105,7 +105,10 @@ class Section:
         return {}
 
     def discs(self) -> FloatArray:
-        """Return (n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
+        """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].
+
+        They are in the frame of the robot's pose.
+        """
         return np.empty((0, 3))
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:

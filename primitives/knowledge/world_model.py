@@ -112,7 +112,10 @@ class WorldModel:
 
     @property
     def discs(self) -> FloatArray:
-        """(n, 3) x, y, radius in [m] of known obstacles for a base that plans without a map."""
+        """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].
+
+        They are in the frame of the robot's pose.
+        """
         return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
 
     def of(self, kind: type[SectionT]) -> SectionT:

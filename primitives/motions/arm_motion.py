@@ -38,10 +38,19 @@ def move_to_posture(
 def move_to_pose(
     robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move the hand to a pose (4, 4). Arguments and errors as for `move_to_joints`.
+    """Move the hand to a pose, without collisions with the robot and known bodies.
 
-    The solution of the inverse kinematics next to the present posture is tried first. If it is not free, or
-    no way leads there, other solutions follow, those that are free and near first.
+    The solution of the inverse kinematics next to the present posture is tried first. If it is not free,
+    or no way leads there, other solutions follow, those that are free and near first.
+
+    Args:
+        robot: its arm holds the last commanded joints.
+        base_T_hand: (4, 4) final pose of the hand.
+        held: held object, posed in the hand frame.
+        around: bodies to keep clear of, posed in the base frame.
+
+    Raises:
+        Discrepancy: the pose is out of reach, or no free path was found.
     """
     here = robot.arm.command()
     joints = robot.arm_model.inverse(base_T_hand, near=here)
@@ -63,7 +72,7 @@ def move_to_pose(
 def move_to_joints(
     robot: Robot, joints: FloatArray, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move to joint angles (n,) in [rad], without collisions with the robot and known bodies.
+    """Move to joint angles, without collisions with the robot and known bodies.
 
     Continuous joints turn the shorter way.
 
@@ -90,7 +99,13 @@ def move_to_joints(
 def move_straight(
     robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move the hand to a pose (4, 4) in a straight line. Arguments as for `move_to_joints`.
+    """Move the hand to a pose in a straight line.
+
+    Args:
+        robot: its arm holds the last commanded joints.
+        base_T_hand: (4, 4) final pose of the hand.
+        held: held object, posed in the hand frame.
+        around: bodies to keep clear of, posed in the base frame.
 
     Raises:
         Discrepancy: the line can't be followed, or something is in its way.

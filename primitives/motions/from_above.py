@@ -22,7 +22,14 @@ Size = tuple[float, float, float]
 
 
 def pointing_down(place: Pose2, height: float) -> Transform:
-    """base_T_hand (4, 4): the hand's x down, its y (along which the fingers close) against the place's x."""
+    """Return base_T_hand (4, 4) of a hand that points down: its x down, its y against the place's x.
+
+    The fingers close along the hand's y.
+
+    Args:
+        place: position and heading on the base's plane, in the base frame.
+        height: height of the hand above that plane, in [m].
+    """
     return np.asarray(place.lift(height) @ transform(rpy=(0.0, math.pi / 2, 0.0)) @ _LEFT)
 
 
@@ -32,10 +39,14 @@ def on_level(pose: Transform) -> Pose2:
 
 
 def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
-    """Return base_T_hand (4, 4) that grips a thing, whose origin is the middle of its foot: the pads cover
-    its top.
+    """Return base_T_hand (4, 4) that grips a thing from above, its pads covering the thing's top.
 
     The hand is tilted as the thing is, so that an upright thing stays upright on a tilted base.
+
+    Args:
+        robot: robot whose hand it is.
+        size: length, width and height of the thing, in [m].
+        base_T_thing: (4, 4) pose of the thing, whose origin is the middle of its foot.
     """
     above = size[2] - GRIP_DEPTH_M + hand_to_tips(robot)
     return np.asarray(base_T_thing @ pointing_down(Pose2(0.0, 0.0, 0.0), above))

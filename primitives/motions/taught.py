@@ -11,10 +11,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def taught_postures(robot: Robot, name: str, fewest: int) -> list[FloatArray]:
-    """Return the postures `name_1`, `name_2`, ... of the robot's file, each (n,) in [rad].
+    """Return the postures `name_1`, `name_2`, ... of the robot's file, each (n,) in [rad] or [m].
 
     Raises:
-        Discrepancy: fewer than `fewest` were taught; the words say how to teach them.
+        Discrepancy: fewer than `fewest` were taught; the message says how to teach them.
     """
     postures = {} if robot.spec.arm is None else robot.spec.arm.postures
     found: list[FloatArray] = []

@@ -65,14 +65,18 @@ class DrivenBase:
         self._joints = near
 
     def ahead(self, index: int) -> FloatArray:
-        """Return (k, 2) where the base is still to come by from a point of the tool's on, in [m], on the
-        map.
+        """Return the rest (k, 2) of the base's route from a point of the tool's path on, on the map, in [m].
+
+        Args:
+            index: number of the point of the tool's path.
         """
         return self._spots[max(0, index - 1) :]
 
     def joints(self, index: int) -> FloatArray:
-        """Drive for the next period; return the arm's joints (n,), in [rad], for the tool's point `index` at
-        its end.
+        """Drive for the next period; return the arm's joints (n,) for its end, in [rad] or [m].
+
+        Args:
+            index: number of the tool's point at the end of the period.
 
         Raises:
             Discrepancy: an obstacle is in the base's way, or the arm does not reach the seam any more.

@@ -116,14 +116,8 @@ class ArmModel:
         return np.clip(q, self._lowest, self._highest)
 
     def nearest(self, q: FloatArray, near: FloatArray) -> FloatArray:
-        """Return the same posture with each continuous joint in the turn nearest to another posture.
-
-        Args:
-            q: (n,) posture, in [rad] or [m].
-            near: (n,) the other posture, in [rad] or [m].
-
-        Returns:
-            (n,) in [rad] or [m].
+        """Return a posture `q` (n,) with continuous joints in the turn nearest to `near` (n,), all in [rad]
+        or [m].
         """
         if not self.endless.any():
             return q
@@ -131,11 +125,8 @@ class ArmModel:
         return np.where(self.endless, q + 2.0 * np.pi * turns, q)
 
     def forward(self, q: FloatArray, frame: str | None = None) -> Transform:
-        """Return base_T_frame (4, 4), the pose of a link in the base frame.
-
-        Args:
-            q: (n,) joint angles in [rad] or [m].
-            frame: name of the link; None: the tip.
+        """Return base_T_frame (4, 4) of a link (None: the tip) at the joint angles `q` (n,), in [rad] or
+        [m].
         """
         index = self._tip_id if frame is None else self._frame(frame)
         key = q.tobytes(), index
@@ -167,14 +158,11 @@ class ArmModel:
         return self.of_arm(pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q)))
 
     def own_gravity_torques(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the torques that carry the arm's weight if following joints have drives of their own.
+        """Return the torques that carry the arm's weight if following joints have drives of their own, in
+        [Nm].
 
-        Args:
-            q: (n,) joint angles in [rad] or [m].
-
-        Returns:
-            In [Nm]: those of the arm's joints (n,), without what followers carry, and those of `followers`
-                (k,).
+        At joints `q` (n,), in [rad] or [m]: those of the arm's joints (n,), without what followers carry,
+        and those of `followers` (k,).
         """
         torques: FloatArray = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
         return torques[self._order], torques[self._led]
@@ -294,13 +282,9 @@ class ArmModel:
         return frame.parentJoint, frame.placement
 
     def ordered(self, q: FloatArray) -> FloatArray:
-        """Return the positions of all movable joints of the URDF, in Pinocchio's order.
+        """Return the positions (m,) of all movable joints in Pinocchio's order, from those of the arm (n,).
 
-        Args:
-            q: (n,) positions of the arm's joints, in [rad] or [m].
-
-        Returns:
-            (m,) in [rad] or [m].
+        Both are in [rad] or [m].
         """
         if self._spread is not None:
             return np.asarray(self._spread @ q + self._offset)
@@ -309,13 +293,9 @@ class ArmModel:
         return result
 
     def ordered_rates(self, rates: FloatArray) -> FloatArray:
-        """Return the speeds or accelerations of all movable joints of the URDF, in Pinocchio's order.
+        """Return the rates (m,) of all movable joints in Pinocchio's order, from those of the arm (n,).
 
-        Args:
-            rates: (n,) of the arm's joints, in [rad/s] or [m/s] (or [rad/s²] or [m/s²]).
-
-        Returns:
-            (m,) in the same units.
+        Both are speeds in [rad/s] or [m/s], or accelerations in [rad/s²] or [m/s²].
         """
         return self.ordered(rates) - self._offset
 
@@ -325,15 +305,10 @@ class ArmModel:
         return limits
 
     def of_arm(self, columns: FloatArray) -> FloatArray:
-        """Return the values of the arm's joints from those of all movable joints in Pinocchio's order.
+        """Return the values (..., n) of the arm's joints from those (..., m) of all, in Pinocchio's order.
 
-        A joint carries the torques of those that follow it.
-
-        Args:
-            columns: (..., m) torques in [Nm], or columns of a Jacobian in any unit.
-
-        Returns:
-            (..., n) in the same unit.
+        Values are torques in [Nm], or columns of a Jacobian, in its units. A joint carries the torques of
+        those that follow it.
         """
         if self._spread is not None:
             return np.asarray(columns @ self._spread)

@@ -67,7 +67,7 @@ class VideoCamera(LiveSensor, Camera):
             self._thread.start()
 
     def image(self) -> ByteArray:
-        """Return the newest picture (h, w), grey; see `Camera`.
+        """Return the newest picture (h, w), grey, from 0 to 255; see `Camera`.
 
         Raises:
             StaleSensor: no fresh picture has arrived.

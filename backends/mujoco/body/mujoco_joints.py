@@ -59,8 +59,8 @@ class MujocoJoints(JointGroup):
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Follow set-points like springs; an offset that would be corrected too fast is reduced. See
-        `JointGroup.give`.
+        """Follow set-points like springs, see `JointGroup.give`; an offset that would be corrected too fast
+        is reduced.
 
         Args:
             off: (n,) distance of the set-points from the current joints, in [rad] or [m].

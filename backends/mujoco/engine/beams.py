@@ -62,12 +62,12 @@ class LidarBeams:
         """Return how much of each way from a point is free of all but the robot; see `Engine.free_shares`.
 
         Args:
-            data: MuJoCo's data; its poses are those of now.
+            data: MuJoCo's data, with the current poses.
             start: (3,) common start of the ways in the world, in [m].
-            ends: (n, 3) their ends, in [m].
+            ends: (n, 3) ends of the ways in the world, in [m].
 
         Returns:
-            (n,) share of each way; infinity where all of it is free.
+            (n,) share of each way, from 0 to 1; infinity where all of it is free.
         """
         middles = data.geom_xpos[self._others]
         low, high = np.minimum(ends.min(axis=0), start), np.maximum(ends.max(axis=0), start)

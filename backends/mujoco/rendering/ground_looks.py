@@ -18,7 +18,7 @@ _SOIL, _GREEN = np.array([112.0, 96.0, 70.0]), np.array([104.0, 124.0, 66.0])
 
 @cache
 def floor_picture() -> ByteArray:
-    """Planks, each a little lighter or darker than its neighbours, (n, n, 3) in RGB."""
+    """Return a picture (n, n, 3) in RGB of planks, each a little lighter or darker than its neighbours."""
     rng = np.random.default_rng(7)
     wide, long = _PIXELS // _BOARDS, _PIXELS // _LONG
     picture = np.zeros((wide * _BOARDS, _PIXELS, 3))
@@ -37,7 +37,9 @@ def floor_picture() -> ByteArray:
 
 @cache
 def grass_picture() -> ByteArray:
-    """Short grass on soil, (n, n, 3) in RGB, without an edge where it begins again."""
+    """Return a picture (n, n, 3) in RGB of short grass on soil, which can be repeated without a visible
+    edge.
+    """
     rng = np.random.default_rng(8)
     share = np.clip(0.55 + 1.6 * _clouds(rng, 30.0) + 0.7 * _clouds(rng, 6.0), 0.0, 1.0)[..., None]
     blades = 1.0 + 0.5 * _clouds(rng, 1.5)[..., None]

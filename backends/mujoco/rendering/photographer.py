@@ -40,8 +40,8 @@ class Photographer:
         """Return the picture (height, width, 3) in RGB.
 
         Args:
-            world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
-            K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
         """
         whole = self._render(world_T_camera, K)
         mujoco().mjr_readPixels(self._rows, None, whole, self._context)

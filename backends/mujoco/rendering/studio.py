@@ -29,12 +29,12 @@ class Studio:
         self._last: tuple[Transform, FloatArray, ByteArray] | None = None
 
     def take(self, world_T_camera: Transform, K: FloatArray, middle: FloatArray) -> ByteArray:
-        """Return a picture; see `Photographer`. The last picture is returned again if nothing moved.
+        """Return a picture (height, width, 3) in RGB; the last one if nothing moved. See `Photographer`.
 
         Args:
-            world_T_camera: (4, 4) of the camera.
-            K: (3, 3) in [px].
-            middle: (3,) point in [m] around which the light falls.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px].
+            middle: (3,) point in the world around which the light falls, in [m].
 
         Raises:
             NoPictures: OpenGL is not available.

@@ -46,7 +46,12 @@ class Window:
         camera.azimuth = heading + _FROM["azimuth"] - 180.0
 
     def show(self, world_T_base: Transform, period: float) -> None:
-        """Show the present poses, once a period in [s] has passed on the wall clock, too."""
+        """Show the current poses, and wait until a period has passed on the wall clock.
+
+        Args:
+            world_T_base: (4, 4) pose of the base, which the view follows.
+            period: in [s].
+        """
         if not self._handle.is_running():
             return
         if self._stage.count != self._engine.looks.count:

@@ -25,8 +25,11 @@ class JointGroup(ABC):
 
     @abstractmethod
     def turn(self, speeds: FloatArray, most: FloatArray) -> None:
-        """Bring the joints to speeds (n,), in [rad/s] or [m/s], by efforts of at most `most` (n,), in [Nm] or
-        [N].
+        """Bring the joints to speeds by limited efforts.
+
+        Args:
+            speeds: (n,) in [rad/s] or [m/s].
+            most: (n,) largest efforts, in [Nm] or [N].
         """
 
     def follow(self, off: FloatArray, rates: FloatArray, most: FloatArray, catches_up: float) -> None:

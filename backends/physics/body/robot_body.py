@@ -61,7 +61,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def standing_pose(self) -> Transform:
-        """world_T_base (4, 4) as it would be if it didn't lean on a suspension."""
+        """Return world_T_base (4, 4) as it would be if the base didn't lean on a suspension."""
 
     def base_pose(self) -> Transform:
         """Return the true world_T_base (4, 4)."""
@@ -69,11 +69,11 @@ class RobotBody(ABC):
 
     @abstractmethod
     def link_pose(self, link: str) -> Transform:
-        """World pose (4, 4) of a link's frame."""
+        """Return world_T_link (4, 4), the true pose of a link's frame."""
 
     @abstractmethod
     def middle_of_mass(self, link: str) -> Transform:
-        """World pose (4, 4) of the frame at a link's middle of mass."""
+        """Return the true pose (4, 4) in the world of the frame at a link's middle of mass."""
 
     @abstractmethod
     def mass(self, link: str) -> float:

@@ -52,7 +52,11 @@ class ContactReader:
         return min(both & set(self._world.bodies.values()), default=None)
 
     def force(self, held: int | None) -> FloatArray:
-        """Return the force of the surroundings on the hand and its object, (3,) in [N], in the world."""
+        """Return the force (3,) of the surroundings on the hand and its object, in the world's axes, in [N].
+
+        Args:
+            held: body of the held object; None: the hand is empty.
+        """
         total, mine, hand = np.zeros(3), self._body.id, self._hand
         if any(each.link in hand and each.other not in (held, mine) for each in self._touching(mine)):
             for point in self._engine.contacts(mine):

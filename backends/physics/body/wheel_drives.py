@@ -46,10 +46,11 @@ class WheelDrives:
         self._joints.follow(lag, self.speeds, self._most, CATCHES_UP)
 
     def turned(self, scale: FloatArray | float = 1.0) -> FloatArray:
-        """(n,): by how much the wheels have turned, in whole steps, in [rad].
+        """Return the angles (n,) by which the wheels have turned, in whole steps of the encoders, in [rad].
 
         Args:
-            scale: (n,) or one for all: how much larger the wheels are than the encoders take them to be.
+            scale: (n,) or one for all: true size of the wheels over the size that the encoders assume,
+                without unit.
         """
         turned = (self._angles() - self._given - self._first) / scale
         return np.asarray(

@@ -115,10 +115,10 @@ class Engine(ABC):
 
     @abstractmethod
     def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
-        """Add a square of rough ground.
+        """Add a square of rough ground; return its body.
 
         Args:
-            corner: (2,) where x and y are least, in [m].
+            corner: (2,) corner of the square with the least x and y in the world, in [m].
             cell: distance of neighbouring heights, in [m].
             heights: (n, n) in [m], a row for each y.
             friction: Coulomb's coefficient of friction, without unit.
@@ -142,7 +142,7 @@ class Engine(ABC):
 
     @abstractmethod
     def pose(self, body: int) -> Transform:
-        """World pose (4, 4) of a body's middle of mass."""
+        """Return the pose (4, 4) of a body's middle of mass in the world."""
 
     def moved(self) -> Collection[int] | None:
         """Things that may be elsewhere than when this was last asked; None: any."""
@@ -176,7 +176,7 @@ class Engine(ABC):
 
         Args:
             start: (3,) common start of the ways in the world, in [m].
-            ends: (n, 3) their ends, in [m].
+            ends: (n, 3) ends of the ways in the world, in [m].
 
         Returns:
             (n,) share of each way, from 0 to 1; infinity where all of it is free.

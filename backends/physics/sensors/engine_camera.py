@@ -71,7 +71,11 @@ class EngineCamera(SimulatedCamera):
         return self._lens.take(self.ideal(world_T_camera), self._now)
 
     def ideal(self, world_T_camera: Transform) -> ByteArray:
-        """Return the grey picture of a pinhole camera at a pose (4, 4), large enough for the lens."""
+        """Return the picture (h, w), grey, of a pinhole camera, large enough for the lens.
+
+        Args:
+            world_T_camera: (4, 4) pose of the optical frame.
+        """
         for each in self._world.things.values():
             each.look(world_T_camera[:3, 3])
         width, height = self._lens.size

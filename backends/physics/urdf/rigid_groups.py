@@ -38,10 +38,11 @@ def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
 
 
 def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transform]:
-    """Return the poses (4, 4) of the links that the floor doesn't carry, but that are fixed onto the base.
+    """Return the poses (4, 4) on the floor of the links that are fixed onto the base and not carried by the
+    floor.
 
     Args:
-        urdf: of the robot.
+        urdf: text of the robot's URDF.
         rolling: links that roll or slide on the floor, whose lowest point is at z = 0.
     """
     poses, carrier = link_poses(urdf), _carriers(urdf)

@@ -44,7 +44,12 @@ class Terrain:
         self.bodies: list[int] = []
 
     def height(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the heights (...,) of the ground at x and y (...,) of the world, all in [m]."""
+        """Return the heights (...,) of the ground, in [m].
+
+        Args:
+            x: (...,) in the world, in [m].
+            y: (...,) in the world, in [m].
+        """
         phases = x[..., None] * self._waves[0] + y[..., None] * self._waves[1] + self._phases
         return np.asarray(self._size * np.cos(phases).sum(axis=-1))
 

@@ -134,7 +134,7 @@ class WorldBodies:
         return self._engine.moved()
 
     def pose(self, thing: Thing) -> Transform:
-        """world_T_thing (4, 4), as it truly is."""
+        """Return the true world_T_thing (4, 4)."""
         return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:

@@ -61,7 +61,12 @@ class Crowd:
         self._ranges = scan.ranges.copy()
 
     def without(self, points: FloatArray, pose: Pose2) -> FloatArray:
-        """Return the points (n, 2), base frame, in [m], that are not on people; all if few are left."""
+        """Return the points (m, 2) of a scan that are not on people; all of them if few are left.
+
+        Args:
+            points: (n, 2) in the base frame, in [m].
+            pose: map_T_base.
+        """
         if not len(self._discs):
             return points
         there = pose.apply(points)[:, None] - self._discs[None, :, :2]

@@ -98,7 +98,7 @@ def undetermined(
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         need: limit of 3 sigma plus the distance from the wanted pose.
         off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
-        shift: (2,) by which the position may be off at most beyond the covariance, this way or the other.
+        shift: (2,) largest error of the position on the map beyond the covariance, either way, in [m].
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
@@ -117,12 +117,13 @@ def undetermined(
 
 
 def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHIFT) -> tuple[float, float]:
-    """Return what 3 sigma leave of a need: of the position where it leaves least, in [m], and of the heading.
+    """Return how much of a need 3 sigma leave: of the position in its worst direction, in [m], and the
+    heading, in [rad].
 
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
-        need: of the pose.
-        shift: (2,), see `undetermined`.
+        need: required accuracy of the pose.
+        shift: (2,) in [m], see `undetermined`.
     """
     axes, limits = need.axes(covariance)
     spread = np.hypot(DETERMINED_SIGMAS * sigmas_along(covariance, axes), math.hypot(*shift.tolist()))
@@ -131,7 +132,12 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
 
 
 def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
-    """Return (k,) sigmas of a position in [m] along (2, k) unit vectors in columns."""
+    """Return the sigmas (k,) of a position along directions, in [m].
+
+    Args:
+        covariance: (2, 2) or (3, 3), of x and y in [m²] first.
+        axes: (2, k) unit vectors in columns.
+    """
     variances: FloatArray = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)
     return np.sqrt(np.maximum(variances, 0.0))
 

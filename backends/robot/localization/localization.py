@@ -116,17 +116,19 @@ class Localization(ABC):
 
     @property
     def covariance(self) -> FloatArray:
-        """(3, 3) of x, y in [m] and heading in [rad]."""
+        """Covariance (3, 3) of the pose: x, y on the map in [m] and heading in [rad]."""
         return self._wheels.covariance
 
     @property
     def particles(self) -> FloatArray | None:
-        """(3, n) x, y in [m], heading in [rad] of poses that it holds possible; None where it has none."""
+        """Possible poses (3, n) on the map, x, y in [m] and heading in [rad]; None for a filter without
+        particles.
+        """
         return None
 
     @property
     def repeatability(self) -> FloatArray:
-        """(3, 3) covariance of a pose compared with another one measured at the same place.
+        """Covariance (3, 3) of a pose compared with another one measured at the same place.
 
         Of x, y in [m] and heading in [rad], on the map. The map's error, which both poses share, is
         excluded. It is never less than the noise of the sensors; along a direction that they do not
@@ -136,7 +138,7 @@ class Localization(ABC):
 
     @property
     def map_shift(self) -> FloatArray:
-        """(2,) in [m] by which the position is off at most because the map's cells have a size.
+        """Largest error (2,) of the position on the map due to the size of its cells, in [m].
 
         Added to `repeatability` where a pose is compared with a place on the map.
         """

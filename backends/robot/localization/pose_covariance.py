@@ -33,9 +33,11 @@ def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArra
 
 
 def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
-    """Subtract a part (3, 3) from a covariance (3, 3), both of x, y in [m] and heading in [rad].
+    """Return a covariance (3, 3) without a part, its variances not below zero.
 
-    No variance of the rest (3, 3) is negative.
+    Args:
+        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        part: (3, 3) to subtract, in the same units.
     """
     rest = covariance - part
     if _is_positive(rest):

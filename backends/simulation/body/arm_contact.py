@@ -114,13 +114,12 @@ class ArmContact:
         self._last_poses: dict[bytes, FloatArray] = {}
 
     def deepest_of_robot(self, base: Pose2, joints: FloatArray, skip: Skip | None = None) -> Touch:
-        """Return the deepest overlap of the arm, the parts mounted on the base and its load, which move with
-        the base.
+        """Return the deepest overlap of everything that moves with the base: arm, mounted parts and load.
 
         Args:
             base: world_T_base.
             joints: (n,) posture of the arm, in [rad] or [m].
-            skip: pairs of bodies that are left out.
+            skip: excludes pairs of bodies for which it returns True.
         """
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
@@ -140,10 +139,13 @@ class ArmContact:
         return self._deepest(bodies, self._near(bodies), left_out)
 
     def deepest_of_arm(self, joints: FloatArray, skip: Skip | None = None) -> Touch:
-        """Return the deepest overlap of the arm at these joints (n,), in [rad] or [m], with the base at its
-        current pose.
+        """Return the deepest overlap of the arm in a posture, with the base at its current pose.
 
-        The robot's own tray and its load count as obstacles; `skip(body, other)` excludes pairs.
+        The robot's own tray and its load count as obstacles.
+
+        Args:
+            joints: (n,) in [rad] or [m].
+            skip: excludes pairs of bodies for which it returns True.
         """
         scene = self._scene
         self._refresh()

@@ -160,8 +160,8 @@ class SimulatedHand:
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
     def carry(self, start: FloatArray) -> FloatArray:
-        """Move the held object with the hand; return the force (3,) of what holds it back, in the hand's
-        frame, in [N].
+        """Move the held object with the hand; return the force (3,) that holds it back, in the hand's frame,
+        in [N].
 
         Args:
             start: (n,) joints at the start of the period, in [rad] or [m].

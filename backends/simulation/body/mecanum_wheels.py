@@ -50,7 +50,11 @@ class MecanumWheels:
         return Pose2(chord * (cos * ahead - sin * left), chord * (sin * ahead + cos * left), turn)
 
     def twist(self, way: WheelTravel, period: int) -> FloatArray:
-        """Return (3,) true travel ahead and to the left in [m], and turn in [rad]; see `motion`."""
+        """Return the true motion (3,) in the base frame: travel ahead and to the left in [m], and turn in
+        [rad].
+
+        See `motion` for the arguments.
+        """
         ahead, turned = 0.5 * (way.left + way.right), 0.5 * (way.right - way.left)
         rims = ahead + way.sideways * SIDEWAYS_SIGNS + turned * TURN_SIGNS
         rims *= self._scales * (1.0 - self._slip * keyed_normal(self._seed, "slip", period, 4))

@@ -18,7 +18,13 @@ class Boxes:
         self.halves = 0.5 * sizes
 
     def place(self, number: int, size: FloatArray, pose: FloatArray) -> None:
-        """Put another box in the place of one: size (3,) in [m], pose (4, 4)."""
+        """Replace a box by another one.
+
+        Args:
+            number: index of the box.
+            size: (3,) length, width and height, in [m].
+            pose: (4, 4) world_T_box.
+        """
         self.middles[number], self.turns[number] = pose[:3, 3], pose[:3, :3]
         self.halves[number] = 0.5 * size
 
@@ -29,10 +35,10 @@ def near_boxes(poses: FloatArray, radii: FloatArray, boxes: Boxes, there: BoolAr
     A row holds the number of the body, then that of the box.
 
     Args:
-        poses: (b, 4, 4) of the bodies.
-        radii: (b,) of spheres about their origins that they are in, in [m].
-        boxes: n of them.
-        there: (n,) which boxes are there.
+        poses: (b, 4, 4) of the bodies, in the frame of the boxes.
+        radii: (b,) of spheres about their origins that enclose them, in [m].
+        boxes: n boxes.
+        there: (n,) True for boxes that are present.
     """
     return _near_boxes(poses, radii, boxes.middles, boxes.turns, boxes.halves, there)
 
@@ -48,7 +54,7 @@ def near_spheres(
     Args:
         poses: (b, 4, 4) of the first group, in any common frame.
         radii: (b,) of their spheres, in [m].
-        others: (n, 4, 4) of the second group.
+        others: (n, 4, 4) of the second group, in the same frame.
         other_radii: (n,) of their spheres, in [m].
     """
     pairs = np.empty((len(radii) * len(other_radii), 2), dtype=np.int64)

@@ -53,7 +53,7 @@ NO_MEETING = Meeting(0.0)
 
 
 def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> Meeting:
-    """Return the overlap of two bodies at these poses (4, 4)."""
+    """Return the overlap of two bodies at poses (4, 4) in one common frame."""
     if not touch(one.judging, pose, other.judging, other_pose):
         return NO_MEETING
     request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
@@ -69,7 +69,9 @@ def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transfor
 
 
 def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> float:
-    """Return the depth of the overlap of two bodies at these poses (4, 4), in [m]; 0 without contact."""
+    """Return the depth of the overlap of two bodies at poses (4, 4) in one frame, in [m]; 0 without
+    contact.
+    """
     return meet(one, pose, other, other_pose).depth
 
 
@@ -91,7 +93,7 @@ def fcl_body(shape: Shape) -> object:
 
 
 def touch(one: object, pose: Transform, other: object, other_pose: Transform) -> bool:
-    """Return whether two geometries of FCL touch or overlap at these poses (4, 4)."""
+    """Return whether two geometries of FCL touch or overlap at poses (4, 4) in one common frame."""
     return bool(fcl.collide(_for_fcl(one, pose), _for_fcl(other, other_pose)))
 
 

@@ -101,7 +101,7 @@ class SimulatedArm(Arm):
 
     @abstractmethod
     def true_joints(self) -> FloatArray:
-        """Return the true joint angles, (n,) in [rad]."""
+        """Return the true joints (n,), in [rad] or [m]."""
 
     @abstractmethod
     def _true_force(self) -> FloatArray:
@@ -219,7 +219,12 @@ class ArmError:
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
     def offset(self, joints: FloatArray, motion: int) -> FloatArray:
-        """Return (n,) in [rad] at the commanded `joints` (n,), in the arm's motion of that number."""
+        """Return the error (n,) of the arm's joints, in [rad] or [m].
+
+        Args:
+            joints: (n,) commanded joints, in [rad] or [m].
+            motion: number of the arm's motion.
+        """
         _, offset, wrong = self._draw(motion, len(joints))
         if not self._of_hand:
             return offset

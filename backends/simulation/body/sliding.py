@@ -19,18 +19,20 @@ def slide(
     """Return the joints at which an arm with its hand on a surface comes to rest on its way to `target`.
 
     The arm is a spring of equal stiffness in all directions. Pressed in by a depth, the hand sticks while
-    its command is less than `FRICTION` times that depth away along the surface; otherwise it follows until
-    it lags by this distance. It turns as commanded.
+    its command is less than `HAND_FRICTION` times that depth away along the surface; otherwise it follows
+    until it lags by this distance. It turns as commanded.
 
     Args:
-        arm: its model.
-        stands: (n,) joints with which the hand touches the surface.
-        target: (n,) commanded joints.
+        arm: kinematics of the arm.
+        stands: (n,) joints with which the hand touches the surface, in [rad] or [m].
+        target: (n,) commanded joints, in [rad] or [m].
         point: (3,) where the hand touches, in the base frame, in [m].
-        normal: (3,) of length 1, away from the surface, in the base frame.
+        normal: (3,) unit vector away from the surface, in the base frame.
 
     Returns:
-        (n,) joints within the limits; None if the hand sticks, or is commanded away from the surface.
+        (n,) joints within the limits, in [rad] or [m]; None if the hand sticks, or is commanded away from
+            the
+        surface.
     """
     tip_point = np.linalg.inv(arm.forward(stands)) @ np.append(point, 1.0)
     way = (arm.forward(target) @ tip_point)[:3] - point

@@ -17,7 +17,7 @@ MAX_LEAN_RAD = math.radians(45.0)  # a book that leans further slides down and l
 def lean_in_row(
     book: SimulatedBook, S_T_foot: Transform, row: Sequence[Member], wish: float
 ) -> Transform | None:
-    """Return the pose (4, 4) in S of a book released upright at `S_T_foot`; None if it falls flat.
+    """Return the pose (4, 4) in the shelf frame S of a book released upright; None if it falls flat.
 
     Its foot is bowed, so it keeps the angle `wish` at which the fingers leave it; beyond the angle at
     which its middle is above its edge it tips further. Either way its neighbours stop it: its upper edge

@@ -97,7 +97,9 @@ class BookProps(BooksThere):
         return bool(inside and level and abs(y) + thick / 2 < pads.outer())
 
     def gripped(self, thing: Thing, pads: Pads) -> Transform:
-        """See `Props`: covers align with the pads; centred, turned to the hand; depth and height stay."""
+        """Return hand_T_thing (4, 4) of a gripped book: centred and turned to the hand; depth and height
+        stay.
+        """
         before = inverse(pads.world_T_hand) @ thing.pose
         pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
         return transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))

@@ -87,7 +87,9 @@ class BooksThere(Props[BooksSection]):
         return self.books.values()
 
     def book_pose(self, accession: int) -> Transform:
-        """world_T_book (4, 4); its frame is that of `SimulatedBook`."""
+        """Return world_T_book (4, 4) of the book with an accession number; its frame is that of
+        `SimulatedBook`.
+        """
         return self.books[accession].pose
 
     def shelf_books(self, shelf: str) -> list[StandingBook]:

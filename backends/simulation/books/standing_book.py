@@ -36,7 +36,7 @@ class StandingBook(NamedTuple):
 
 
 def leaned(S_T_foot: Transform, thickness: float, angle: float) -> Transform:
-    """Return the pose (4, 4) of a book that leans about the lower edge of one side.
+    """Return the pose (4, 4) of a book that leans about the lower edge of one side, in the frame S.
 
     Args:
         S_T_foot: (4, 4) of the book when it was upright.

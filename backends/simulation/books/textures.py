@@ -59,12 +59,24 @@ def draw_spine(
     label_mm: float = LABEL_WIDTH_MM,
     lines: int = 1,
 ) -> ByteArray:
-    """Return a spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm`
-    pixels a mm.
+    """Return a spine as seen from straight ahead, head at the top: a grey image (height, width).
 
-    `font` is the path of a TTF or the name of one of matplotlib's. `smear` makes the tag unreadable.
-    `seed` decides the cover's grain, bands and title, `family` which tag it is; `label_mm` and `lines` are
-    of the label. Raises ValueError where tag or label don't fit the spine.
+    Args:
+        width_mm: thickness of the book, in [mm].
+        height_mm: height of the book, in [mm].
+        colour_grey: grey of the cover, 0 to 255.
+        tag_id: number of its tag; None: it has no tag.
+        call_number: text of its label; None: it has no label.
+        font: path of a TTF, or the name of one of matplotlib's fonts.
+        px_per_mm: resolution, in [px/mm].
+        smear: True to make the tag unreadable.
+        seed: decides the cover's grain, bands and title.
+        family: family of the tag.
+        label_mm: width of the label, in [mm].
+        lines: 1, or one line of the label for each word.
+
+    Raises:
+        ValueError: tag or label don't fit the spine.
     """
     tag_room = TAG_SIZE_MM + 2 * TAG_QUIET_MM if tag_id is not None else 0.0
     if width_mm < max(tag_room, label_mm) or height_mm < 2 * LABEL_LENGTHS_MM[1]:

@@ -33,11 +33,11 @@ class BoxDepth:
         self._rays = np.stack((x, y, np.ones(self._shape)), axis=2)
 
     def cast(self, world_T_camera: Transform, boxes: Sequence[Box]) -> tuple[FloatArray, IntArray]:
-        """Return the depth (h, w) in [m] of each pixel, and what it shows (h, w).
+        """Return the depth (h, w) of each pixel, in [m], and the number (h, w) of the body that it shows.
 
         Args:
-            world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
-            boxes: what there is besides the floor at height 0; one that contains the camera is not seen.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            boxes: bodies besides the floor at height 0; one that contains the camera is not seen.
 
         Returns:
             Depth along the optical axis, infinite where nothing is, and the number of the box, `FLOOR` or

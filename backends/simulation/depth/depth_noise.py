@@ -27,11 +27,11 @@ class DepthNoise:
         self._rays = _rays(spec.model)
 
     def read(self, true: FloatArray, period: int) -> SingleArray:
-        """Return the depths (h, w) in [m] read in a period; NaN without a reading.
+        """Return the depths (h, w) that a camera reads in a period, in [m]; NaN without a reading.
 
         Args:
-            true: depths (h, w) in [m]; infinite where nothing is.
-            period: its number.
+            true: (h, w) true depths along the optical axis, in [m]; infinite where nothing is.
+            period: number of the period.
         """
         errors, rng = self._errors, keyed(self._seed, "depth", period)
         drawn, dropped = rng.standard_normal(true.shape), rng.random(true.shape)

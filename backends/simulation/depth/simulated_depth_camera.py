@@ -87,7 +87,7 @@ class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
         return image
 
     def true_pose(self) -> Transform:
-        """Return world_T_camera (4, 4) of the optical frame, as the scene has it: ground truth."""
+        """Return the true world_T_camera (4, 4) of the optical frame."""
         world_T_carrier = self._site.scene.world_T(self._mount.carrier)
         return world_T_carrier @ self._mount.carrier_T_frame @ self._mount_error
 

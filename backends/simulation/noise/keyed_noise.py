@@ -29,7 +29,7 @@ def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
 
 
 def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
-    """Return the first standard normal numbers (size,), without unit, of `keyed`, for values drawn in every
+    """Return standard normal numbers (size,), without unit: the first ones of `keyed`, for use in every
     period.
     """
     rng, begun = _stream(int(seed), purpose)

@@ -144,7 +144,12 @@ class Passers:
         return found
 
     def discs(self, height: float) -> FloatArray:
-        """Return what a level lidar at a height in [m] sees: (n, 3) x, y and radius in [m]."""
+        """Return the parts of passers that a level lidar sees: discs (n, 3), x, y in the world and radius, in
+        [m].
+
+        Args:
+            height: height of the lidar's plane above the floor, in [m].
+        """
         rows = [(each.x, each.y, each.radius) for each in self.parts() if each.low <= height < each.high]
         return np.array(rows).reshape(-1, 3)
 

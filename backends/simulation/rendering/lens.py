@@ -51,8 +51,11 @@ class Lens:
         return (1.0 + self._errors.light_gradient * across).astype(np.float32)
 
     def take(self, ideal: ByteArray, period: int) -> ByteArray:
-        """Return the picture (h, w), grey, that the lens makes of an ideal one (`size`), with the noise of a
-        period.
+        """Return the picture (h, w), grey, that the lens makes of an ideal one.
+
+        Args:
+            ideal: grey picture with the width and height of `size`.
+            period: number of the period, which decides the noise.
         """
         picture = cv2.remap(ideal, self._maps[0], self._maps[1], cv2.INTER_LINEAR)
         if self._errors.image_blur_px > 0.0:

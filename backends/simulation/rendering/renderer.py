@@ -36,22 +36,33 @@ class Renderer:
         return Lens(self._camera, self._errors, self._seed)
 
     def render(self, scene: Scene, world_T_camera: Transform, period: int) -> ByteArray:
-        """Return the picture (height, width) taken from a pose (4, 4) in this period."""
+        """Return the picture (height, width), grey, with the lens, light and noise of a period.
+
+        Args:
+            scene: true state of the world.
+            world_T_camera: (4, 4) pose of the optical frame.
+            period: number of the period.
+        """
         return self._lens.take(self.ideal(scene, world_T_camera), period)
 
     def ideal(self, scene: Scene, world_T_camera: Transform) -> ByteArray:
-        """Return the larger ideal picture (h, w), grey, without lens, light and noise."""
+        """Return the larger ideal picture (h, w), grey, without lens, light and noise.
+
+        Args:
+            scene: true state of the world.
+            world_T_camera: (4, 4) pose of the optical frame.
+        """
         return paint_scene(scene, self._lens.K, self._lens.size, world_T_camera)
 
 
 def paint_scene(scene: Scene, K: FloatArray, size: tuple[int, int], world_T_camera: Transform) -> ByteArray:
-    """Return the picture (height, width) of an ideal pinhole camera.
+    """Return the picture (height, width), grey, of an ideal pinhole camera.
 
     Args:
-        scene: what there is.
-        K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+        scene: true state of the world.
+        K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].
-        world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
+        world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
     """
     canvas = Canvas(K, size, world_T_camera, _BACKGROUND)
     _room(canvas, scene)

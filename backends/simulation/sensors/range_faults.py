@@ -41,7 +41,12 @@ class RangeFaults(NamedTuple):
         return max(self) > 0.0
 
     def spoil(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Return ranges (n,) in [m] with the faults of one scan."""
+        """Return the ranges (n,) of one scan with its faults, in [m].
+
+        Args:
+            ranges: (n,) true ranges, in [m].
+            rng: source of the faults.
+        """
         draws = rng.random((len(self), len(ranges)))
         spoiled = ranges.copy()
         readings = (0.0, np.nan, -np.inf, OWN_BODY_M)

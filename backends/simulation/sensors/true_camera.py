@@ -24,7 +24,12 @@ def true_camera(spec: CameraSpec, mount: CameraMount, errors: Errors, seed: int)
 
 
 def mount_error(errors: Errors, seed: int) -> Transform:
-    """Return the pose (4, 4) of a camera in the frame where it should be, drawn once for a seed."""
+    """Return the pose (4, 4) of a camera in the frame where it should be, drawn once for a seed.
+
+    Args:
+        errors: sizes of the errors of the mount.
+        seed: seed of the draw.
+    """
     shift, turn = keyed(seed, "camera mount").standard_normal((2, 3))
     off = np.eye(4)
     off[:3, 3] = errors.camera_mount_mm / 1e3 * shift

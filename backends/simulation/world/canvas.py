@@ -40,14 +40,21 @@ class Canvas:
         return bool((self.eye - corner) @ normal > 0.0)
 
     def shows_none(self, corners: FloatArray) -> bool:
-        """Return whether a convex body with these corners (n, 3), in the world in [m], is surely outside the
-        picture.
+        """Return whether a convex body is surely outside the picture.
+
+        Args:
+            corners: (n, 3) in the world, in [m].
         """
         rays = (corners - self.eye) @ self._projection.T
         return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
 
     def polygon(self, corners: FloatArray, grey: int) -> None:
-        """Paint a flat convex face with corners (n, 3), in the world in [m], in one grey from 0 to 255."""
+        """Paint a flat convex face in one grey.
+
+        Args:
+            corners: (n, 3) in the world, in [m].
+            grey: 0 to 255.
+        """
         rays = (corners - self.eye) @ self._projection.T
         if (rays[:, 2] < _NEAREST).any():
             rays = _before(rays)
@@ -64,9 +71,12 @@ class Canvas:
     ) -> None:
         """Draw a printed face.
 
-        `face` (4, 4): origin at the picture's upper left corner, x along its rows, y down its columns, in
-        [m]. `levels` are the same picture in falling resolution, each with its metres a pixel; `shade`
-        makes of the one that is shown how it looks in its light.
+        Args:
+            levels: the same picture (h, w) in falling resolution, each with the size of a pixel, in [m].
+            face: (4, 4) pose in the world: origin at the picture's upper left corner, x along its rows, y
+                down
+                its columns.
+            shade: changes the greys of the picture to those in its light; None: it is drawn as it is.
         """
         size = np.array([levels[0][0].shape[1], levels[0][0].shape[0]]) * levels[0][1]
         corners = face[:3, 3] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size @ face[:3, :2].T

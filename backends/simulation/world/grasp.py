@@ -57,8 +57,9 @@ def aside_at_pads(thing: Thing, pads: Pads) -> float:
 
 
 def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
-    """hand_T_thing (4, 4): its sides align with the pads, and it slides between their middle; along the pads
-    it stays.
+    """Return hand_T_thing (4, 4) of a thing between closed pads.
+
+    Its sides align with the pads, and it slides between their middle; along the pads it stays.
     """
     hand_T_middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     side = hand_T_middle[:3, _across(thing, pads)]

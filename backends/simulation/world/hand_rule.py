@@ -19,7 +19,7 @@ class Met(NamedTuple):
     """End of an arm's motion."""
 
     joints: FloatArray
-    """Joints at which it stops, (n,) in [rad]: the given array itself, if nothing stops it."""
+    """Joints (n,) at which it stops, in [rad] or [m]: the given array itself, if nothing stops it."""
     force: float = 0.0
     """With which it is pushed back along the hand's x, in [N]."""
     pairs: frozenset[tuple[str, str]] = frozenset()
@@ -47,8 +47,11 @@ class HandRule:
         return False
 
     def meet(self, start: FloatArray, joints: FloatArray) -> Met:
-        """Return how far the arm gets from `start` towards `joints`, (n,) each in [rad] or [m]; move the
-        things that yield.
+        """Return how far the arm gets in a period, and move the things that yield.
+
+        Args:
+            start: (n,) joints at the start, in [rad] or [m].
+            joints: (n,) commanded joints, in [rad] or [m].
         """
         return Met(joints)
 

@@ -75,9 +75,10 @@ def _thing(canvas: Canvas, thing: Thing) -> None:
 
 
 def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]:
-    """Frame (4, 4) of the picture on a box's side, and its size in [m] along rows and columns.
+    """Return the frame (4, 4) of the picture on a box's side, and its size in [m] along rows and columns.
 
-    Origin in the picture's upper left corner, x along its rows, y down its columns, z into the box.
+    The pose is in the frame of the box's own pose: origin in the picture's upper left corner, x along its
+    rows, y down its columns, z into the box.
     """
     along, down, *turn = _PICTURES[side]
     size = (box.size[along], box.size[down])

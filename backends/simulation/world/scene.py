@@ -138,11 +138,13 @@ class Scene:
 
     @property
     def world_T_base(self) -> Transform:
-        """(4, 4)."""
+        """True pose (4, 4) of the base."""
         return self.leaning_at(self.base) if self.tilted_base is None else self.tilted_base
 
     def leaning_at(self, base: Pose2) -> Transform:
-        """world_T_base (4, 4) of a base elsewhere that leans as it does now, on its suspension."""
+        """Return world_T_base (4, 4) of a base at another pose that leans on its suspension as it does
+        now.
+        """
         if self._leant is None or self._leant[0] != (base, self.lean):
             pose = base.lift()
             if self.lean != (0.0, 0.0):
@@ -151,7 +153,7 @@ class Scene:
         return self._leant[1].copy()
 
     def world_T(self, frame: str) -> Transform:
-        """Return the true pose (4, 4) of a frame of the robot."""
+        """Return the true pose (4, 4) of a frame of the robot in the world."""
         if self.arm is None:
             return self.world_T_base @ base_T_frame(self.robot.urdf_text(), frame)
         return self.world_T_base @ self.arm.forward(self.joints, frame)
@@ -180,7 +182,9 @@ class Scene:
         return [thing for thing in self.things() if thing.rest is Rest.TRAY]
 
     def felt_force(self) -> FloatArray:
-        """Return (3,) in [N] in the hand frame: `hand_force`, felt weights, and forces of props."""
+        """Return the force (3,) on the hand, in its frame, in [N]: contacts, felt weights, and forces of
+        props.
+        """
         force = self.hand_force
         for props in self.props.values():
             force = force + props.hand_force()

@@ -111,12 +111,17 @@ class FloorPlan:
         self.steady = bool(np.all((self._appears == 0.0) & np.isinf(self._leaves)))
 
     def there(self, time: float) -> BoolArray:
-        """Return which solids are present at a time in [s], (n,)."""
+        """Return a mask (n,): which solids are present at a time in [s]."""
         present: BoolArray = (self._appears <= time) & (time < self._leaves)
         return present
 
     def local(self, x: float, y: float) -> FloatArray:
-        """Return a point of the floor, x and y in [m], in the frames of all outlines: (n, 2) in [m]."""
+        """Return a point in the frames of all outlines, (n, 2) in [m].
+
+        Args:
+            x: in the world, in [m].
+            y: in the world, in [m].
+        """
         dx, dy = x - self.middle[:, 0], y - self.middle[:, 1]
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 

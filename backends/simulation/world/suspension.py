@@ -11,7 +11,7 @@ from handcart.robotics.geometry.transform import Transform, transform
 
 @lru_cache(maxsize=16)
 def leaning(lean: tuple[float, float], pivot: float) -> Transform:
-    """Pose (4, 4) of the base that leans, in the upright base; it is read only.
+    """Return the pose (4, 4) of a leaning base in the upright base; it is read only.
 
     Args:
         lean: roll and pitch, in [rad].

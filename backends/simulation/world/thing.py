@@ -67,7 +67,7 @@ class Thing(ABC):
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Pose of its middle (4, 4), by default right above the origin."""
+        """Pose (4, 4) of the thing's middle in its own frame, by default right above the origin."""
         result = np.eye(4)
         result[2, 3] = self.size[2] / 2
         return result

@@ -94,7 +94,7 @@ class TrialTable:
 
 
 def constant(values: FloatArray) -> bool:
-    """Return whether all finite values of a column (n,) are the same."""
+    """Return whether all finite values (n,) of a column, in any unit, are equal."""
     there = values[np.isfinite(values)]
     return not len(there) or bool((there == there[0]).all())
 

@@ -87,7 +87,13 @@ def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
 
 
 def shared_out(kinds: int, count: int, draws: np.random.Generator) -> IndexArray:
-    """Return `count` indices (count,) below `kinds`, each equally often, the remainder chosen at random."""
+    """Return indices (count,) below `kinds`, each equally often, the remainder chosen at random.
+
+    Args:
+        kinds: number of different indices.
+        count: number of indices to return.
+        draws: source of the random choice.
+    """
     whole = np.repeat(np.arange(kinds), count // kinds)
     rest = draws.permutation(kinds)[: count % kinds]
     return np.concatenate([whole, np.sort(rest)])

@@ -71,8 +71,13 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Int32Array) -> Int32Array:
-        """Return, for states (n,), the states (n,) with their decisions made; `GOAL` at the goal, `NO_WAY`
-        without a route.
+        """Return the states (n,) that states lead to when their decisions are made.
+
+        Args:
+            states: (n,) numbers of states in the table.
+
+        Returns:
+            (n,) numbers of states; `GOAL` at the goal, `NO_WAY` without a route.
         """
         for number in set(states.tolist()):
             if self._first[number] is None:

@@ -35,7 +35,7 @@ class Walked(NamedTuple):
 
     @property
     def success(self) -> BoolArray:
-        """(n,) whether each walk reached the goal without a skipped element."""
+        """Mask (n,): which walks reached the goal without a skipped element."""
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 

@@ -175,7 +175,7 @@ class HalfPixel(LayeredBackend):
         super().__init__(inner)
 
     def camera_image(self, camera: Camera) -> ByteArray:
-        """Return the picture (h, w), moved by half a pixel along the rows."""
+        """Return the picture (h, w), grey, moved by half a pixel along the rows."""
         image = camera.image().astype(np.float64)
         return np.asarray(0.5 * (image + np.roll(image, 1, axis=1))).astype(np.uint8)
 

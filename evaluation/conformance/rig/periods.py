@@ -58,13 +58,13 @@ def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, fl
 
 
 def beside(spec: RobotFile, joints: FloatArray, number: int, way: float) -> FloatArray:
-    """Return joints (n,), in [rad] or [m], with one moved by `way`, or back by it if its limit is too near.
+    """Return joints (n,), in [rad] or [m], with one moved by `way`, or by -`way` if its limit is too near.
 
     Args:
         spec: the robot's file.
         joints: (n,) in [rad] or [m].
         number: index of the joint to move.
-        way: in [rad] or [m].
+        way: distance to move it, in [rad] or [m].
     """
     model, goal = spec.arm_model(), joints.copy()
     goal[number] += way
@@ -74,7 +74,14 @@ def beside(spec: RobotFile, joints: FloatArray, number: int, way: float) -> Floa
 
 
 def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHECK_SPEED) -> None:
-    """Move to joint angles (n,) in [rad] within the joints' speeds, and wait until they are at rest."""
+    """Move the arm within its joints' speeds, and wait until it is at rest.
+
+    Args:
+        backend: backend of the arm.
+        arm: arm to move.
+        goal: (n,) joints, in [rad] or [m].
+        speed: largest speed of a joint, in [rad/s] or [m/s].
+    """
     start = arm.command()
     count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (speed * backend.period))))
     for share in np.linspace(0.0, 1.0, count + 1)[1:]:

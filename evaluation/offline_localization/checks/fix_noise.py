@@ -75,8 +75,14 @@ def white_error(log: DriveLog, period: float) -> float | None:
 
 
 def odometry_track(log: DriveLog) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the times (m,) in [s] of the fixes, the positions (m, 2) by odometry and the fixes (m, 2), in
-    [m].
+    """Return the track of a drive by odometry alone beside its fixes.
+
+    Args:
+        log: recorded readings.
+
+    Returns:
+        Times (m,) of the fixes in [s], positions (m, 2) by odometry in [m], in a frame that begins at the
+        start, and the fixes (m, 2) in the log's frame, in [m].
     """
     odometry, ways, rows = GyroOdometry(Pose2(0.0, 0.0, 0.0)), list[tuple[float, float]](), list[int]()
     log = log.one_row_a_time()

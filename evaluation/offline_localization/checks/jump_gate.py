@@ -49,14 +49,14 @@ class JumpGate:
 
         Args:
             time: time of the fix, in [s].
-            position: (2,) in [m].
+            position: (2,) in the world, in [m].
             odometry: pose by wheels and gyros alone.
             way: distance driven by the wheels so far, in [m].
             heading: heading in the world, in [rad]; None while it is unknown.
             sigma: standard deviation per axis that the receiver states, in [m]; NaN if it states none.
-            heading_sigma: standard deviation of the heading, in [rad], which adds a sideways error to
-                the
-                motion since the latest good fix.
+            heading_sigma: standard deviation of the heading, in [rad], which adds a sideways error to the
+                motion
+                since the latest good fix.
         """
         turn = None if heading is None else wrap(heading - odometry.theta)
         if not self._good:

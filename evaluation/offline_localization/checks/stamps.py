@@ -32,8 +32,8 @@ def check_stamps(topic: str, stamps: FloatArray, received: FloatArray) -> StampR
 
     Args:
         topic: name of the topic, which the notes contain.
-        stamps: (n,) in [s], in the order of recording.
-        received: (n,) in [s].
+        stamps: (n,) header stamps in [s], in the order of recording.
+        received: (n,) times of recording, in [s].
     """
     count, zero = len(stamps), stamps == 0.0
     used, notes = ~zero, list[str]()

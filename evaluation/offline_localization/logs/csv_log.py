@@ -247,9 +247,7 @@ def _travel(values: dict[str, FloatArray], header: LogHeader, steps: FloatArray)
 
 
 def held_on(values: FloatArray) -> FloatArray:
-    """Return values (n,), in any unit, with each NaN replaced by the last number before it, or by 0 before
-    the first.
-    """
+    """Return values (n,), in any unit, with each NaN replaced by the last number before it, or by 0."""
     latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return np.nan_to_num(values[latest], posinf=0.0, neginf=0.0)
 
@@ -284,8 +282,11 @@ def _fixes(values: dict[str, FloatArray], nothing: FloatArray) -> FloatArray:
 
 
 def first_place(latitudes: FloatArray, longitudes: FloatArray) -> tuple[float, float] | None:
-    """Return the first known pair of latitude and longitude, in [deg], of (n,) each; None if no pair is
-    known.
+    """Return the first known pair of latitude and longitude, in [deg]; None if no pair is known.
+
+    Args:
+        latitudes: (n,) in [deg].
+        longitudes: (n,) in [deg].
     """
     known = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     return None if not len(known) else (float(latitudes[known[0]]), float(longitudes[known[0]]))

@@ -12,7 +12,11 @@ from handcart.files.whole_file import write_whole
 
 
 def write_png(path: Path, picture: NDArray[Any]) -> None:
-    """Write a grey (h, w) or BGR (h, w, 3) picture atomically, as PNG.
+    """Write a picture atomically, as PNG.
+
+    Args:
+        path: file to write.
+        picture: (h, w) grey, or (h, w, 3) BGR, from 0 to 255.
 
     Raises:
         OSError: the file cannot be written.

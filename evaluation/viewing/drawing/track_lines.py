@@ -12,10 +12,11 @@ MIN_RADIUS_M = 0.02
 
 
 def track_lines(rows: FloatArray) -> list[FloatArray]:
-    """Return two lines (n, 2) in [m] for each person: the ellipse, and the way of one second.
+    """Return two lines (n, 2) on the map in [m] for each person: its ellipse, and its way of one second.
 
     Args:
-        rows: (p, 7) as `People.rows`: x, y in [m], velocity in [m/s], and xx, xy, yy of the covariance.
+        rows: (p, 7) as `People.rows`: x, y in [m], velocity in [m/s], and xx, xy, yy of the covariance in
+            [m²].
     """
     angle = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_CORNERS + 1)
     unit, lines = np.stack((np.cos(angle), np.sin(angle))), []

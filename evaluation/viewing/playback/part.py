@@ -135,7 +135,11 @@ _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)
 
 
 def millimetres(ranges: FloatArray) -> Uint16Array:
-    """Encode lidar ranges (...,), in [m], as integers (...,) in [mm]."""
+    """Return lidar ranges as integers (...,) in [mm], with codes for no echo and invalid.
+
+    Args:
+        ranges: (...,) in [m]; infinity without an echo, NaN or -infinity if invalid.
+    """
     whole = np.clip(np.rint(1e3 * np.nan_to_num(ranges, nan=0.0, posinf=0.0, neginf=0.0)), 0, NO_ECHO_MM - 1)
     unknown = np.isnan(ranges) | np.isneginf(ranges)
     return np.where(unknown, INVALID_RANGE_MM, np.where(np.isinf(ranges), NO_ECHO_MM, whole)).astype(
@@ -144,8 +148,10 @@ def millimetres(ranges: FloatArray) -> Uint16Array:
 
 
 def metres(scan_mm: Uint16Array) -> FloatArray:
-    """Decode ranges (...,) encoded by `millimetres`, to (...,) in [m]; infinity without an echo, NaN if
-    invalid.
+    """Return lidar ranges (...,) in [m] from integers; infinity without an echo, NaN if invalid.
+
+    Args:
+        scan_mm: (...,) encoded by `millimetres`.
     """
     known = scan_mm / 1e3
     return np.where(scan_mm == INVALID_RANGE_MM, np.nan, np.where(scan_mm == NO_ECHO_MM, np.inf, known))

@@ -51,8 +51,9 @@ class PlaybackMoment(NamedTuple):
 
     @property
     def base(self) -> FloatArray:
-        """Return world_T_base (7,), x, y, z in [m] and a quaternion w, x, y, z: the true pose where it is
-        known, otherwise the estimate.
+        """world_T_base (7,), x, y, z in [m] and a unit quaternion w, x, y, z.
+
+        The true pose where it is known, otherwise the estimate.
         """
         return on_floor(self.pose[None])[0] if self.truth is None else self.truth
 
@@ -67,7 +68,10 @@ class ThingTrack(NamedTuple):
     """(k, 7) world_T_thing, each valid until the next."""
 
     def at(self, time: float) -> FloatArray | None:
-        """Return world_T_thing (7,) at a time in [s]; None before the thing appears."""
+        """Return world_T_thing (7,) at a time in [s]: x, y, z in [m] and a quaternion w, x, y, z.
+
+        None before the thing appears.
+        """
         row = int(np.searchsorted(self.time, time, "right")) - 1
         if row < 0:
             return None
@@ -156,7 +160,12 @@ class Playback:
         return metres(self.rows.scan_mm[number])
 
     def latest(self, times: FloatArray, time: float) -> int | None:
-        """Return the index of the last of the times (n,) up to `time`, all in [s]; None before the first."""
+        """Return the index of the last of the times up to `time`; None before the first.
+
+        Args:
+            times: (n,) ascending, in [s].
+            time: in [s].
+        """
         number = int(np.searchsorted(times, time + 1e-9, "right")) - 1
         return None if number < 0 else number
 
@@ -171,13 +180,13 @@ class Playback:
         return "" if number is None else names[number]
 
     def planned(self, number: int) -> FloatArray:
-        """Return the path (n, 2) in [m] on the map that an action planned to drive; (0, 2) if it planned
+        """Return the path (n, 2) on the map that an action planned to drive, in [m]; (0, 2) if it planned
         none.
         """
         return self._named(PLANNED_KEY).get(number, np.empty((0, 2)))
 
     def bumped(self, number: int) -> FloatArray:
-        """Return the points (n, 2) in [m] on the map where the base hit something, up to and including an
+        """Return the points (n, 2) on the map where the base hit something, in [m], up to and including an
         action.
         """
         found = [points for n, points in self._named(BUMPED_KEY).items() if n <= number]

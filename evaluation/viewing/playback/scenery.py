@@ -62,7 +62,7 @@ class MapShape(FileModel):
     """PNG in base64, with the highest y first: 0 occupied, 255 free, 128 unknown."""
 
     def picture(self) -> ByteArray:
-        """Return the grey values (h, w), with the highest y first.
+        """Return the map's picture (h, w), grey from 0 to 255, the row of the highest y first.
 
         Raises:
             ValueError: the content is not a picture.
@@ -140,7 +140,7 @@ class PosedBox(Protocol):
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Pose of its middle (4, 4) in its frame."""
+        """Pose (4, 4) of the thing's middle in its own frame."""
 
 
 def thing_shapes(things: Sequence[PosedBox]) -> list[ThingShape]:

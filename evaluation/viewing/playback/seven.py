@@ -14,8 +14,10 @@ Seven = tuple[float, float, float, float, float, float, float]
 
 
 def sevens(poses: FloatArray) -> FloatArray:
-    """Convert homogeneous transforms (n, 4, 4) to rows (n, 7): x, y, z in [m], and a unit quaternion w, x, y,
-    z.
+    """Return poses as rows (n, 7): x, y, z in [m], and a unit quaternion w, x, y, z.
+
+    Args:
+        poses: (n, 4, 4) homogeneous transforms.
     """
     if len(poses) == 0:
         return np.empty((0, 7))
@@ -30,8 +32,10 @@ def seven(pose: Transform) -> Seven:
 
 
 def transforms(rows: FloatArray) -> FloatArray:
-    """Convert rows (n, 7), x, y, z in [m] and a unit quaternion w, x, y, z, to homogeneous transforms (n, 4,
-    4).
+    """Return poses as homogeneous transforms (n, 4, 4).
+
+    Args:
+        rows: (n, 7) x, y, z in [m], and a unit quaternion w, x, y, z.
     """
     found = np.tile(np.eye(4), (len(rows), 1, 1))
     if len(rows):
@@ -41,7 +45,11 @@ def transforms(rows: FloatArray) -> FloatArray:
 
 
 def on_floor(poses: FloatArray) -> FloatArray:
-    """Convert planar poses (n, 3), x, y in [m] and heading in [rad], to rows (n, 7) with z = 0."""
+    """Return planar poses as rows (n, 7) with z = 0: x, y, z in [m], and a unit quaternion w, x, y, z.
+
+    Args:
+        poses: (n, 3) x, y in [m], heading in [rad].
+    """
     found = np.zeros((len(poses), 7))
     found[:, :2] = poses[:, :2]
     found[:, 3], found[:, 6] = np.cos(poses[:, 2] / 2), np.sin(poses[:, 2] / 2)
@@ -53,11 +61,11 @@ def between(a: FloatArray, b: FloatArray, share: float) -> FloatArray:
 
     Args:
         a: (7,) pose at share 0: x, y, z in [m], and a unit quaternion w, x, y, z.
-        b: (7,) pose at share 1.
+        b: (7,) pose at share 1, in the same frame.
         share: 0 to 1.
 
     Returns:
-        The pose (7,).
+        The pose (7,), likewise.
     """
     other = b[3:] if float(a[3:] @ b[3:]) >= 0.0 else -b[3:]
     cosine = min(1.0, float(a[3:] @ other))

@@ -19,7 +19,7 @@ _SIDE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 
 
 def unit_box() -> tuple[SingleArray, NDArray[np.uint32]]:
-    """Return corners (24, 3) and triangles (12, 3) of a cube around the origin with sides of 1 m."""
+    """Return corners (24, 3), in [m], and triangles (12, 3) of a cube around the origin with sides of 1 m."""
     corners: list[FloatArray] = []
     triangles: list[tuple[int, int, int]] = []
     for axis in range(3):
@@ -46,9 +46,9 @@ def add_boxes(
     Args:
         scene: viser's scene.
         name: name of the node.
-        poses: (n, 7) poses of the boxes' centres in the world.
-        sizes: (n, 3) in [m].
-        colours: one colour for all, or (n, 3).
+        poses: (n, 7) world_T_box of their centres: x, y, z in [m], and a unit quaternion w, x, y, z.
+        sizes: (n, 3) length, width and height, in [m].
+        colours: one RGB colour for all, or (n, 3), from 0 to 255.
         opacity: 0 to 1.
     """
     if not len(poses):

@@ -50,7 +50,14 @@ class LiveFrames:
         return self._robot.time
 
     def now(self, situation: str, action: int, restoring: bool, planned: FloatArray | None) -> Frame:
-        """Return the frame of this period; `planned` is the planned path (n, 2) in [m], or None."""
+        """Return the frame of this period.
+
+        Args:
+            situation: name of the current situation.
+            action: number of the action.
+            restoring: True while the action is being undone.
+            planned: (n, 2) path on the map that it plans to drive, in [m]; None if it plans none.
+        """
         robot, scene = self._robot, self._scene
         with suppress(Exception):  # reported by primitives that need the reading
             self._sense()

@@ -46,7 +46,7 @@ class RobotNodes:
         """Move the robot.
 
         Args:
-            base: (7,) world_T_base.
+            base: (7,) world_T_base: x, y, z in [m], and a unit quaternion w, x, y, z.
             joints: (j,) joint positions of the arm, in [rad] or [m].
             width: opening of the gripper, in [m].
         """

@@ -123,7 +123,13 @@ class WorldNodes:
 
     @staticmethod
     def draw(lines: Any, path: FloatArray, chosen: BoolArray | None = None) -> None:
-        """Draw lines along a path (n, 2) in [m], only along the steps chosen by a mask (n - 1,) if given."""
+        """Draw lines along a path.
+
+        Args:
+            lines: viser's node of the lines.
+            path: (n, 2) on the map, in [m].
+            chosen: mask (n - 1,) of the steps to draw; None: all.
+        """
         points = np.column_stack((path, np.full(len(path), LINE_HEIGHT_M)))
         steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
         lines.points = (steps if chosen is None else steps[chosen]).astype(np.float32)
