@@ -254,11 +254,9 @@ class Robot:
         return float(base_T_frame(self.spec.urdf_text(), self.spec.lidar_link)[2, 3])
 
     def surroundings(self) -> FloatArray:
-        """Return the obstacles in this period's scan, without lone readings and, outdoors, without a lowered
-        hand.
+        """Return the obstacles (n, 2) in this period's scan in the base frame, in [m]; empty without a lidar.
 
-        Returns:
-            (n, 2) points in the base frame, in [m]; empty without a lidar.
+        Lone readings are left out and, outdoors, a lowered hand.
         """
         if self.lidar is None:
             return NO_STANDS
@@ -268,11 +266,7 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return the points (m, 2) that are not on a lowered hand, in the base frame, in [m].
-
-        Args:
-            points: (n, 2) in the base frame, in [m].
-        """
+        """Return those of `points` (n, 2) that are not on a lowered hand, all in the base frame, in [m]."""
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -332,9 +326,7 @@ class Robot:
         return self._pictures.take(self.camera.image(), self._carried_by(), noisy)
 
     def _carried_by(self) -> FloatArray:
-        """Return the state that moves the camera: distances driven by the wheels in [m], then the arm's
-        command.
-        """
+        """Return what moves the camera: distances driven by the wheels in [m], then the arm's command."""
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 

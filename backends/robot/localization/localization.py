@@ -138,7 +138,7 @@ class Localization(ABC):
 
     @property
     def map_shift(self) -> FloatArray:
-        """Largest error (2,) of the position on the map due to the size of its cells, in [m].
+        """Largest error (2,) of the position due to the map's cells, in [m].
 
         Added to `repeatability` where a pose is compared with a place on the map.
         """
