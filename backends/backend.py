@@ -25,7 +25,7 @@ class CommandError(HandcartError, ValueError):
 
 
 class RobotFault(HandcartError):
-    """The robot can't be driven any more: it has been stopped, and a person has to look."""
+    """Error: the robot can't be driven any more; it has been stopped, and a person has to look at it."""
 
     exit_status = 4
 
@@ -95,11 +95,7 @@ class Backend(ABC):
 
     @classmethod
     def with_start(cls, world: Any, start: Pose2) -> Any:
-        """Return what `read_world` gave, with the robot at `start` (world_T_base) at first.
-
-        Raises:
-            NotMovable: the backend cannot put its robot there.
-        """
+        """Return a world, as `read_world` returned it, with the robot at `start` (world_T_base) at first."""
         raise NotMovable(
             f"the backend {cls.name!r} cannot put its robot at a given place; "
             "allowed: no start place, or a simulated backend of handcart"

@@ -45,11 +45,7 @@ def attributes(thing: object, kinds: Kinds) -> dict[str, Any]:
 
 
 def set_attributes(thing: object, kinds: Kinds, values: object) -> None:
-    """Give an object back what `attributes` took.
-
-    Raises:
-        NotAState: something is missing, or of another type, or an array of another shape than it has now.
-    """
+    """Set an object's attributes from values that `attributes` returned."""
     if not isinstance(values, dict) or values.keys() != kinds.keys():
         raise NotAState(f"no state of a {type(thing).__name__}; needed: {', '.join(kinds) or 'nothing'}")
     for name, kind in kinds.items():

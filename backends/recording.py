@@ -7,10 +7,7 @@ from pathlib import Path
 
 
 class Recording(ABC):
-    """Keeps raw traffic with a robot, such as CAN frames, in a run's folder.
-
-    A disk that takes no more never stops a robot: then `lost` says why nothing more is kept.
-    """
+    """Recording of raw traffic with a robot, such as CAN frames, in a run's folder."""
 
     suffix: str
     """Suffix of the files that `keep` writes."""
@@ -19,7 +16,7 @@ class Recording(ABC):
 
     @abstractmethod
     def open(self, folder: Path) -> None:
-        """Keep everything in this folder, with what has passed up to now."""
+        """Record everything in a folder, including what has passed up to now."""
 
     @abstractmethod
     def look(self, time: float) -> None:
@@ -34,11 +31,8 @@ class Recording(ABC):
 
     @abstractmethod
     def keep(self, stem: Path) -> None:
-        """Write the last seconds, and those before the mark, into a file: `stem` and the suffix.
-
-        Its stamps are the robot's time.
-        """
+        """Write the last seconds, and those before the mark, into a file whose name begins with `stem`."""
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of the files. A second call does nothing."""
+        """Close the files; a second call does nothing."""

@@ -62,7 +62,7 @@ def _all() -> dict[str, str]:
 
 
 def backend_names() -> list[str]:
-    """Return all names, ours and those of other packages."""
+    """Return the names of all backends, shipped ones and those of other packages."""
     return sorted(_all())
 
 

@@ -15,7 +15,7 @@ MAX_BYTES = 1 << 22
 
 
 class CsvRow(NamedTuple):
-    """A row, with the line that it ends in and the column where each cell begins."""
+    """A row of a CSV file, with the line that it ends in and the column where each cell begins."""
 
     line: int
     cells: tuple[str, ...]

@@ -22,13 +22,15 @@ EXTRA_MODULES: dict[str, Sequence[str]] = {
 
 
 def extra_of(error: ImportError) -> str | None:
-    """Return the extra that brings what couldn't be imported; None where none does."""
+    """Return the extra of handcart that provides a module that failed to import; None if no extra does."""
     module = (error.name or "").partition(".")[0]
     return next((extra for extra, modules in EXTRA_MODULES.items() if module in modules), None)
 
 
 def lack(who: str, extra: str) -> str | None:
-    """Return that `who` needs an extra, and how to install it; None if all its modules are installed."""
+    """Return the message that `who` needs an extra, and how to install it; None if all its modules are
+    installed.
+    """
     missing = [module for module in EXTRA_MODULES[extra] if not is_there(module)]
     if not missing:
         return None

@@ -18,11 +18,11 @@ class Findings:
         self._findings = list(findings)
 
     def add(self, *findings: Finding) -> None:
-        """Take these in."""
+        """Collect findings."""
         self._findings.extend(findings)
 
     def take(self, error: FileError) -> None:
-        """Take in all that another check found, so that later checks can still run."""
+        """Collect all findings of another check's error, so that later checks can still run."""
         self._findings.extend(error.findings)
 
     def __bool__(self) -> bool:

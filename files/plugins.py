@@ -39,7 +39,9 @@ class BrokenPlugin(InputError):
 
 
 def paths_of(group: str, own: Mapping[str, str]) -> dict[str, str]:
-    """Return import paths by name: our own, and those of other packages that take no name of ours."""
+    """Return import paths by name: shipped ones, and those of other packages, which cannot replace a shipped
+    name.
+    """
     return {each.name: each.value for each in entry_points_of(group)} | dict(own)
 
 
@@ -64,16 +66,7 @@ def package_of(point: EntryPoint) -> str:
 
 
 def import_plugin(path: str, what: str) -> Any:
-    """Import "module:name" of another package; our own are imported the same way, their errors pass through.
-
-    Args:
-        path: where it is.
-        what: how messages call it.
-
-    Raises:
-        ModuleNotFoundError: a module is not installed.
-        BrokenPlugin: it cannot be imported for another reason; it ends the process, say.
-    """
+    """Import "module:name"; errors of other packages are wrapped, those of shipped modules pass through."""
     module, _, name = path.partition(":")
     try:
         return getattr(import_module(module), name)
@@ -86,7 +79,7 @@ def import_plugin(path: str, what: str) -> Any:
 
 
 def error_words(error: BaseException) -> str:
-    """Return what went wrong while a package was imported, in one line."""
+    """Return the error of importing a package, in one line."""
     if isinstance(error, SystemExit):
         return f"it ends the process when it is imported (SystemExit: {error.code})"
     return f"{type(error).__name__}: {error}".split("\n")[0]

@@ -7,10 +7,7 @@ _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 
 def printable(text: str) -> str:
-    r"""Give `text` with everything that a terminal would act on written as an escape.
-
-    `"\x1b[2J"` becomes the eight characters `\x1b[2J`; ordinary letters of any script stay.
-    """
+    r"""Return `text` with every character that a terminal would act on written as an escape."""
     if text.isascii() and text.isprintable():
         return text
     return "".join(_escaped(c) if unicodedata.category(c) in _HIDDEN else c for c in text)

@@ -36,7 +36,7 @@ def _all() -> dict[str, str]:
 
 
 def primitive_names() -> list[str]:
-    """Return all names, ours and those of other packages."""
+    """Return the names of all primitives, shipped ones and those of other packages."""
     return sorted(_all())
 
 

@@ -49,9 +49,8 @@ class Command(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Domain:
-    """All parts of a domain, each by the import path "module:name" of what is imported when it is needed.
-
-    Another package names its domain in an entry point of the group `handcart.domains`.
+    """All parts of a domain, each by the import path "module:name", so that it is imported only when
+    needed.
     """
 
     name: str

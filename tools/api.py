@@ -46,7 +46,7 @@ class Result:
 
     @property
     def reason(self) -> str:
-        """Why it didn't succeed; empty for a Success."""
+        """Reason why the run did not succeed; empty for a Success."""
         return str(self.summary["reason"])
 
     @property
@@ -143,12 +143,7 @@ def run(
 
 
 def check(file: Path | str, *, set: Settings | None = None) -> FileCheck:
-    """Read a file with all that it names, and say what is wrong with it; nothing moves.
-
-    Args:
-        file: a task, robot, world, map, places or catalogue file, a URDF, or any other that handcart reads.
-        set: parameters of a task.
-    """
+    """Read a file with all files that it names, and return what is wrong with them; nothing moves."""
     from handcart.tools.commands.check_file import file_facts
 
     try:

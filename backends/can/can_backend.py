@@ -162,7 +162,7 @@ class CanBackend(Backend):
 
     @property
     def inner(self) -> Backend | None:
-        """On a bench the backend that simulates the rest of the robot, where there is one."""
+        """On a bench, the backend that simulates the rest of the robot; None on a real bus."""
         return self.bench.inner if self.bench else None
 
     @override
@@ -205,11 +205,7 @@ class CanBackend(Backend):
         self._line.wait(self._guard.check if going_on else lambda: None, seconds)
 
     def enable(self) -> None:
-        """Give the drives torque, standing: the first step does that. A second call does nothing.
-
-        Raises:
-            CanFault: a drive doesn't become ready.
-        """
+        """Enable the drives at standstill, in the first step; a second call does nothing."""
         if self._enabled:
             return
         with self._or_stopped("enabling the drives"):

@@ -11,7 +11,9 @@ from handcart.backends.limits import checked_drive
 
 
 class CanBase(Base):
-    """Two wheels that their drives turn; these ramp to what is commanded at the accelerations of the file."""
+    """Base on two driven wheels, whose drives ramp to the commanded speed at the accelerations of the robot's
+    file.
+    """
 
     def __init__(self, drive: Drive, left: Axis, right: Axis) -> None:
         """Take over the wheels' drives."""
@@ -33,7 +35,7 @@ class CanBase(Base):
         self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:
-        """Forget the command."""
+        """Drop the command, so that the base stops."""
         self._command = (0.0, 0.0)
 
     def pass_on(self) -> None:

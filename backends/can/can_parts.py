@@ -94,7 +94,7 @@ class CanParts:
                 each.pass_on()
 
     def halt(self) -> None:
-        """Forget what was commanded; arm and gripper hold."""
+        """Drop all commands; arm and gripper hold."""
         self.base.forget()
         for each in (self.arm, self.gripper):
             if each is not None:

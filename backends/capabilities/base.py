@@ -61,7 +61,7 @@ class DriveCommand(NamedTuple):
 
 
 class Base(Capability):
-    """A mobile base."""
+    """Mobile base with wheels, commanded by speed and turn rate."""
 
     READINGS: ClassVar = {"wheel_travel": Reading("wheels")}
     COMMANDS = ("drive",)
@@ -76,7 +76,7 @@ class Base(Capability):
 
     @abstractmethod
     def wheel_travel(self) -> WheelTravel:
-        """Return the encoders' reading."""
+        """Return the travel of the wheels by their encoders."""
 
 
 class HolonomicBase(Base):

@@ -20,12 +20,7 @@ class Reading(NamedTuple):
 
 
 class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
-    """One kind of actuator or sensor of a robot; a backend has those of its robot.
-
-    A command lasts one period: it takes effect with the next step of the backend; without renewal the base
-    stops, and arm and gripper hold. A reading is taken once a period: further calls return the same one.
-    Wrappers of any backend (layers, faults, checks) are derived from these declarations.
-    """
+    """A kind of actuator or sensor; a backend provides those that its robot has."""
 
     READINGS: ClassVar[Mapping[str, Reading]] = {}
     """Its methods that sense; they take no arguments."""

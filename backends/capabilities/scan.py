@@ -43,7 +43,7 @@ class _Beams(NamedTuple):
 
 
 class Scan(_Beams):
-    """One turn of a range sensor, or the part of it that the sensor sees."""
+    """Readings of one turn of a lidar, or of the part of a turn that it sees."""
 
     def points(self) -> FloatArray:
         """Return the hit points (m, 2) in the base frame, in [m]."""

@@ -35,7 +35,7 @@ class Matrix(FileModel):
 
 
 class CameraInfo(FileModel):
-    """The parts of the file that say how points come into the picture; others are skipped."""
+    """Content of a ROS `camera_info` file, as far as it describes the projection; other keys are skipped."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -80,7 +80,7 @@ class CameraInfo(FileModel):
 
     @property
     def model(self) -> CameraModel:
-        """The camera that it describes."""
+        """Camera model that the file describes."""
         return CameraModel(self.K, self.distortion, self.image_width, self.image_height, self.lens)
 
     @property

@@ -40,7 +40,7 @@ without them.
 
 
 class AxisSpec(FileModel):
-    """A CiA 402 drive and what it turns."""
+    """A CiA 402 drive and the part that it turns."""
 
     node: NodeId
     """Its node ID."""
@@ -69,12 +69,12 @@ class AxisSpec(FileModel):
 
     @property
     def counts_per_turn(self) -> float:
-        """Counts for a turn of what is driven, signed as the robot's file counts."""
+        """Counts for a turn of the driven part, with the sign of the robot's file."""
         return self.sign * self.counts_per_rev * self.gear_ratio
 
 
 class WheelDriveSpec(AxisSpec):
-    """The drive of one wheel."""
+    """CiA 402 drive of a wheel."""
 
     mode: Literal["profile", "csv"] = "profile"
     """`profile`: the drive plans its ramps (mode 3); `csv`: it takes a velocity each period (mode 9)."""
@@ -110,7 +110,7 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def slides(self) -> bool:
-        """True if it drives a sliding joint."""
+        """True if the drive moves a sliding joint."""
         return self.lead_mm is not None
 
     @property
@@ -126,7 +126,7 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def following(self) -> float:
-        """Window of its following error, in [rad], or [m] where it slides."""
+        """Window of the drive's following error, in [rad], or [m] for a sliding joint."""
         return self.following_mm / 1e3 if self.slides else math.radians(self.following_deg)
 
 
@@ -176,11 +176,11 @@ class CanSpec(FileModel):
 
     @property
     def wheels(self) -> tuple[WheelDriveSpec, WheelDriveSpec]:
-        """Left, right."""
+        """Drives of the left and the right wheel."""
         return self.left, self.right
 
     def axes(self) -> tuple[tuple[str, AxisSpec], ...]:
-        """All drives, with how people call what they move."""
+        """All drives, each with the name of the part that it moves."""
         joints = ((f"joint {number}", joint) for number, joint in enumerate(self.joints, 1))
         gripper = () if self.gripper is None else (("gripper", self.gripper),)
         return ("left wheel", self.left), ("right wheel", self.right), *joints, *gripper

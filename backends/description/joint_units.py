@@ -17,7 +17,9 @@ class JointUnits(NamedTuple):
     """True for each continuous joint, for which a full turn makes no difference."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
-        """[rad] and [m] of what people say; of a continuous joint within half a turn."""
+        """Return joint values in [rad] and [m] from those in a file, in [deg] and [mm]; continuous joints
+        within half a turn.
+        """
         both = zip(values, self.slides, self.endless, strict=True)
         return tuple(
             value / 1e3 if slides else math.radians(_wrapped(value) if endless else value)
@@ -29,7 +31,7 @@ class JointUnits(NamedTuple):
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:
-        """Return the value of one joint in its unit for people."""
+        """Return the value of one joint, in [rad] or [m], in the unit for people: [deg] or [mm]."""
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 
     def unit(self, joint: int) -> str:
@@ -37,7 +39,7 @@ class JointUnits(NamedTuple):
         return "mm" if self.slides[joint] else "deg"
 
     def words(self, joint: int, value: float, digits: int = 1) -> str:
-        """Return a joint's value in [rad] or [m] as people read it: `12.5 deg`."""
+        """Return a joint's value in [rad] or [m] as text, such as `12.5 deg`."""
         return f"{self.user_value(joint, value):.{digits}f} {self.unit(joint)}"
 
     @property

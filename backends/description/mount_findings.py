@@ -22,16 +22,8 @@ FINGER_LINKS = ("left_finger", "right_finger")
 
 
 def mount_findings(robot: RobotFile, urdf: str, document: Document) -> Iterator[Finding]:
-    """Find sensors whose pose in the base nobody knows, and a tray that moves against the base.
-
-    A sensor that may be anywhere, such as a camera, needs joints above it whose positions are read: those of
-    the arm. Others, and a tray, have to be fixed on the base: their pose is computed once, with all joints
-    at zero.
-
-    Args:
-        robot: by its file.
-        urdf: the URDF of the complete robot.
-        document: the robot's file.
+    """Yield findings on sensors whose pose on the base is unknown, and on a tray that moves against the
+    base.
     """
     links = link_names(urdf)
     moved, read = _moved_joints(robot, urdf), _read_joints(robot, urdf)

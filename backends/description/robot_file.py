@@ -68,7 +68,7 @@ class ArmSpec(FileModel):
 
 
 class GripperSpec(FileModel):
-    """Two fingers."""
+    """Gripper with two fingers."""
 
     opening_mm: Positive
     speed_mm_s: Positive
@@ -222,7 +222,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return self.whole.text
 
     def mapped_joints(self) -> list[tuple[KeyPath, str, str]]:
-        """Joints that its file names: where, the URDF's name, and the name that is expected of it."""
+        """Joints that the file names: key path, name in the URDF, and the expected name."""
         found: list[tuple[KeyPath, str, str]] = []
         for side in ("left", "right"):
             wheels = getattr(self.drive, side)
@@ -280,7 +280,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def has_tray(self) -> bool:
-        """True if it has a tray."""
+        """True if the robot has a tray."""
         return self.arm is not None and "tray" in link_names(self.urdf_text())
 
     @cached_property

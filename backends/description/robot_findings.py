@@ -171,13 +171,7 @@ def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[
 
 
 def posture_faults(model: ArmModel, units: JointUnits, posture: Sequence[float]) -> list[str]:
-    """Why an arm can't take a posture, in words; nothing where it can.
-
-    Args:
-        model: of the arm, with its limits.
-        units: of its joints.
-        posture: a number for each of them, in [deg] or [mm].
-    """
+    """Yield the reasons why an arm can't take a posture, as text."""
     if len(posture) != len(units.names):
         return [f"{len(posture)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
     limits = zip(units.names, units.si(posture), posture, model.lower, model.upper, strict=True)

@@ -25,7 +25,7 @@ class UnreadableFile(HandcartError, ValueError):
 
 
 class SensorSpec(FileModel):
-    """One sensor in a robot's file. A kind of sensor adds its own keys, and sets the default of `kind`."""
+    """A sensor in a robot's file. A kind of sensor adds its own keys, and sets the default of `kind`."""
 
     kind: str
     """Kind of the sensor."""

@@ -86,10 +86,7 @@ class CalibratedCamera(FileModel):
 
 
 class CameraSpec(MountedSensorSpec):
-    """A camera as it should be; the optical axis in the picture's middle.
-
-    A `camera_info` file of ROS says the same, with the axis and the lens as they were calibrated.
-    """
+    """Nominal camera, with the optical axis in the middle of the picture."""
 
     CARRIER: ClassVar[Carrier | None] = "any"
     kind: Literal["camera"] = "camera"

@@ -57,7 +57,7 @@ class SensorTable(FileModel):
         return self
 
     def key_of(self, name: str) -> tuple[str, ...]:
-        """Return the way to a sensor's section in the robot's file."""
+        """Return the key path of a sensor's section in the robot's file."""
         return (name,) if name in self._old else (TABLE_KEY, name)
 
     def name_of(self, sensor: SensorSpec) -> str:
@@ -76,36 +76,36 @@ class SensorTable(FileModel):
 
     @property
     def camera(self) -> CameraSpec | None:
-        """The first camera."""
+        """First camera of the robot; None without one."""
         return self.first(CameraSpec)
 
     @property
     def range_sensor(self) -> RangeSpec | None:
-        """The first lidar."""
+        """First lidar of the robot; None without one."""
         return self.first(RangeSpec)
 
     @property
     def imu(self) -> ImuSpec | None:
-        """The first inertial measurement unit."""
+        """First inertial measurement unit of the robot; None without one."""
         return self.first(ImuSpec)
 
     @property
     def positioning(self) -> PositioningSpec | None:
-        """The indoor positioning system."""
+        """Indoor positioning system; None without one."""
         return self.first(PositioningSpec)
 
     @property
     def gps(self) -> GpsSpec | None:
-        """The first satellite receiver."""
+        """First satellite receiver of the robot; None without one."""
         return self.first(GpsSpec)
 
     @property
     def beacons(self) -> BeaconsSpec | None:
-        """The radio beacons."""
+        """Radio beacons; None without any."""
         return self.first(BeaconsSpec)
 
     def with_sensors(self, changed: Mapping[str, SensorSpec | None]) -> Self:
-        """Return a copy with other sensors: those of `changed` by name, None for one that is taken away."""
+        """Return a copy with the sensors of `changed` by name; None removes a sensor."""
         table = {**self.sensors, **changed}
         left = {name: spec for name, spec in table.items() if spec is not None}
         return super().model_copy(update={"sensors": left})

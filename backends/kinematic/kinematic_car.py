@@ -26,7 +26,7 @@ class KinematicCar(CommandedBase):
         self._bend = 0.0
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; gives how the base truly moves if nothing is in its way."""
+        """Turn the wheels for a period; return the motion of the base if nothing stops it."""
         speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period

@@ -41,7 +41,7 @@ class KinematicBase(CommandedBase):
         self._rolling = Rolling(robot, seed)
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; gives how the base truly moves if nothing is in its way."""
+        """Turn the wheels for a period; return the motion of the base if nothing stops it."""
         speed, turn_rate, _ = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         left, right = (speed - half) * self._period, (speed + half) * self._period
@@ -62,13 +62,7 @@ class Rolling:
         self._slip, self._scrub = errors.slip_percent / 100, errors.scrub_percent / 100
 
     def motion(self, left: float, right: float, period: int) -> Pose2:
-        """Pose of the base after a period in that before it, if nothing is in its way.
-
-        Args:
-            left: rolled by the left wheel at its nominal radius, in [m].
-            right: by the right one.
-            period: its number, on which slip depends.
-        """
+        """Return the pose of the base after a period in its pose before, if nothing stops it."""
         if left == 0.0 and right == 0.0:
             return Pose2(0.0, 0.0, 0.0)
         slips = self._slip * keyed_normal(self._seed, "slip", period, 2)
@@ -104,7 +98,7 @@ class KinematicArm(SimulatedArm):
         return self._hand.scene.felt_force()
 
     def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
-        """Move for a period; gives what touches. `disturbed`: the fingers have moved."""
+        """Move the arm for a period; return the touching pairs. `disturbed`: the fingers have moved."""
         changed = self._begin(period, loaded=self._hand.scene.held is not None)
         self._from = self._command.copy()
         if not changed and not disturbed and self._settled:
@@ -131,7 +125,7 @@ class KinematicGripper(SimulatedGripper):
         return self._scene.width
 
     def advance(self, period: int) -> bool:
-        """Move for a period; gives whether anything moved."""
+        """Move the fingers for a period; return whether anything moved."""
         self._now = period
         before, held = self._scene.width, self._scene.held
         way = max(-self._step, min(self._step, self._command - before))

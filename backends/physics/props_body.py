@@ -14,7 +14,7 @@ from handcart.backends.simulation.world.scene_props import SceneProps
 
 
 class Pieces(NamedTuple):
-    """Parts of the simulation that it may act upon."""
+    """Parts of a physics simulation that a domain's props may act on."""
 
     engine: Engine
     body: RobotBody
@@ -24,7 +24,7 @@ class Pieces(NamedTuple):
 
 
 class PropsBody:
-    """Named by `Domain.physics`; by default it does nothing."""
+    """Physics of a domain's props, named by `Domain.physics`; by default it does nothing."""
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types."""

@@ -18,7 +18,7 @@ LAST_WHEEL = (3, 11)  # PyBullet 3.2.7 has no wheel for any later Python
 
 
 class MissingPyBullet(InputError):
-    """PyBullet isn't installed."""
+    """Error: PyBullet isn't installed."""
 
     def __init__(self) -> None:
         here = ".".join(map(str, sys.version_info[:2]))
@@ -33,7 +33,7 @@ class MissingPyBullet(InputError):
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Send what C code writes to stdout and stderr to nowhere; ours are for people and programs."""
+    """Discard what C code writes to stdout and stderr inside this context."""
     flush = ctypes.CDLL(None).fflush
     sys.stdout.flush()
     sys.stderr.flush()

@@ -252,8 +252,8 @@ class BulletEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """See `Engine`: as Bullet writes it into a file, and what is held together: Bullet keeps no
-        constraints.
+        """Return the state as Bullet writes it into a file, and the held connections, which Bullet does not
+        save.
         """
         return {"bullet": self._saved(), "pinned": to_plain(self._pinned, Pinned | None)}
 

@@ -24,7 +24,7 @@ class AveragedScan:
         self.restart()
 
     def restart(self) -> None:
-        """Forget all scans."""
+        """Discard all scans averaged so far."""
         self._scan: Scan | None = None
         self._average: FloatArray = np.empty(0)
         self._count = 0

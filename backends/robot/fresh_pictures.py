@@ -30,7 +30,7 @@ class FreshPictures:
 
     @property
     def awaits_motion(self) -> bool:
-        """True while there is a picture, and no motion since was noted."""
+        """True while no motion was noted since the last picture."""
         return self._last is not None and not self._moved
 
     def note(self, carrier: FloatArray) -> None:

@@ -114,7 +114,16 @@ class GuardedBase(HolonomicBase):
             self._unseen.forget()
 
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
-        """See `HolonomicBase`; slower than that where the way isn't free."""
+        """Command the base as `HolonomicBase.drive` does; it drives more slowly where its way isn't free.
+
+        Args:
+            speed: speed ahead, in [m/s].
+            turn_rate: turn rate to the left, in [rad/s].
+            sideways: speed to the left, in [m/s].
+
+        Raises:
+            CommandError: a value isn't finite or beyond the limits, or the base can't drive sideways.
+        """
         command = DriveCommand(speed, turn_rate, sideways)
         moves = command.along != 0.0 or (turn_rate != 0.0 and not self._shape.is_disc)
         if all(map(math.isfinite, command)) and moves:
@@ -147,7 +156,7 @@ class GuardedBase(HolonomicBase):
         self._felt = points
 
     def keep_off_people(self, people: People) -> None:
-        """Drive into nobody's predicted path until this period ends."""
+        """Keep the base off the predicted paths of people until this period ends."""
         self._people = people
 
     def _yielding(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:

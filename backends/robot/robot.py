@@ -181,17 +181,17 @@ class Robot:
 
     @property
     def base(self) -> GuardedBase:
-        """The wheels; they don't drive into what map or scan shows."""
+        """Wheels of the robot, guarded: they don't drive into what map or scan shows."""
         return self._guarded
 
     @property
     def arm(self) -> Arm:
-        """The arm."""
+        """Arm of the robot; raises `MissingCapability` without one."""
         return self.get(Arm)  # type: ignore[type-abstract]
 
     @property
     def gripper(self) -> Gripper:
-        """The gripper."""
+        """Gripper of the robot; raises `MissingCapability` without one."""
         return self.get(Gripper)  # type: ignore[type-abstract]
 
     @property
@@ -240,12 +240,12 @@ class Robot:
 
     @cached_property
     def attitude(self) -> Attitude:
-        """Turn and tilt by the inertial sensors; without them it stays as it is."""
+        """Turn and tilt by the inertial sensors; constant without an IMU."""
         return Attitude()
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base."""
+        """Estimated map_T_base."""
         return self.localization.pose
 
     @cached_property
@@ -366,7 +366,7 @@ class Robot:
         return len(self._movers) == 1 and len(self._moved) <= 1
 
     def stop(self) -> None:
-        """Stop all motion."""
+        """Stop all motion of base, arm and gripper."""
         self._guarded.taken()
         self.backend.stop()
 

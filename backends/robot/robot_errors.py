@@ -18,7 +18,7 @@ from handcart.files.suggest import suggest
 
 
 class MissingCapability(HandcartError, ValueError):
-    """The robot can't do what is asked of it."""
+    """Error: the robot lacks a capability that is asked for."""
 
     exit_status = 2
 
@@ -58,7 +58,7 @@ class UnknownStart(HandcartError, ValueError):
 
 
 class StaleReading(HandcartError, RuntimeError):
-    """A sensor gives an old reading for a new one."""
+    """Error: a sensor delivers an old reading as a new one."""
 
 
 def _name(kind: type) -> str:

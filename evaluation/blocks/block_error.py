@@ -27,10 +27,10 @@ class BlockError(NamedTuple):
 
     @property
     def size(self) -> float:
-        """Norm of x and y."""
+        """Length of the error in the plane, x and y, in [mm]."""
         return math.hypot(self.x, self.y)
 
     @property
     def processed(self) -> float:
-        """The larger of the processed ones: the paper reads x and y each by itself."""
+        """Larger error along x or y without the base's turn and tilt since the fixation (eq. 12), in [mm]."""
         return max(abs(self.processed_x), abs(self.processed_y))

@@ -18,7 +18,10 @@ from .library_room import STAND_OFF
 
 
 def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
-    """Return the stopping errors of an action that has succeeded; empty if it stops nowhere in particular."""
+    """Return the stopping errors of an action that has succeeded, by name, in the unit at the name's end.
+
+    Empty if the action stops nowhere in particular.
+    """
     if primitive.label() == DRIVE_PRIMITIVE:
         return _dock(scene, str(getattr(primitive, "place", "")))
     if primitive.label() == APPROACH:

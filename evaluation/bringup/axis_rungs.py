@@ -66,7 +66,7 @@ def move_of(jogger: Jogger, axis: str) -> Move:
 
 
 class AxesRung(Rung):
-    """Each axis turns the way, and as far, as the robot's file says."""
+    """Step that checks that each axis moves in the direction, and as far, as the robot's file says."""
 
     name = "axes"
     summary = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"

@@ -30,7 +30,7 @@ class PlainNode(canopen.RemoteNode):
         super().__init__(node, drive_dictionary(node))
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
-        """See the library; the client needs no thread."""
+        """Create canopen's SDO client for this node; it needs no thread."""
         client: SdoClient = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)  # type: ignore[no-untyped-call]
         self.sdo_channels.append(client)
         return client
@@ -47,7 +47,7 @@ def read_object(line: CanLine, node: int, index: int, subindex: int = 0) -> int 
 
 
 class InterfaceRung(Rung):
-    """The interface is up, and a drive answers on it."""
+    """Step that checks that the interface is up and a drive answers on it."""
 
     name = "interface"
     summary = "the CAN interface is up, its bit rate is the drives', and one of them answers"
@@ -86,7 +86,7 @@ def _no_answer(node: int, errors: int, frames: int, bitrate: int) -> str:
 
 
 class IdentifyRung(Rung):
-    """The nodes on the bus are those of the robot's file, and no others."""
+    """Step that checks that the nodes on the bus are those of the robot's file, and no others."""
 
     name = "identify"
     summary = "the nodes on the bus are those of the robot's file, drives all, and no others"
@@ -135,7 +135,7 @@ def _differences(name: str, axis: Any, facts: dict[str, Any]) -> list[str]:
 
 
 class ReadBackRung(Rung):
-    """All settings are written, and read back as they were written."""
+    """Step that writes all settings and checks that they are read back as written."""
 
     name = "read_back"
     summary = "supervision, reactions, limits and mappings are written, and read back as they were written"

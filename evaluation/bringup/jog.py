@@ -78,7 +78,7 @@ class Jogged(NamedTuple):
 
 @dataclass
 class Jogger:
-    """Moves single axes of a robot through its backend; names are those of the section `can`."""
+    """Moves single axes of a robot through its backend; axes are named as in the section `can`."""
 
     backend: Backend
     robot: RobotFile
@@ -99,22 +99,11 @@ class Jogger:
 
     @property
     def axes(self) -> list[str]:
-        """Their names."""
+        """Names of the axes that can be moved."""
         return [name for name, _ in self.robot.can.axes()] if self.robot.can else []
 
     def jog(self, axis: str, way: float, held: Held, slower: float = 1.0) -> Jogged:
-        """Move an axis while the key is held, by `way` in [m] or [rad] at most; it is at rest afterwards.
-
-        Args:
-            axis: name of the axis.
-            way: signed distance.
-            held: asked each period whether the key is still held.
-            slower: share of the speed at which the hand moves at 250 mm/s.
-
-        Raises:
-            UnknownAxis: no axis has that name.
-            RobotFault: the robot has stopped by itself.
-        """
+        """Move an axis while a key is held, by `way` in [m] or [rad] at most; it is at rest afterwards."""
         if axis not in self.axes:
             raise UnknownAxis(axis, self.axes)
         begun, fastest, periods, ended = self.position(axis), 0.0, 0, "there"
@@ -159,7 +148,9 @@ class Jogger:
         return float(self._model.lower[number]), float(self._model.upper[number])
 
     def top_speed(self, axis: str) -> float:
-        """At which no part of the robot runs faster than 250 mm/s, in [m/s] or [rad/s]."""
+        """Highest speed of an axis at which no part of the robot moves faster than 250 mm/s, in [m/s] or
+        [rad/s].
+        """
         kind, number = _parts(axis)
         if kind == "wheel":
             # One wheel alone: the robot turns about the other, and the hand with it.

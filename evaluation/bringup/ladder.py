@@ -55,7 +55,7 @@ class BenchFirst(InputError):
 
 @dataclass
 class Ladder:
-    """Progress of a bring-up; all of it is in the folder of the records."""
+    """Progress of a bring-up, kept as records in a folder."""
 
     site: Site
     rehearsed: Path | None = None

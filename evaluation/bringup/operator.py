@@ -20,11 +20,13 @@ class UnansweredQuestion(InputError):
 
 
 class Operator(ABC):
-    """Hears what happens, and answers. Each question has a key, under which the answer is recorded."""
+    """Person, or script, who is informed and answers questions; each answer is recorded under the question's
+    key.
+    """
 
     @abstractmethod
     def tell(self, words: str) -> None:
-        """Say something."""
+        """Show a message to the operator."""
 
     @abstractmethod
     def confirm(self, key: str, question: str) -> bool:
@@ -32,15 +34,17 @@ class Operator(ABC):
 
     @abstractmethod
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """Ask for a measured value; on a bench, `truth` returns it."""
+        """Return a value that the operator measured, in the unit of the question; on a bench, `truth` returns
+        it.
+        """
 
     @abstractmethod
     def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
-        """Ask to do something by hand, at once; `on_bench` does it there."""
+        """Ask the operator to do something by hand at once; on a bench, call `on_bench` instead."""
 
     @abstractmethod
     def hold(self, words: str) -> AbstractContextManager[Held]:
-        """Ask to hold a key: the robot moves within this context while it is held."""
+        """Ask the operator to hold a key; return a context in which the robot moves while the key is held."""
 
 
 class BenchOperator(Operator):

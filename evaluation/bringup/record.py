@@ -15,7 +15,7 @@ Answer = bool | float
 
 
 class RungRecord(FileModel):
-    """That a rung was climbed, or tried."""
+    """Record of a bring-up step that was passed or tried."""
 
     format: Literal["handcart-bringup/1"] = "handcart-bringup/1"
     rung: str

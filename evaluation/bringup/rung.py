@@ -28,13 +28,8 @@ class Rung(ABC):
 
     @abstractmethod
     def climb(self, site: Site) -> Facts:
-        """Show it.
-
-        Raises:
-            RungFailed: it isn't so.
-            RobotFault: the robot has stopped by itself.
-        """
+        """Carry out the step; return the measured facts."""
 
     def left_out(self, site: Site) -> str:
-        """Why this robot has no such thing to show; "" where it has."""
+        """Return why this step does not apply to the robot; empty if it does."""
         return ""

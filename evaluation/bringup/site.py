@@ -68,7 +68,7 @@ class Site:
 
     @contextmanager
     def line(self) -> Iterator[tuple[CanLine, list[can.Message]]]:
-        """Yield the bus as it is, nothing set up; with the frames that came."""
+        """Yield the bus with nothing configured on it, and the frames that arrived."""
         came: list[can.Message] = []
 
         def heard(frame: can.Message, sent: bool) -> None:

@@ -25,7 +25,9 @@ STOP_TRIALS = 5
 
 
 class EmergencyStopRung(Rung):
-    """The emergency stop takes the drives' torque, and releasing it gives none back."""
+    """Step that checks that the emergency stop removes the drives' torque and that releasing it restores
+    none.
+    """
 
     name = "emergency_stop"
     summary = "the emergency stop (STO) takes every drive out of OPERATION ENABLED; released, none comes back"

@@ -211,7 +211,7 @@ class PrimitiveRung(Rung):
 
 
 class TaskRung(Rung):
-    """The task."""
+    """Step that runs the task."""
 
     name = "task"
     summary = "the task ends in Success"

@@ -66,9 +66,5 @@ class CalibrationSurvey(FiguresSurvey):
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:
-        """Return the lasers' figures.
-
-        Raises:
-            ValueError: the arm moved too little.
-        """
+        """Return the suspension parameters that the laser spots show, by name, in SI units."""
         return {} if self._lasers is None else self._lasers.figures()

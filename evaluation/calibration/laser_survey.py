@@ -50,7 +50,7 @@ class LaserSurvey:
         self._left: list[SpotShift] = []
 
     def look(self, robot: Robot) -> None:
-        """Update after a period."""
+        """Read the spots if the arm is at rest; called once a period."""
         command = robot.arm.command()
         same = np.array_equal(command, self._command)
         self._command, self._stood = command, self._stood + 1 if same else 0

@@ -52,7 +52,7 @@ class Worker:
         theirs.close()
 
     def give(self, seeds: list[int]) -> None:
-        """More to do; one that has died in the meantime is found out when it is asked."""
+        """Give the worker more seeds; a worker that has died is noticed at its next answer."""
         self.seeds.extend(seeds)
         with suppress(OSError):
             self.connection.send(seeds)

@@ -111,7 +111,7 @@ class KitSetting:
         return repertoire(self.robot, self._chosen, self.backend)
 
     def task_runs(self) -> list[OneRun]:
-        """Return each of them without errors, and with."""
+        """Return the task runs of the kit, each without and with the robot's errors."""
         seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
         chosen = [task for task in self.tasks if task.parent.name in self.only_tasks or not self.only_tasks]
         return task_runs(chosen, self.backend, seeds, self._chosen)

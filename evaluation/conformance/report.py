@@ -46,7 +46,7 @@ class KitReport:
 
     @classmethod
     def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> KitReport:
-        """Sort results, in whatever order they came."""
+        """Return a report of results in any order."""
         trials = (trial for each in results if isinstance(each, list) for trial in each)
         return cls(
             backend,
@@ -61,7 +61,7 @@ class KitReport:
 
     @property
     def injected(self) -> int:
-        """Faults that were injected."""
+        """Number of injected faults."""
         return sum(trial.kind != NO_FAULT for trial in self.trials)
 
     @property
@@ -76,7 +76,7 @@ class KitReport:
 
     @property
     def judged_causes(self) -> list[FaultTrial]:
-        """Trials that ended in Fail or GiveUp after a fault of which it is known what it may lead to."""
+        """Trials that ended in Fail or GiveUp after a fault with known causes."""
         return [trial for trial in self.trials if trial.names_its_cause is not None]
 
     @property
@@ -97,7 +97,7 @@ class KitReport:
 
     @property
     def missed(self) -> list[Caught]:
-        """Liars that weren't found."""
+        """Mutants that the kit did not find."""
         return [each for each in self.planted if not each.by]
 
     @property
@@ -165,7 +165,7 @@ class KitReport:
 
     @property
     def summary(self) -> str:
-        """All in one line."""
+        """Summary of the report in one line."""
         wrong = sum(not each.ok for each in self.checks)
         parts = [f"{len(self.checks)} checks, {wrong} wrong"] if self.checks else []
         if self.trials:

@@ -40,7 +40,7 @@ class Ran(NamedTuple):
 
 @dataclass(frozen=True)
 class OneRun:
-    """A task to be run once."""
+    """A task that the kit runs once, with a seed, with or without errors."""
 
     task: Path
     backend: str
@@ -73,7 +73,7 @@ class OneRun:
 
 
 def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping[str, str]) -> list[OneRun]:
-    """Return all that is to be run: each task once without errors, and with those of so many seeds."""
+    """Return all runs: each task once without errors, and once for each seed with errors."""
     backends = dict.fromkeys((backend, REFERENCE_BACKEND))
     return [
         OneRun(task, name, seed, errors, settings)

@@ -44,7 +44,7 @@ class Laying(Protocol):
 
 
 def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
-    """Draw a run's localization, its trajectory and errors into its folder; gives the picture's path."""
+    """Draw a run's localization, its trajectory and errors into its folder; return the picture's path."""
     from matplotlib.figure import Figure
 
     tall = _tall(survey)

@@ -27,17 +27,19 @@ REPORT_NAME = "as_laid"
 
 
 class AsLaid(NamedTuple):
-    """One sensor."""
+    """Estimated position of one released sensor."""
 
     name: str
     place: FloatArray
-    """(2,) x and y in [m]."""
+    """Position (2,) of the sensor, x and y in the field's frame, in [m]."""
     covariance: FloatArray
-    """(2, 2) in [m²]."""
+    """Covariance (2, 2) of the position, in [m²]."""
 
     @property
     def ellipse(self) -> tuple[float, float, float]:
-        """Half axes in [m] of the ellipse that holds it with 95 %, and the first one's direction in [rad]."""
+        """Half axes of the ellipse that holds the sensor with 95 %, in [m], and the direction of the first in
+        [rad].
+        """
         values, axes = np.linalg.eigh(self.covariance)
         scale = math.sqrt(-2.0 * math.log(1.0 - ELLIPSE_PROBABILITY))  # of two degrees of freedom
         small, large = (scale * math.sqrt(max(0.0, float(value))) for value in values)

@@ -48,10 +48,7 @@ class FieldNote:
 
 
 class FieldSurvey(Survey):
-    """Looks at a scene once a period, and notes where sensors are let go.
-
-    Its notes grow with the way, so they have a file of their own in the run's folder.
-    """
+    """Survey that records where sensors are released."""
 
     name = "field"
     effects = FIELD_EFFECTS

@@ -11,7 +11,7 @@ Place = tuple[float, float]
 
 
 class Placement(NamedTuple):
-    """One sensor."""
+    """Placement of one sensor: its target, the robot's estimate, the measurement and the truth."""
 
     name: str
     target: tuple[float, float]
@@ -25,7 +25,7 @@ class Placement(NamedTuple):
 
     @property
     def error_mm(self) -> tuple[float, float] | None:
-        """Measured place less target, x and y in [mm]; None where it wasn't seen."""
+        """Measured position less target, x and y in [mm]; None if it was not measured."""
         if self.measured is None:
             return None
         return 1e3 * (self.measured[0] - self.target[0]), 1e3 * (self.measured[1] - self.target[1])

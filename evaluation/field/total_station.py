@@ -17,12 +17,12 @@ REFLECTOR_HEIGHT_M = 0.06  # [m] above the frame `hand`
 
 
 class Sight(NamedTuple):
-    """A reading."""
+    """Reading of a total station: time and position of the reflector."""
 
     time: float
     """[s]"""
     place: FloatArray
-    """(3,) of the reflector, in [m]."""
+    """Position (3,) of the reflector in the field's frame, in [m]."""
 
 
 class TotalStation:
@@ -48,7 +48,7 @@ class TotalStation:
         """Number of readings at which the reflector was hidden."""
 
     def look(self) -> None:
-        """Update after a period."""
+        """Take a reading if one is due; called once a period."""
         if (count := self._due()) <= self._count:
             return
         self._count = count

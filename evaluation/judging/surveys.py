@@ -90,7 +90,7 @@ class Surveys:
             self.broken.append(_broke(kind, error))
 
     def of(self, kind: type[SurveyT]) -> SurveyT | None:
-        """Return the survey of a class; None if it does not apply to this run."""
+        """Return the survey of a class; None if this run has no such survey."""
         return next((each for each in self._every if isinstance(each, kind)), None)
 
     @property

@@ -34,7 +34,7 @@ class LayeredBackend(Backend):
 
     @property
     def inner(self) -> Backend:
-        """Wrapped backend."""
+        """Backend that this layer wraps."""
         return self._inner
 
     def _layer(self, part: Capability) -> Capability:
@@ -51,7 +51,7 @@ class LayeredBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """Not by name: a layer is put around a backend that is there."""
+        """Raise an error: a layer is not built by name, it wraps an existing backend."""
         raise TypeError(f"{cls.__name__} is made around another backend")
 
     @override

@@ -69,7 +69,7 @@ def position_sigmas(built: BuiltMap) -> np.ndarray:
 
 
 def figures(log: ScanLog, built: BuiltMap) -> dict[str, object]:
-    """Return what is known of a map, for `summary.json`."""
+    """Return the figures of a map, for `summary.json`."""
     sigmas, rows = position_sigmas(built), built.counts.hits.shape
     residuals = [loop.match.sigma for loop in built.accepted if loop.match is not None]
     inliers = [loop.match.inliers for loop in built.accepted if loop.match is not None]

@@ -14,7 +14,7 @@ MANY_UNMATCHED = 0.1
 
 
 def in_words(log: ScanLog, built: BuiltMap) -> str:
-    """Return the summary of a map: scans, loop closures and how good they are, uncertainty."""
+    """Return the summary of a map as text: scans, loop closures with their fit, uncertainty."""
     duration = log.times[-1] - log.times[0]
     lines = [
         f"{len(log.times)} scans over {log.distance:.1f} m in {duration:.0f} s; {len(built.rows)} keyframes",

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 
 class FactTable(NamedTuple):
-    """A table for people."""
+    """A table of facts for people: a heading, columns and rows."""
 
     heading: str
     columns: Sequence[str]

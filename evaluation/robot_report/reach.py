@@ -75,16 +75,7 @@ class HandReach:
 
 
 def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> HandReach | None:
-    """Try random postures.
-
-    Args:
-        robot: the robot's file.
-        arm: the robot's arm.
-        seed: seed of the random postures.
-
-    Returns:
-        The reach; None if no collision-free posture with the hand above the floor was found.
-    """
+    """Return what the hand reaches in random postures of the arm; None if no posture is free."""
     free = CollisionModel(arm)
     rng = np.random.default_rng(seed)
     drawn = rng.uniform(arm.lower, arm.upper, (SAMPLES if robot.has_tray else FEWER, arm.dof))

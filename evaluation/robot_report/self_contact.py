@@ -47,7 +47,7 @@ class SelfContact:
 
 
 def touching_words(pair: Pair, share: float) -> str:
-    """Return how often two links touch, as text."""
+    """Return how often two links touch in random postures, as text; `share` is from 0 to 1."""
     return f"{pair[0]} touches {pair[1]} in {100.0 * share:.0f} % of postures"
 
 

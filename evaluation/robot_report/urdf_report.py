@@ -23,12 +23,7 @@ class UrdfReport:
 
 
 def urdf_report(path: Path) -> UrdfReport:
-    """Check a URDF.
-
-    Raises:
-        FileError: the URDF has a fault.
-        UrdfError: the file does not exist.
-    """
+    """Check a URDF, and return its content and the findings."""
     part = read_part(path.name, path.parent)
     places = {key: SourcePlace(part.file, *spot) for key, spot in part.places.items()}
     whole = RobotUrdf(part.text, places, doubts=part.doubts)

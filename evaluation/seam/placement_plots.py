@@ -20,7 +20,7 @@ DRAWN_BASE_M = (0.9, 0.65)  # [m] length and width of the base that is drawn
 
 
 class DividedPath(NamedTuple):
-    """Content of one panel."""
+    """A path with its division, drawn in one panel."""
 
     title: str
     bases: FloatArray

@@ -40,7 +40,7 @@ class SeamStretch:
 
 @dataclass(frozen=True)
 class StretchNotes:
-    """A `SeamStretch`, as it can be noted."""
+    """A `SeamStretch` as plain data, for a checkpoint."""
 
     part: dict[str, Any]
     score: float
@@ -50,7 +50,7 @@ class StretchNotes:
 
 
 class SeamSurvey(Survey):
-    """Looks at a scene once a period while TRACK has the tool on the seam."""
+    """Survey of the tool's distance from the seam while TRACK has the tool on it."""
 
     name = "seam"
     effects = SEAM_EFFECTS

@@ -16,7 +16,7 @@ from handcart.backends.capabilities.capability import Capability
 
 
 class NotRecordable(TypeError):
-    """A capability gives values of a type that cannot be recorded."""
+    """Error: a capability returns values of a type that cannot be recorded."""
 
 
 def plain(value: Any) -> Any:

@@ -21,7 +21,7 @@ SIZE_BYTES = 8
 
 
 class NoRecording(InputError):
-    """A run has no recorded readings, or they cannot be read."""
+    """Error: a run has no recorded readings, or they cannot be read."""
 
     def __init__(self, folder: Path, wrong: str) -> None:
         needed = "needed: a run made with `handcart run --record-sensors`"
@@ -29,7 +29,7 @@ class NoRecording(InputError):
 
 
 def write_block(file: IO[bytes], data: Any) -> None:
-    """Append a block, and hand it to the operating system."""
+    """Append a block to a file and flush it to the operating system."""
     packed = zlib.compress(pack(data), COMPRESSION_LEVEL)
     file.write(len(packed).to_bytes(SIZE_BYTES, "big") + packed)
     file.flush()

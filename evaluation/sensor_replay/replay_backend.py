@@ -29,12 +29,12 @@ END_OF_RECORDING = "the recording ends"
 
 
 class Parted(BaseException):
-    """The replay differs from the recording; nothing in the program may take it for a fault of its own."""
+    """Error: the replay differs from the recording; no other code may handle this exception."""
 
 
 @dataclass
 class RecordedPeriod:
-    """What passed in one period."""
+    """Commands and readings of one recorded period."""
 
     commands: list[Call] = field(default_factory=list)
     readings: dict[tuple[int, str], Call] = field(default_factory=dict)
@@ -57,16 +57,16 @@ class RecordedPeriod:
 
 
 class ReplayBackend(Backend):
-    """Stands in for the robot of a recorded run: no world is behind it, and no ground truth.
+    """Backend that replays the readings of a recorded run; it has no world and no ground truth.
 
-    The first call that differs raises `Parted`: another command, one too many or too few, or a reading that
-    was not taken.
+    The first call that differs raises `Parted`: another command, one too many or too few, or a reading
+    that was not recorded.
 
     Attributes:
         periods: number of periods that have ended.
-        commands: number of commands that were the recorded ones, to the last bit.
-        readings: number of readings that were given.
-        difference: first difference in words; empty if there is none.
+        commands: number of commands that equal the recorded ones, to the last bit.
+        readings: number of readings that were returned.
+        difference: first difference as text; empty if there is none.
     """
 
     simulated = True
@@ -110,7 +110,7 @@ class ReplayBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """Not by name: it is made of a recording."""
+        """Raise an error: a replay is not built by name, it is made of a recording."""
         raise TypeError(f"{cls.__name__} is made of a recording")
 
     @override
@@ -172,7 +172,7 @@ class ReplayBackend(Backend):
             self.part_ways(f"it does not command {missing}, which the run did")
 
     def check_at_end(self) -> None:
-        """Raise `Parted` if the recording goes on."""
+        """Raise `Parted` if the recording has more periods."""
         self.check_period_done()
         if next(self._following, None) is not None:
             self.part_ways("it is over, and the run went on")

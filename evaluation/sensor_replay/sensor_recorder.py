@@ -28,10 +28,7 @@ KNOWN_ERRORS: tuple[type[Exception], ...] = (CommandError, RobotFault)
 
 
 class SensorRecorder(LayeredBackend):
-    """Passes everything on to the backend inside, and writes it down, period by period.
-
-    A disk that takes no more never stops the robot: `lost` then says why nothing more is recorded.
-    """
+    """Backend that passes all calls on to another backend and records them, period by period."""
 
     def __init__(self, inner: Backend) -> None:
         super().__init__(inner)
@@ -45,7 +42,7 @@ class SensorRecorder(LayeredBackend):
         self._file: IO[bytes] | None = None
 
     def open(self, folder: Path) -> None:
-        """Record into a run's folder, with what has passed up to now."""
+        """Record into a run's folder, including what has passed up to now."""
         with self._losing():
             self._file = (folder / SENSORS_FILE).open("xb")
             self._file.write(FORMAT)

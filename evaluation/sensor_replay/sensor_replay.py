@@ -25,7 +25,9 @@ REPLAY_KEYS = ("task_path", "settings", "start", "robot_sha256", "network", "bac
 
 
 class ChangedFiles(InputError):
-    """The files of a run are not those that it was made with, so that its readings cannot be replayed."""
+    """Error: the files of a run have changed since it was recorded, so that its readings cannot be
+    replayed.
+    """
 
     def __init__(self, run: PastRun, what: str) -> None:
         allowed = "allowed: the files as they were; `handcart replay` without --sensors needs none"
@@ -34,7 +36,7 @@ class ChangedFiles(InputError):
 
 @dataclass(frozen=True)
 class SensorReplay:
-    """Result of a replay."""
+    """Result of the replay of a run's readings."""
 
     periods: int
     commands: int

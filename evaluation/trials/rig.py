@@ -107,23 +107,7 @@ def build_rig(
     put_at_start: bool = False,
     is_start_known: bool = True,
 ) -> Rig:
-    """Build a rig.
-
-    Args:
-        files: world and knowledge.
-        robot: name of a shipped robot, or path of a robot's YAML file.
-        backend: name of the backend.
-        seed: seed of the simulated errors.
-        put_at_start: whether to put the simulated robot at the start place; otherwise it starts where
-            the
-            world's file puts it.
-        is_start_known: False to tell the robot nothing of where it starts.
-
-    Raises:
-        FileError: a file has a fault.
-        NoSuchPlace: the start is not among the places.
-        NotMovable: the backend cannot put the robot there.
-    """
+    """Build a robot on a backend, with files for a test, without a task."""
     spec, findings = load_robot(robot), Findings()
     places = load_places(files.places) if files.places else None
     known = places.value.places if places else {}

@@ -34,7 +34,7 @@ _AMBIGUOUS = (
 
 
 class UnclearScalar(ValueError):
-    """An unquoted word that must not be guessed at; the text says what is wrong and what is allowed."""
+    """Error: an unquoted word has no clear meaning; the message says what is wrong and what is allowed."""
 
 
 def resolve_plain(text: str) -> Scalar:

@@ -59,7 +59,7 @@ class TreeBuilder:
                 self._document(event)
 
     def tree(self) -> Node:
-        """Return the tree, once all events are taken; raises `FileError` with all that is wrong with it."""
+        """Return the tree after all events; raises `FileError` with all faults of it."""
         self.findings.raise_all()
         if self.root is None or self.root.content is None:
             raise FileError([Finding(self.file, 1, 1, "the file is empty; allowed: keys with values")])

@@ -38,12 +38,7 @@ _CHANGES: ContextVar[Changes] = ContextVar("changes", default=_NONE)
 
 @dataclass(frozen=True)
 class Document:
-    """Content of a file.
-
-    `file` is its name as the user gave it, `content` the bytes that were read: a run uses exactly the
-    bytes that were checked, even if the file changes meanwhile. Values set from the command line change
-    `root`, not `content`.
-    """
+    """Content of a YAML file, with the position of each value."""
 
     file: str
     content: bytes
@@ -56,7 +51,7 @@ class Document:
 
     @cached_property
     def data(self) -> Any:
-        """The values as dict, list, str, int, float, bool and None; don't change them."""
+        """Values as dict, list, str, int, float, bool and None; do not change them."""
         return self.root.plain()
 
     @property
@@ -65,7 +60,7 @@ class Document:
         return Path(self.file).parent
 
     def position(self, path: KeyPath = ()) -> tuple[int, int]:
-        """Line and column (from 1) of the value at `path`, or of the innermost that is there."""
+        """Return line and column (from 1) of the value at `path`, or of its innermost existing parent."""
         node, _ = self.root.deepest(path)
         return node.line, node.column
 
@@ -84,7 +79,9 @@ class Document:
         return Finding(node.file, line, column, message)
 
     def is_set(self, path: KeyPath) -> bool:
-        """Return whether the value at `path` was given on the command line: its paths start from there."""
+        """Return whether the value at `path` was set on the command line; such values are relative to the
+        current folder.
+        """
         return self.root.deepest(path)[0].line == 0
 
     def with_value(self, path: KeyPath, value: Node) -> "Document":
@@ -158,11 +155,8 @@ def _tree(text: str, file: str, max_nodes: int) -> Node:
 
 
 def fast_events(text: str) -> Iterator[Any] | None:
-    """Return the events of `text` by libyaml, thirty times as fast; None where it isn't there, or reads
-    otherwise.
-
-    Raises yaml.YAMLError, on the way, where libyaml takes it for no YAML; `exact_events` has the last
-    word.
+    """Return the events of `text` by libyaml, thirty times as fast; None if libyaml is missing or reads it
+    differently.
     """
     if not hasattr(yaml, "CLoader") or _READ_DIFFERENTLY.search(text):
         return None

@@ -17,7 +17,7 @@ Fact = str | bool | int | float
 
 
 class TableRow(FileModel):
-    """One row: a primitive and what follows."""
+    """A row of the table of actions: a primitive, and the rows that follow its outcomes."""
 
     do: str
     ok: int

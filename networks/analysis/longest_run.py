@@ -17,7 +17,7 @@ class Longest(NamedTuple):
     """Most actions of runs that end in the part."""
 
     def then(self, rest: Longest) -> Longest:
-        """Return the longest run through this part and then the other."""
+        """Return the longest run through this part and then through another one."""
         return Longest(self.through + rest.through, max(self.ended, self.through + rest.ended))
 
 

@@ -14,5 +14,5 @@ class Chance:
 
     @property
     def fail(self) -> float:
-        """Probability of Fail."""
+        """Probability of Fail, from 0 to 1."""
         return 1.0 - self.success - self.give_up

@@ -33,11 +33,7 @@ class Effort:
         self._spent, self._next = 0.0, 0.0
 
     def spend(self, steps: float) -> None:
-        """Count some steps.
-
-        Raises:
-            TooMuch: there were not so many left.
-        """
+        """Reduce the budget by a number of steps; raises `TooMuch` if it is used up."""
         self._spent += steps
         if self._spent > self._most:
             raise TooMuch

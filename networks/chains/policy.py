@@ -95,7 +95,7 @@ def explored(
     start: State | None = None,
     chances: Chances | None = None,
 ) -> Policy:
-    """Return what `policy` does, as far as the budget suffices."""
+    """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices."""
     begin = start or State(network.start, ())
     try:
         maker = StepMaker(network, for_good, effort or Effort(budget_of(network)), chances)
@@ -109,14 +109,7 @@ def visited(
     begin: State,
     step: Callable[[State], Step | None],
 ) -> Policy:
-    """Return the decisions in all states that runs can come to.
-
-    Args:
-        network: the network.
-        begin: the first state.
-        step: makes a decision, or returns None for a state that is left out; raises `TooMuch` if its budget
-            is spent.
-    """
+    """Return the decisions in all states that runs can reach from `begin`."""
     steps: dict[State, Step] = {}
     visit = _Visit(network, steps)
     try:

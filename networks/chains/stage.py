@@ -48,7 +48,9 @@ class Stage:
         return *counts, others, p, fails, (a.p_success, a.p_give_up) if fails else ()
 
     def with_one_more(self, numbers: Collection[int]) -> Stage:
-        """Return the stage with one more attempt of those actions, given by their numbers in the whole."""
+        """Return the stage with one more attempt of some actions, given by their numbers in the complete
+        network.
+        """
         pairs = zip(self.network.actions, self.numbers, strict=True)
         counters = {action.counter for action, number in pairs if number in numbers}
         actions = [
@@ -60,7 +62,7 @@ class Stage:
         return self._with(actions, self.numbers)
 
     def with_alternatives(self, numbers: Collection[int]) -> Stage:
-        """Return the stage with a second, equal action next to each of those."""
+        """Return the stage with a second, equal action next to each of some actions."""
         pairs = list(zip(self.network.actions, self.numbers, strict=True))
         pairs += [pair for pair in pairs if pair[1] in numbers]
         return self._with([action for action, _ in pairs], tuple(number for _, number in pairs))

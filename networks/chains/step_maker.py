@@ -31,7 +31,7 @@ class State(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Decision in a state."""
+    """Decision of a policy in a state."""
 
     action: Action | None
     """The action; None if no route is left."""

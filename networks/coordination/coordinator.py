@@ -79,7 +79,7 @@ class Coordinator:
         self._cause = ""
 
     def request(self, what: Request, number: int | None = None) -> bool:
-        """Ask for a pause, a stop and so on, as `ask` does; return whether it was taken."""
+        """Request a pause, a stop or another of `Request`, as `ask` does; return whether it was accepted."""
         return not self.ask(what, number)
 
     def ask(self, what: Request, number: int | None = None) -> str:
@@ -99,12 +99,12 @@ class Coordinator:
 
     @property
     def acting(self) -> int | None:
-        """Number of the action that runs now, from 1; None between two of them."""
+        """Number of the running action, from 1; None between two actions."""
         return self._supervision.running
 
     @property
     def unapplied(self) -> Sequence[str]:
-        """Accepted requests that were not applied because their action was over by then, in words."""
+        """Descriptions of accepted requests that were not applied because their action had ended."""
         return tuple(self._supervision.unapplied)
 
     @property

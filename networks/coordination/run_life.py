@@ -67,7 +67,7 @@ class RunLife:
         self._go("_plan", RunState.PLANNING)
 
     def ask(self) -> None:
-        """Enter waiting: a person has to permit the action."""
+        """Enter the state of waiting for a person's permission."""
         self._go("_ask", RunState.WAITING_FOR_PERMISSION)
 
     def act(self) -> None:
@@ -75,7 +75,7 @@ class RunLife:
         self._go("_act", RunState.ACTING)
 
     def restore(self) -> None:
-        """Enter restoring: a primitive restores the state from before it."""
+        """Enter the state of restoring, in which a primitive undoes its changes."""
         self._go("_restore", RunState.RESTORING)
 
     def pause(self) -> None:

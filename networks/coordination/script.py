@@ -28,7 +28,7 @@ class WithResult(FileModel):
 
 
 class Script(FileModel):
-    """Outcomes for the actions of a run, one after the other; when they are used up, all succeed."""
+    """Scripted outcomes for the actions of a run, in order; further actions succeed."""
 
     format: Literal["handcart-script/1"]
     outcomes: Annotated[list[Word | WithResult], Field(max_length=10_000)]

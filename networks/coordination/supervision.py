@@ -60,7 +60,7 @@ CHECK_NAME = "supervision"
 
 
 class Interrupted(Exception):
-    """The run has to end because its end was requested."""
+    """Exception: the run has to end because its end was requested."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
@@ -68,7 +68,7 @@ class Interrupted(Exception):
 
 
 class PendingRequest(NamedTuple):
-    """A request that waits."""
+    """A request of the operator that is not applied yet."""
 
     what: Request
     time: float
@@ -141,7 +141,7 @@ class Supervision:
         return "nothing is paused; allowed: after a pause" if request is Request.RESUME and not pauses else ""
 
     def begins(self, number: int) -> None:
-        """Note that the action with that number starts: from now on requests may be meant for it."""
+        """Note that an action starts: from now on, requests may refer to its number."""
         self.running = self._latest = number
 
     def to_its_end(

@@ -39,7 +39,7 @@ class WorldWatch:
             self.arrived(situation)
 
     def stands(self, at: Snapshot | None) -> None:
-        """Keep the robot's present snapshot; None: it cannot be read, so nothing can be compared."""
+        """Keep the robot's current snapshot; None if it cannot be read, so that nothing can be compared."""
         self._stood = at
 
     def arrived(self, situation: str) -> None:

@@ -53,7 +53,7 @@ class BestPolicy:
 
     @property
     def network(self) -> ActionNetwork:
-        """The network that it decides in."""
+        """Network in which the policy decides."""
         return self._process.network
 
     @property

@@ -29,7 +29,7 @@ MIN_SHARE = 1e-4
 
 
 class PolicyDifference(NamedTuple):
-    """A state in which the policies decide differently."""
+    """State in which two policies decide differently."""
 
     situation: str
     fails: str

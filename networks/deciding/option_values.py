@@ -20,7 +20,7 @@ VALUE_STEPS = 200_000
 
 
 class OptionValue(NamedTuple):
-    """What a run comes to if an action is done now, and the network's policy decides from then on."""
+    """Expected result of a run if an action is done now and the network's policy decides afterwards."""
 
     goal: float
     """Probability that the goal is reached with nothing left undone."""

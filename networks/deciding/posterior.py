@@ -29,7 +29,7 @@ RULE_STEPS = 100_000.0
 
 
 class OutcomeCounts(NamedTuple):
-    """How often attempts of an action ended in each way."""
+    """Numbers of attempts of an action that ended in Success, Fail and GiveUp."""
 
     successes: int = 0
     fails: int = 0
@@ -37,7 +37,7 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def attempts(self) -> int:
-        """Number of attempts."""
+        """Number of all attempts of the action."""
         return self.successes + self.fails + self.give_ups
 
     @property
@@ -48,7 +48,7 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def chance(self) -> Chance:
-        """Expected probabilities."""
+        """Expected probabilities of the three outcomes."""
         success, fail, give_up = self.weights
         total = success + fail + give_up
         return Chance(success / total, give_up / total)

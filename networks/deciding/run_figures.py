@@ -21,7 +21,7 @@ CALLS = (*STOPS, ChainEnd.UNKNOWN)
 
 
 class PolicyFigures(NamedTuple):
-    """What runs of a policy come to; each is an interval if some states were not looked at."""
+    """Expected results of runs of a policy; each is an interval if some states were not examined."""
 
     name: str
     goal: tuple[float, float]

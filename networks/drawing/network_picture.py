@@ -36,12 +36,12 @@ class Text(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Width in [px]."""
+        """Width of the text, in [px]."""
         return text_width(self.words, self.size, bold=self.bold)
 
     @property
     def left(self) -> float:
-        """Left end in [px]."""
+        """Left end of the text, in [px]."""
         return self.x - 0.5 * self.width if self.centred else self.x
 
 

@@ -10,7 +10,7 @@ HIGHLIGHT_COLOUR = "#ffd84d"
 
 
 class BoxStyle(NamedTuple):
-    """Style of a box."""
+    """Colours and lines of a drawn situation's box."""
 
     fill: str
     colour: str
@@ -23,7 +23,7 @@ class BoxStyle(NamedTuple):
 
 
 class LinkStyle(NamedTuple):
-    """Style of a link."""
+    """Colours and lines of a drawn action's link."""
 
     colour: str
     width: float

@@ -26,7 +26,7 @@ class Planned:
 
 @dataclass(frozen=True)
 class Started:
-    """An action starts."""
+    """Event: an action starts."""
 
     time: float
     number: int
@@ -39,7 +39,7 @@ class Started:
 
 @dataclass(frozen=True)
 class Restoring:
-    """The running action begins to restore the state from before it."""
+    """Event: the running action begins to restore the state from before it."""
 
     time: float
     action: Action
@@ -71,7 +71,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class RunEnded:
-    """The run has ended."""
+    """Event: the run has ended."""
 
     time: float
     end: RunEnd

@@ -68,7 +68,11 @@ class CheapestTree:
         return enter, [begin + each for begin, each in zip(enter, size, strict=True)]
 
     def spoiled(self, failed: Mapping[int, float]) -> list[tuple[int, int]]:
-        """Return the intervals of the situations whose routes contain one of these actions."""
+        """Return the intervals of the situations whose routes contain one of some failed actions.
+
+        Args:
+            failed: the failed actions by their numbers; the values are not used, without unit.
+        """
         sources = (self._source[index] for index in failed if index in self._source)
         return [(self._enter[here], self._leave[here]) for here in sources]
 

@@ -45,7 +45,7 @@ class NotBound(Exception):
 
 @dataclass(frozen=True)
 class Binding:
-    """A kind of primitive with fixed parameters and those that come from the world model."""
+    """A kind of primitive with its parameters: fixed ones, and those read from the world model."""
 
     kind: type[ActionPrimitive]
     fixed: Mapping[str, Any] = field(default_factory=dict)
@@ -81,7 +81,7 @@ class Binding:
             raise NotBound(f"{'.'.join(map(str, wrong['loc']))}: {wrong['msg']}") from None
 
     def said(self) -> dict[str, Any]:
-        """Return the parameters as a file would contain them."""
+        """Return the parameters as a task file contains them."""
         late = {name: {"model": key} for name, key in self.late.items()}
         if not self.fixed:
             return late
@@ -89,7 +89,7 @@ class Binding:
         return {**dumped, **late}
 
     def given(self) -> dict[str, Any]:
-        """Return the parameters as a file would contain them, without those at the primitive's defaults."""
+        """Return the parameters as a task file contains them, without those at the primitive's defaults."""
         usual = {name: field.default for name, field in self.kind.model_fields.items()}
         said = self.said()
         return {name: said[name] for name in said if name in self.late or self.fixed[name] != usual.get(name)}
@@ -173,7 +173,7 @@ class Action:
 
     @property
     def leads_to(self) -> tuple[str, ...]:
-        """All situations that it may lead to, that of Success first."""
+        """All situations that the action may lead to, that of Success first."""
         return (self.target, *(each.target for each in self.others), *self.fail_situations)
 
     @property
@@ -189,7 +189,7 @@ class Action:
 
     @property
     def p_success(self) -> float | None:
-        """Probability of Success, whatever situation it leads to; None: not known."""
+        """Probability of Success, with any target situation; None if it is unknown."""
         return None if self.p is None else self.p + sum(each.p or 0.0 for each in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:

@@ -14,7 +14,7 @@ from .plan_search import PlanSearch
 
 @dataclass(frozen=True)
 class Plan:
-    """The next action and those after it."""
+    """Planned route: the next action and those after it."""
 
     actions: tuple[Action, ...]
     cost: float

@@ -51,7 +51,7 @@ class RunDecisions:
 
     @property
     def goal(self) -> str:
-        """The situation that is pursued: the goal, or one of `otherwise` when no route leads there."""
+        """Situation that is pursued: the goal, or one of `otherwise` if no route leads to the goal."""
         return self._goals[0]
 
     @property
@@ -88,7 +88,7 @@ class RunDecisions:
 
     @property
     def next(self) -> Action:
-        """The action to do now; there is one after `plan` gave a `Plan` short of the goal."""
+        """Action to do now; valid after `plan` returned a `Plan` short of the goal."""
         return self._ahead[-1]
 
     def took(self, outcome: Outcome | NotStarted) -> None:

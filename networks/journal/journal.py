@@ -76,9 +76,11 @@ class Journal:
     ) -> Journal:
         """Open a journal that was read, to append to it; a torn tail is moved into `PATH.torn-OFFSET`.
 
-        Raises:
-            JournalError: it cannot be opened, is written by another process, or has changed since it was
-                read.
+        Args:
+            path: the journal.
+            contents: what was read of it.
+            sync: when records are forced onto the disk.
+            clock: source of the wall clock, in [s].
         """
         self = cls.__new__(cls)
         self.path, self._clock, self._poisoned = path, clock, None

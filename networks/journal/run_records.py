@@ -19,7 +19,7 @@ Sizes = dict[str, float | None]
 
 @with_config(_OPEN)
 class At(TypedDict):
-    """Snapshot of the robot."""
+    """Snapshot of the robot in a record: base, joints and gripper."""
 
     base: Pose
     base_sigma: Annotated[list[float | None], Field(min_length=2, max_length=2)]
@@ -132,7 +132,7 @@ Result = Succeeded | Failed | GivenUp
 
 @with_config(_OPEN)
 class Recon(TypedDict):
-    """A look at the robot by a person, or a detected change of the world."""
+    """Record of a look at the robot by a person, or of a detected change of the world."""
 
     situation: str | None
     reason: NotRequired[str]
@@ -144,7 +144,7 @@ class Recon(TypedDict):
 
 @with_config(_OPEN)
 class EndRecord(TypedDict):
-    """The run has ended."""
+    """Record: the run has ended."""
 
     outcome: Literal["Success", "Fail", "GiveUp", "Cancelled", "Error"]
     situation: str
@@ -179,7 +179,7 @@ class StopRecord(TypedDict):
 
 @with_config(_OPEN)
 class Restore(TypedDict):
-    """The running action restores."""
+    """Record: the running action restores."""
 
     n: Number
     reason: str
@@ -203,7 +203,7 @@ class Skip(TypedDict):
 
 @with_config(_OPEN)
 class Acknowledgement(TypedDict):
-    """A person has taken care of the cause that a record describes."""
+    """Record: a person has taken care of the cause that another record describes."""
 
     record: Index
     of: str
@@ -254,7 +254,7 @@ _COMMON = TypeAdapter(_Common)
 
 
 def makes_sense(record: dict[str, Any]) -> str:
-    """Return the fault of a record; empty if it is valid."""
+    """Return the fault of an inconsistent record; empty if the record is valid."""
     kind = RECORD_VALIDATORS.get(record["kind"]) if isinstance(record["kind"], str) else None
     if kind is None:
         return f"no such kind; allowed: {', '.join(RECORD_VALIDATORS)}"

@@ -13,7 +13,7 @@ from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journa
 
 
 class NothingToAcknowledge(InputError):
-    """That record doesn't wait for a person."""
+    """Error: a record doesn't wait for a person."""
 
 
 def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
@@ -47,7 +47,7 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
 
 
 def cause_of(contents: JournalContents, record: int) -> Record:
-    """Return the `kind` and checksum `h` of a record that waits; of a damaged one, the checksum before it."""
+    """Return the kind and checksum of a waiting record; of a damaged record, the checksum before it."""
     if record < len(contents.records):
         return contents.records[record]
     return {"kind": TORN_RECORD, "h": contents.records[-1]["h"]}

@@ -30,7 +30,7 @@ class NotAlive(InputError):
 
 
 class ClosedToYou(InputError):
-    """The folder, or the run in it, belongs to another user."""
+    """Error: the folder, or the run in it, belongs to another user."""
 
 
 class NotAnswering(HandcartError):
@@ -62,13 +62,7 @@ def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEO
 
 
 def tell_to_stop(folder: Path) -> None:
-    """Stop the run that is alive in a folder, whatever else waits; returns before the run is over.
-
-    Raises:
-        NotAlive: no run is alive there.
-        ClosedToYou: the folder may not be used.
-        NotAnswering: the run is alive, but cannot be reached.
-    """
+    """Ask the running program of a folder to stop the robot at once; returns before the run has ended."""
     try:
         with (
             socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line,

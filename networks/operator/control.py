@@ -73,7 +73,7 @@ class Control:
         self._selector.register(self._stopping, selectors.EVENT_READ)
 
     def poll(self, patience: float = 0.0) -> None:
-        """Answer what has come in; with `patience`, in [s] of the wall clock, wait so long for the first."""
+        """Answer the received commands; wait for the first one up to `patience`, in [s] of the wall clock."""
         busy = any(line.waits for line in self._lines.values())
         ready = [key.fileobj for key, _ in self._selector.select(0.0 if busy else patience)]
         if self._stopping in ready:

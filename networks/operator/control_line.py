@@ -41,7 +41,7 @@ class ControlLine:
         return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
 
     def exchange(self, now: float) -> None:
-        """Send and receive the bytes that are possible at once."""
+        """Send and receive the bytes that are possible at once, at a time `now` in [s] of the wall clock."""
         if self._goes:
             self._send(now)
         if not self._goes and not self.waits and not self._ended:
@@ -58,7 +58,7 @@ class ControlLine:
         return line
 
     def answer(self, line: bytes, now: float) -> None:
-        """Send a line as soon as the other end takes it."""
+        """Queue a line for sending, at a time `now` in [s] of the wall clock."""
         self._goes = b"" if self._deaf else line + b"\n"
         self._send(now)
 

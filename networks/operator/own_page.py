@@ -44,6 +44,6 @@ class OwnPage:
         return None
 
     def knows(self, token: str) -> bool:
-        """Compare with the token, in a time that does not depend on where they differ (row U5)."""
+        """Return whether a token is right, in a time that does not depend on where it differs (row U5)."""
         # Bytes that are no text come as they are.
         return hmac.compare_digest(token.encode(errors="surrogateescape"), self.token.encode())

@@ -51,7 +51,7 @@ class Permits:
         return self._breaks
 
     def break_at(self, situation: str, on: bool) -> None:
-        """Set a break point, or take it away."""
+        """Set a break point at a situation, or remove it."""
         (self._breaks.add if on else self._breaks.discard)(situation)
 
     def answer(self, permitted: bool) -> None:

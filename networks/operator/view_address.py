@@ -15,7 +15,11 @@ _OURS = re.compile(r"http://127\.0\.0\.1:\d{1,5}/#token=[\w-]+", re.ASCII)
 
 
 def note_address(folder: Path, address: str) -> None:
-    """Write it down for its owner alone, with its token; raises `OSError` where the disk takes no more."""
+    """Write a page's address, with its token, into a file that only its owner can read.
+
+    Raises:
+        OSError: the file can't be written.
+    """
     write_whole(folder / ADDRESS_FILE, address, private=True)
 
 

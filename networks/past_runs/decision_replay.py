@@ -33,7 +33,7 @@ class DecisionDifference:
     """Reason in words; empty if there is no more to say."""
 
     def words(self) -> str:
-        """Describe it in one sentence."""
+        """Describe the difference in one sentence."""
         why = f"; {self.why}" if self.why else ""
         where = f"record {self.record} at {self.time_s:.3f} s"
         return f"{where}: the run {self.journal}, today's code {self.today}{why}"
@@ -41,7 +41,7 @@ class DecisionDifference:
 
 @dataclass(frozen=True)
 class DecisionReplay:
-    """Result of a replay."""
+    """Result of replaying a run's decisions."""
 
     plans: int
     """Number of plans that are equal."""

@@ -47,18 +47,18 @@ class PastAction:
 
     @property
     def reason(self) -> str:
-        """Reason why it did not succeed."""
+        """Reason why the action did not succeed; empty for a Success."""
         return str(self.result.get("reason", ""))
 
     @property
     def cause(self) -> str:
-        """Kind of cause of a Fail or GiveUp; empty in journals from before there were any."""
+        """Kind of cause of a Fail or GiveUp; empty in old journals, which have none."""
         found = self.result.get("cause") or [{}]
         return str(found[0].get("kind", ""))
 
     @property
     def fails(self) -> bool:
-        """True if it ended in Fail or GiveUp."""
+        """True if the action ended in Fail or GiveUp."""
         return self.outcome in ("Fail", "GiveUp")
 
 
@@ -77,17 +77,13 @@ class PastRun:
 
     @property
     def end(self) -> Record | None:
-        """Record of the run's end; None if it was killed, or is still running."""
+        """Record of the run's end; None for a run that was killed or is still running."""
         last = next(record for record in reversed(self.records) if record["kind"] in ("END", "EPOCH", "RUN"))
         return last if last["kind"] == "END" else None
 
     @cached_property
     def track(self) -> RunTrack | None:
-        """Return the robot's poses, period by period; None if they were not kept.
-
-        Raises:
-            NoRun: the file does not hold a track.
-        """
+        """Return the robot's pose in each period; None if it was not saved."""
         content = read_file(self.folder, TELEMETRY_FILE, MAX_TELEMETRY, missing=True)
         if content is None:
             return None

@@ -16,14 +16,14 @@ UNCHAINED_KEYS = {"wall", "h", "p"}
 
 @dataclass(frozen=True)
 class ComparedAction:
-    """One action of two runs; None where only the other run has it."""
+    """Same action in two runs; None for the run that lacks it."""
 
     one: PastAction | None
     other: PastAction | None
 
     @property
     def action(self) -> PastAction:
-        """The action of the run that has it, the first by preference."""
+        """Action of the first run, or of the second if the first lacks it."""
         found = self.one or self.other
         assert found is not None
         return found
@@ -60,7 +60,7 @@ class ComparedAction:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """All that differs between two runs."""
+    """Differences between two runs."""
 
     one: PastRun
     other: PastRun

@@ -29,7 +29,7 @@ _KINDS = (
 
 
 class NoRun(InputError):
-    """A folder holds no readable run; nothing in it was changed."""
+    """Error: a folder holds no readable run; nothing in it was changed."""
 
     def __init__(self, folder: Path, wrong: str) -> None:
         super().__init__(
@@ -84,7 +84,7 @@ def _check(folder: Path, path: Path, status: os.stat_result) -> None:
 
 
 def read_file(folder: Path, name: str, most: int, missing: bool = False) -> bytes | None:
-    """Read a regular file of a run; None if it may be missing, and is."""
+    """Return the content of a regular file of a run; None if it is missing and that is allowed."""
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NOCTTY
     try:
         with open(os.open(folder / name, flags), "rb") as stream:

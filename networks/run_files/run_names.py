@@ -21,7 +21,7 @@ _HEADER = 16 * 2**20  # of a journal, in [bytes]: a header holds its task's netw
 
 @dataclass(frozen=True)
 class ListedRun:
-    """One run of a list."""
+    """Row of a list of runs."""
 
     folder: Path
     task: str
@@ -35,7 +35,7 @@ class ListedRun:
 
 
 def name_of(task: Path, seed: int) -> str:
-    """`FILE-SEED`; a file called `task.yaml` goes by its folder's name."""
+    """Return the name of a run: `FILE-SEED`, or `FOLDER-SEED` for a file called `task.yaml`."""
     path = task.resolve()
     return f"{path.parent.name if path.stem == GENERIC_STEM else path.stem}-{seed}"
 

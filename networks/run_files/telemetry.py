@@ -29,7 +29,7 @@ class RunTrack(NamedTuple):
 
 
 class Telemetry:
-    """Collects a track."""
+    """Recorder of the robot's poses, period by period."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[float, float, float, float, int, bool]] = []

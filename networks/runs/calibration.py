@@ -98,17 +98,7 @@ def calibration_path(run: Path) -> Path:
 
 
 def keep_calibrated(run: Path, robot: str, backend: str, calibrated: Mapping[str, Calibrated]) -> None:
-    """Put what an action found into a run's `calibration.yaml`; the last that was found counts.
-
-    Args:
-        run: the run's folder.
-        robot: as the task names it.
-        backend: its name.
-        calibrated: by key in the robot's file.
-
-    Raises:
-        OSError: the disk takes no more.
-    """
+    """Write what an action calibrated into a run's `calibration.yaml`; the latest values count."""
     path = run / CALIBRATION_FILE
     before = dict(load(path, Calibration).found) if path.exists() else {}
     by_path = robot.endswith((".yaml", ".yml"))

@@ -41,7 +41,7 @@ class EvidenceFiles(RunObserver):
         """Reason why nothing more is kept after the disk refused a write; the run continues."""
 
     def event(self, event: Event) -> None:
-        """Write what an action that has ended leaves."""
+        """Write the evidence of an action that has ended."""
         if isinstance(event, Ended):
             evidence = event.primitive.evidence
             try:

@@ -33,7 +33,7 @@ class RecordingKeeper(RunObserver):
         self._folder, self._recording = Path(), recording
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Open the recording in the run's folder, and write what has passed up to now."""
+        """Open the recording in the run's folder, and write everything recorded so far."""
         self._folder = run_dir / EVIDENCE_FOLDER
         self._recording.open(run_dir)
 

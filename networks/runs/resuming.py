@@ -35,12 +35,12 @@ _DOUBTFUL = {"INTENT": "effect", "PNR": "what"}
 
 
 class NothingToResume(InputError):
-    """The run came to its end, so there is nothing to resume."""
+    """Error: the run has ended, so there is nothing to resume."""
 
 
 @dataclass(frozen=True)
 class Past:
-    """Content of a run's folder, read once."""
+    """Content of an interrupted run's folder, read once."""
 
     folder: Path
     contents: JournalContents
@@ -74,7 +74,7 @@ class Past:
         return [*records, ("EPOCH", epoch, {})]
 
     def doubts(self) -> Iterator[str]:
-        """Yield what may have happened since the last known state."""
+        """Yield descriptions of what may have happened since the last known state."""
         doubt = self.standing.in_doubt
         if doubt is None:
             return

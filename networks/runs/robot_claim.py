@@ -139,5 +139,5 @@ def state_folder() -> Path:
 
 
 def claimed(backend: Backend, own: Path | None = None) -> AbstractContextManager[RobotClaim | None]:
-    """Claim the robot behind a backend; None where it is simulated: a new run is a new world there."""
+    """Claim the robot behind a backend for this process; None for a simulated robot."""
     return nullcontext() if backend.simulated else RobotClaim(backend, state_folder(), own)

@@ -191,7 +191,7 @@ def step_until_end(
 def summary(
     prepared: Prepared, end: RunEnd, run_dir: Path, wall_time_s: float, metrics: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the summary of a run for programs: the fields of `handcart run --json`."""
+    """Return the summary of a run, for `summary.json`; `wall_time_s` is in [s]."""
     return {
         "outcome": end.outcome,
         "situation": end.situation,

@@ -51,14 +51,7 @@ def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Map
 def entry_faults(
     entry: ActionEntry, known: Mapping[str, Situation], budgets: Sequence[str], done: Collection[str]
 ) -> Faults:
-    """Yield what is wrong with an entry, by the keys below it.
-
-    Args:
-        entry: the entry.
-        known: situations of the file, by name.
-        budgets: names of the task's budgets.
-        done: names of all primitives in the file.
-    """
+    """Yield the faults of an entry of the task file, by the keys below it."""
     target, others = entry.endings[0].target, _others(entry)
     fails = _fail_endings(entry, tuple(each.to for each in entry.fail_entries.values()))
     plain = Action(

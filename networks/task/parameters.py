@@ -52,7 +52,7 @@ def with_listed_repeats(document: Document) -> Document:
 
 
 def with_all(document: Document, entry: str, names: Collection[object]) -> Document:
-    """Return the document with these names where one of its repeats goes over `{all: ENTRY}`."""
+    """Return the document with `names` in place of `{all: ENTRY}` in its repeats."""
     for over in _overs(document):
         node, there = document.root.deepest(over)
         if there and reference(node, "all") == entry:

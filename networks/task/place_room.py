@@ -74,7 +74,7 @@ class PlaceRoom:
 
 @dataclass(frozen=True)
 class PlaceRooms:
-    """All places of a task."""
+    """Free room at all places of a task."""
 
     places: tuple[PlaceRoom, ...] = ()
     errors: tuple[Finding, ...] = ()
@@ -111,7 +111,9 @@ def _where(place: Place, grid: GridMap) -> str:
 
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
-    """Return the places of a task's map, where it has one and the robot drives on it."""
+    """Return the free room at the places of a task's map; empty without a map, or if the robot doesn't drive
+    on it.
+    """
     loaded = task.knowledge.places
     if loaded is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
         return PlaceRooms()

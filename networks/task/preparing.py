@@ -62,7 +62,7 @@ class Prepared:
 
 
 class UnknownSituation(InputError):
-    """A run can't begin in a situation that isn't there."""
+    """Error: a run can't begin in a situation that the network lacks."""
 
 
 def beginning_at(network: ActionNetwork, situation: str) -> ActionNetwork:
@@ -280,7 +280,7 @@ def _checked(read: _Read) -> Checked:
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
-    """Return the robot, standing where the task says that it starts."""
+    """Return the robot at the start pose of the task."""
     grid = model.map if task.file.knowledge else None
     start = task.knowledge.start if task.knowledge.is_start_known else None
     return Robot(backend, spec, start, grid, is_start_exact=is_without_map(task.document))

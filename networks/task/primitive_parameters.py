@@ -132,7 +132,9 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
 
 
 def named_entry(field: FieldInfo) -> str:
-    """Return the entry whose names a parameter takes, as marked by the primitive; empty if it takes none."""
+    """Return the entry of the world model whose names a parameter takes, as the primitive marks it; empty if
+    none.
+    """
     marks = [mark for part in (field, *_options(field)) for mark in getattr(part, "metadata", ())]
     marks += [mark for part in _options(field) for mark in getattr(part, "__metadata__", ())]
     return next((mark.entry for mark in marks if isinstance(mark, Names)), "")

@@ -14,7 +14,7 @@ from .task_model import ActionEntry, GivenFact
 
 @dataclass(frozen=True)
 class Copied:
-    """An action of the future network: a copy of one of the file's actions."""
+    """Copy of an action of the task file for one element of a repeat."""
 
     source: str
     target: str

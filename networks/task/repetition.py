@@ -44,7 +44,7 @@ class NotRepeated(ValueError):
 
 
 class UnknownElement(LookupError):
-    """What `{each: NAME.KEY}` asks for isn't there; the message says what is."""
+    """Error: `{each: NAME.KEY}` names a missing element or key; the message says what exists."""
 
 
 def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
@@ -71,7 +71,7 @@ def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
 
 @dataclass(frozen=True, eq=False)
 class Repetition:
-    """A part that is repeated: what `start` leads to, up to `goal`."""
+    """A repeated part of the network, from the situation `start` to `goal`."""
 
     path: KeyPath
     """Position in the task's document."""
@@ -146,14 +146,14 @@ def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -
 
 
 class Nested(NamedTuple):
-    """A part with those that lie in it."""
+    """A repeated part with the repeated parts inside it."""
 
     part: Repetition
     within: tuple[Nested, ...]
 
 
 def nested(parts: Sequence[Repetition]) -> list[Nested]:
-    """Return the parts that lie in no other one, each with those that lie in it."""
+    """Return the outermost repeated parts, each with the parts inside it."""
     outer = [part for part in parts if not any(part.inner < other.inner for other in parts)]
     return [
         Nested(part, tuple(nested([other for other in parts if other.inner < part.inner]))) for part in outer

@@ -65,7 +65,7 @@ Primitives = Callable[[str], type[ActionPrimitive]]
 
 @dataclass(frozen=True)
 class Task:
-    """A checked task file."""
+    """A task file that was read and checked."""
 
     file: TaskFile
     document: Document
@@ -88,7 +88,7 @@ class Task:
         return _robot(self.document, self.file.robot)
 
     def check_capabilities(self, backend: Backend) -> None:
-        """Raise `FileError` naming every action whose primitive needs what the robot doesn't have."""
+        """Raise `FileError` naming every action whose primitive needs a capability that the robot lacks."""
         usable = (each for each in backend.capabilities() if getattr(each, "carrier", "hand") == "hand")
         self.check_kinds([type(each) for each in usable])
 

@@ -46,7 +46,7 @@ class TaskKnowledge:
         return found
 
     def all_places(self) -> dict[str, Place]:
-        """Places of the map, and those that the domains' files add."""
+        """Places of the map, and places that the domains' files add."""
         return {**(self.places.value.places if self.places else {}), **self._more_places()}
 
     def _more_places(self) -> dict[str, Place]:

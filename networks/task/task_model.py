@@ -79,7 +79,7 @@ class AttemptsEntry(FileModel):
 
 
 class FailEntry(FileModel):
-    """What a Fail of a cause leads to."""
+    """Result of a Fail of a certain cause: the situation that it leads to."""
 
     to: str | None = None
     """The situation: same facts, other knowledge (default: it remains as it is)."""
@@ -92,7 +92,7 @@ OTHER_CAUSES = "else"
 
 
 class ActionEntry(FileModel):
-    """One action of the network."""
+    """An action in a task file."""
 
     do: str
     """Name of the primitive."""
@@ -144,12 +144,12 @@ class ActionEntry(FileModel):
 
     @property
     def leads_to(self) -> list[str]:
-        """All situations that it may lead to, that of a Fail last."""
+        """All situations that the action may lead to, that of a Fail last."""
         return [*(each.target for each in self.endings), *self.fail_situations]
 
     @property
     def on_fail(self) -> str | None:
-        """The situation that a Fail leads to whose cause has none of its own."""
+        """Situation that a Fail leads to if its cause has none of its own; None: the situation stays."""
         if isinstance(self.fails, str):
             return self.fails
         named = self._by_cause.get(OTHER_CAUSES)
@@ -157,12 +157,12 @@ class ActionEntry(FileModel):
 
     @property
     def fail_entries(self) -> dict[str, FailEntry]:
-        """What Fails of named causes lead to."""
+        """Results of Fails, by the name of their cause."""
         return {cause: each for cause, each in self._by_cause.items() if cause != OTHER_CAUSES}
 
     @property
     def fail_situations(self) -> list[str]:
-        """All situations that a Fail may lead to, that of unnamed causes last."""
+        """All situations that a Fail may lead to, that of causes without an entry last."""
         return [each for each in (*(e.to for e in self.fail_entries.values()), self.on_fail) if each]
 
     @property
@@ -175,7 +175,7 @@ class ActionEntry(FileModel):
 
     @property
     def p_success(self) -> float | None:
-        """Probability of Success, whatever situation it leads to; None: not given."""
+        """Probability of Success, with any target situation; None if it is not given."""
         every = [each.p for each in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 

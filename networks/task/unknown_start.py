@@ -25,7 +25,7 @@ START_KEY = ("knowledge", "start")
 
 
 class Parts(NamedTuple):
-    """Situations and actions of a network that is built from them."""
+    """Situations and actions from which a network is built."""
 
     situations: list[Situation]
     actions: list[Action]
@@ -51,13 +51,7 @@ def with_locate(parts: Parts, kind: type[ActionPrimitive]) -> Parts:
 
 
 def start_findings(document: Document, robot: RobotFile, has_map: bool) -> Iterator[Finding]:
-    """Yield what a robot lacks to find its start.
-
-    Args:
-        document: of the task.
-        robot: robot file.
-        has_map: whether the task names a map.
-    """
+    """Yield findings on what a robot lacks to find its start."""
     missing = []
     if not has_map:
         missing.append("the key `map`")

@@ -51,7 +51,7 @@ class Fixed(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A block that was put where it goes."""
+    """A block that was placed at its goal."""
 
     number: int
     pose: Pose2

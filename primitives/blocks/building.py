@@ -21,7 +21,7 @@ BlockNumber = Annotated[int, Field(ge=1), Names("blocks")]
 
 
 class LandmarkPlan(LevelPose):
-    """A landmark, on the map."""
+    """Landmark of the building plan, with its pose on the map."""
 
     side_mm: Positive = 60.0
     place: str
@@ -49,12 +49,12 @@ class Table(LevelPose):
 
     @property
     def box(self) -> Box:
-        """Its slab, posed on the map."""
+        """Return the table's slab, posed on the map."""
         return Box(self.pose @ transform((0.0, 0.0, -self.thickness_m / 2)), (*self.size_m, self.thickness_m))
 
 
 class Building(FileModel):
-    """A building plan."""
+    """Building plan: blocks, their goals, tables and landmarks."""
 
     format: Literal["handcart-building/1"]
     block_mm: tuple[Positive, Positive, Positive]

@@ -16,9 +16,7 @@ VIEW_DISTANCE_M = 0.30  # from the camera down to what it looks at
 
 
 def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
-    """Return the tables, the blocks that wait and those that were put where they go, posed in the base
-    frame.
-    """
+    """Return the tables, the waiting blocks and the placed blocks, posed in the base frame."""
     plan = building(model)
     base_T_map = standing(robot, model).inverse().lift()
     boxes = [table.box for table in plan.tables.values()]

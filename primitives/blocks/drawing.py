@@ -23,7 +23,7 @@ class DrawnStart(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base."""
+        """map_T_base at the start."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
 

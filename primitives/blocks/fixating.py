@@ -50,7 +50,7 @@ BASE_TILT_COVARIANCE = np.diag([0.010, 0.010, 0.010]) ** 2
 
 
 class Fixation(NamedTuple):
-    """Result of a fixation."""
+    """Result of a fixation: the pose of the base and its accuracy."""
 
     planned_T_base: Pose2
     """dT_M, the travelling error."""

@@ -80,7 +80,7 @@ class LandmarkViews:
         self.frames = 0
 
     def look(self) -> Generator[None, None, None]:
-        """Take one more picture."""
+        """Take another picture and update the explanations."""
         robot = self._robot
         yield from settle(robot)
         yield
@@ -223,7 +223,7 @@ class LandmarkViews:
 
 
 def offsets(rings: int) -> list[tuple[float, float]]:
-    """x and y of views beside a first one in [m], the nearest first."""
+    """Return x and y of views around a first one, in [m], the nearest first."""
     steps = [SEARCH_STEP_M * n for n in range(-rings, rings + 1)]
     views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
     return sorted(views, key=lambda each: (math.hypot(*each), math.atan2(each[1], each[0])))

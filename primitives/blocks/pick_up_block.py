@@ -192,7 +192,7 @@ class PickUpBlock(ActionPrimitive):
 
 
 def unlike_block(robot: Robot, model: ModelView) -> str:
-    """Return why the held object cannot be a block of the plan; empty if it may be one."""
+    """Return why the held object cannot be a block of the plan; empty if it may be a block."""
     plan = building(model)
     if _grips(robot, plan):
         return ""

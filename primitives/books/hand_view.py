@@ -26,7 +26,7 @@ _ALONG = np.linspace(-0.5, 0.5, 9)
 
 
 class HandView(NamedTuple):
-    """A picture, and from where it was taken."""
+    """Picture of the hand's camera, with the pose of the shelf in the camera's frame."""
 
     image: ByteArray
     camera: CameraModel
@@ -51,7 +51,7 @@ def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[N
 
 
 def held_book(robot: Robot, book: Book) -> Box | None:
-    """Return the book in the hand, posed in the hand frame; None where the hand doesn't hold it."""
+    """Return the book in the hand, posed in the hand frame; None if the hand doesn't hold the book."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return held_box(robot, book) if gripper is not None and holds(robot, book) else None
 

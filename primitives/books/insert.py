@@ -195,11 +195,11 @@ class Insert(HeldBookPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return the book, held: the board and what bounds its slot."""
+        """Return the contacts of the held book with the board and with the limits of its slot."""
         return row_contacts(model, self.shelf)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Pull straight back."""
+        """Pull the book straight back out of its slot."""
         yield from retrace(robot, start, trace)
         if self._strongest > PUSHES_BACK:
             raise NeedsPerson(

@@ -174,7 +174,9 @@ class Release(HeldBookPrimitive):
         return stands
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return its book, which the fingers push home; held, the board and what bounds its slot."""
+        """Return the contacts of the fingers with the book, and of the held book with the board and its
+        slot's limits.
+        """
         books = model.of(Books)
         own = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", own), *row_contacts(model, self.shelf)

@@ -93,7 +93,7 @@ class Search(ActionPrimitive):
     _last: HandView | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the hand holds anything but the recognized book, past which it looks."""
+        """Return why the search can't begin: the hand holds an object other than the recognized book."""
         return unlike_book(robot, model) if is_holding(robot) else ""
 
     @override

@@ -21,22 +21,14 @@ class WallClockError(RuntimeError):
 
 
 class TickTime(ModuleType):
-    """The module `time` as py_trees sees it.
-
-    While a tree is ticked in this thread, its clocks return the robot's time. Otherwise, and for every other
-    function, it is the standard library's `time`.
-    """
+    """Replacement of the module `time` for py_trees, which counts the robot's time."""
 
     def __getattr__(self, name: str) -> Any:
         """Return an attribute of the standard library's `time`."""
         return getattr(time, name)
 
     def sleep(self, seconds: float) -> None:
-        """Sleep, but never during a tick.
-
-        Raises:
-            WallClockError: a tree is being ticked; it would hold up the robot.
-        """
+        """Sleep for a time in [s]; in a tick of a behaviour, raise `WallClockError`."""
         if _robot_time.get() is not None:
             raise WallClockError(f"a behaviour sleeps for {seconds} s in a tick; allowed: return RUNNING")
         time.sleep(seconds)

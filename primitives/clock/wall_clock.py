@@ -34,11 +34,7 @@ def refuse_wall_clock(nodes: Iterable[Behaviour]) -> None:
 
 @cache
 def wall_clock_reads(kind: type) -> tuple[str, ...]:
-    """Return where the code of a primitive or behaviour reads the wall clock, in words; empty if nowhere.
-
-    Follows the functions, classes and behaviours that the code names, in the package of the class; behaviours
-    also in other packages. Code that is compiled, or found by name at run time, is not seen.
-    """
+    """Return where the code of a primitive or behaviour reads the wall clock, as text; empty if nowhere."""
     serve_library()
     return tuple(dict.fromkeys(_Search(kind.__name__).in_class(kind)))
 

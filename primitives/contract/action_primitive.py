@@ -80,13 +80,15 @@ class ActionPrimitive(FileModel, ABC):
 
     @classmethod
     def usual_hand_use(cls) -> HandUse:
-        """Return what instances require of the hand and leave in it, where parameters do not decide."""
+        """Return what all instances require of the hand and leave in it, unless parameters decide that."""
         if cls.hand is not None:
             return cls.hand
         return USE_UNDECLARED if Gripper in cls.needs and not cls.only_knowledge else USES_NO_FINGERS
 
     def hand_use(self) -> HandUse:
-        """Return what it requires of the hand and leaves in it; override where parameters decide."""
+        """Return what the primitive requires of the hand and leaves in it; override if parameters decide
+        that.
+        """
         return self.usual_hand_use()
 
     def needs_arm_inside(self) -> bool:
@@ -94,9 +96,8 @@ class ActionPrimitive(FileModel, ABC):
         return self.arm_inside
 
     def thing(self, model: ModelView) -> str:
-        """Return the name of the thing that it takes, carries or lets go, as simulated worlds call it.
-
-        Empty: not known yet, or any thing.
+        """Return the name, in simulated worlds, of the thing that the primitive takes, carries or
+        releases.
         """
         return ""
 
@@ -110,7 +111,7 @@ class ActionPrimitive(FileModel, ABC):
 
     @abstractmethod
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        """One choice of actuators and sensor feedback, until its end is reached."""
+        """Control the robot by one choice of actuators and sensor feedback, until the end is reached."""
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Check a condition of every period, also while restoring.
@@ -126,7 +127,7 @@ class ActionPrimitive(FileModel, ABC):
         yield
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Asked at rest at the end: whether what was to be achieved is seen."""
+        """Return whether the wanted effect is observed; called at rest at the end of the motion."""
         return True
         yield
 
@@ -150,7 +151,7 @@ class ActionPrimitive(FileModel, ABC):
         return ()
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """After a point of no return: bring the robot out of the way; nothing is retraced."""
+        """Bring the robot out of the way after a point of no return; nothing is retraced."""
         return
         yield
 

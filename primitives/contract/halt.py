@@ -19,7 +19,7 @@ PRESSING_FORCE_N = 5.0  # on the hand: less is none, for a reading that is off
 
 
 def halt(robot: Robot) -> Generator[None, None, None]:
-    """Stop, and wait until nothing moves; without readings there is nothing to wait for.
+    """Stop the robot, and wait until nothing moves; without readings, don't wait.
 
     A hand that presses is commanded to its measured pose: an arm jammed by a base that slid would
     otherwise push the base aside, little by little. The jam follows the arm, so the command is repeated.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Intents:
-    """Hears of effects that can't simply be done once more; this one keeps nothing.
+    """Receiver of announcements of effects that can't be repeated; this base class keeps none.
 
     A run's journal keeps them, so that after a crash it is known what may have happened.
     """
@@ -17,7 +17,7 @@ class Intents:
 
     @property
     def kept(self) -> bool:
-        """True once all announcements would outlast a crash."""
+        """True if all announcements so far would outlast a crash."""
         return True
 
 

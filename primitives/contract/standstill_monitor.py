@@ -23,11 +23,7 @@ class StandstillMonitor:
         self._place, self._driven = robot.pose, 0.0
 
     def check(self) -> None:
-        """Check once a period.
-
-        Raises:
-            Discrepancy: the base was commanded to drive for long and has not moved.
-        """
+        """Raise `Discrepancy` if the base does not move although it is driven; called once a period."""
         robot = self._robot
         moved = (
             robot.pose.distance(self._place) > MIN_MOTION[0] or robot.pose.turn(self._place) > MIN_MOTION[1]

@@ -28,7 +28,7 @@ class TrackingErrorMonitor:
         self._off = 0
 
     def check(self) -> None:
-        """Once a period; raises `Discrepancy` where a joint is not where it was commanded to be."""
+        """Raise `Discrepancy` if a joint is not at its commanded position; called once a period."""
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         if arm is None:
             return

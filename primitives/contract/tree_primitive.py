@@ -51,7 +51,9 @@ class TreePrimitive(ActionPrimitive):
 
 
 class GeneratorBehaviour(Behaviour):
-    """A generator of periods as a leaf: RUNNING while it yields, FAILURE if it returns False."""
+    """Leaf of a behaviour tree made of a generator of periods: RUNNING while it yields, FAILURE if it returns
+    False.
+    """
 
     def __init__(self, name: str, factory: Step) -> None:
         """Name the leaf; `factory` is called each time that the leaf starts."""

@@ -206,7 +206,7 @@ class Deploy(TreePrimitive):
         return room or math.inf  # what can't be reached from there anyway needs nothing
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return the sensor, and the ground that it is put on."""
+        """Return the contacts of the hand with the sensor, and of the sensor with the ground."""
         return model.of(FieldWork).sensor_contact(self.target), *(
             MeantContact("held", name) for name in GROUND_NAMES
         )

@@ -31,7 +31,7 @@ MAX_QUOTED_CHARACTERS = 60  # characters of what is wrong
 
 
 class TargetRow(NamedTuple):
-    """One target in a file, unparsed."""
+    """A target's row in a file, unparsed."""
 
     line: int
     columns: dict[str, int]

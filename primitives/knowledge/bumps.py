@@ -88,11 +88,7 @@ def _away(robot: Robot, points: FloatArray) -> FloatArray:
 
 
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
-    """Look whether the base was stopped in the last period; once a period.
-
-    Raises:
-        Discrepancy: it was; where, is in the world model from now on.
-    """
+    """Record a bump if the base was stopped in the last period; called once a period."""
     blocked = robot.blocked
     if blocked is None:
         return

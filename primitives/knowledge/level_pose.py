@@ -24,7 +24,7 @@ class LevelPose(FileModel):
 
     @property
     def floor(self) -> Pose2:
-        """Pose without its height."""
+        """Pose on the map without its height."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
     @property
@@ -33,5 +33,5 @@ class LevelPose(FileModel):
         return self.floor.lift(self.height_m)
 
     def body(self, size: tuple[float, float, float], name: str) -> Box:
-        """Return a box resting there, with `size` along its x, y and z in [m]."""
+        """Return a box that rests at the pose, with `size` along its x, y and z in [m]."""
         return Box(self.floor.lift(self.height_m + size[2] / 2), size, name)

@@ -10,7 +10,9 @@ RobotPart = Literal["base", "arm", "hand", "held"]
 
 
 class MeantContact(NamedTuple):
-    """A part of the robot, and what it is to touch: by its name in the world, `*` for any characters."""
+    """Intended contact: a part of the robot, and the name of the touched body in the world, `*` for any
+    characters.
+    """
 
     part: RobotPart
     other: str

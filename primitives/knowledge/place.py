@@ -72,7 +72,7 @@ class Place(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base."""
+        """map_T_base of a robot at the place."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
     @property

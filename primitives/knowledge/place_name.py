@@ -8,7 +8,7 @@ from pydantic import Field
 
 
 class Names(NamedTuple):
-    """Marks a parameter: it names one of these of the world model, so files can be checked."""
+    """Mark of a parameter that holds a name of an entry of the world model, so that files can be checked."""
 
     entry: str
 

@@ -90,7 +90,7 @@ class Section:
 
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
-        """Read the files that a task names; what is wrong is added to `files.findings`."""
+        """Read the files that a task names; faults are added to `files.findings`."""
         read = {key: files.read(key, partial(load, model=model)) for key, model in cls.FILES.items()}
         return cls(**{key: found for key, found in read.items() if found is not None})
 
@@ -129,7 +129,7 @@ class Section:
 
     @classmethod
     def entries(cls) -> tuple[str, ...]:
-        """Names of its entries."""
+        """Return the names of the section's entries."""
         return tuple(each.name for each in fields(cls))
 
     def forget_element(self) -> None:

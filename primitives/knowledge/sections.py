@@ -12,7 +12,7 @@ from .section import Section
 
 @cache
 def section_class(domain: Domain) -> type[Section] | None:
-    """Return the section of a domain, imported; None where it has none."""
+    """Return a domain's section class, imported; None for a domain without one."""
     found: type[Section] | None = imported(domain.knowledge.section) if domain.knowledge else None
     return found
 
@@ -24,11 +24,7 @@ def sections() -> dict[str, type[Section]]:
 
 
 def name_of(kind: type[Section]) -> str:
-    """Return the domain whose section it is.
-
-    Raises:
-        LookupError: no domain declares it.
-    """
+    """Return the name of the domain that a section belongs to."""
     return _name_of(cast(Any, kind))
 
 

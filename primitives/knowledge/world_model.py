@@ -26,14 +26,14 @@ from .sections import name_of, sections
 
 
 class Declares(Protocol):
-    """Says what of the world model it reads and writes, as every primitive does."""
+    """Declaration of what is read and written in the world model, as every primitive makes it."""
 
     reads: ClassVar[tuple[str, ...]]
     writes: ClassVar[tuple[str, ...]]
 
     @classmethod
     def label(cls) -> str:
-        """Return its name."""
+        """Return the name of the primitive in task files."""
         ...
 
 
@@ -42,7 +42,7 @@ class UnknownFact(HandcartError, LookupError):
 
 
 class UndeclaredAccess(HandcartError, AttributeError):
-    """A primitive reads or writes an entry of the world model that it didn't declare."""
+    """Error: a primitive reads or writes an entry of the world model that it didn't declare."""
 
 
 class Detour(NamedTuple):
@@ -119,7 +119,7 @@ class WorldModel:
         return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return a domain's section."""
+        """Return the section of a domain, given its class."""
         name = name_of(kind)
         section = self._section(name, kind)
         assert isinstance(section, kind)
@@ -138,7 +138,7 @@ class WorldModel:
             section.forget_element()
 
     def view(self, primitive: Declares) -> ModelView:
-        """Return the model as this primitive may use it."""
+        """Return the model restricted to what a primitive declares."""
         return ModelView(self, primitive)
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
@@ -172,7 +172,7 @@ class WorldModel:
 
     @classmethod
     def entry_types(cls) -> dict[str, Any]:
-        """Return the types of all entries, those of the domains' sections too."""
+        """Return the types of all entries, those of domains included."""
         found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
         for section in sections().values():
             found |= {name: types_of(section)[name] for name in section.entries()}

@@ -17,7 +17,15 @@ def hand_to_tips(robot: Robot) -> float:
 
 
 def open_to(robot: Robot, width: float | None = None) -> Periods:
-    """Open the fingers to `width` in [m], None: fully, and wait until they are there."""
+    """Open the fingers, and wait until they are there.
+
+    Args:
+        robot: robot with a gripper.
+        width: wanted opening between the pads, in [m]; None: the largest.
+
+    Raises:
+        Discrepancy: the fingers don't reach the opening.
+    """
     spec = robot.spec.gripper
     most = spec.opening_mm / 1e3 if spec is not None else 0.0
     goal = most if width is None else min(width, most)
@@ -56,6 +64,13 @@ def holds(robot: Robot, width: float, most: float) -> bool:
 
 
 def width_off(robot: Robot, width: float, most: float, what: str) -> Measured:
-    """Return the difference between the opening and a width for a Discrepancy; `what` names the width."""
+    """Return the difference between the measured opening and a width, for a Discrepancy.
+
+    Args:
+        robot: robot with a gripper.
+        width: expected opening, in [m].
+        most: largest allowed difference, in [m].
+        what: name of the expected opening.
+    """
     off = 1e3 * abs(robot.gripper.width() - width)
     return Measured("Gripper", f"opening off {what}", off, 1e3 * most, "mm")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Calibrated(NamedTuple):
-    """A value of the robot's file, as it was measured; its unit is in the key."""
+    """A measured value of the robot's file; its unit is in the key."""
 
     value: float | tuple[float, ...]
     sigma: float | tuple[float, ...]

@@ -33,7 +33,7 @@ MAX_CALLS = 12  # calls that are kept
 
 @dataclass(frozen=True)
 class Cause:
-    """Cause that ended a motion or a way back."""
+    """Cause that ended a motion or the restoring after it."""
 
     reason: str
     """Message for people."""

@@ -9,7 +9,7 @@ from .causes import UNNAMED
 
 
 class Measured(NamedTuple):
-    """The reading that decided, and what was allowed."""
+    """Reading that decided an outcome, with its limit."""
 
     sensor: str
     """Capability of the reading: RangeSensor, Camera, Arm ..."""

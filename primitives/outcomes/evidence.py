@@ -30,5 +30,5 @@ class Evidence:
     """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
 
     def blame(self, error: Exception, restoring: bool = False) -> None:
-        """Note what an exception that left the primitive says of why."""
+        """Record the cause that an exception states."""
         self.causes.append(cause_of(error, restoring))

@@ -14,7 +14,7 @@ _MEASURED = object()
 
 @dataclass(frozen=True)
 class Success:
-    """The motion was completed and, if a sensor can observe it, its effect was observed at rest."""
+    """Outcome: the motion was completed and, if a sensor can observe it, its effect was observed at rest."""
 
     evidence: Mapping[str, float | str] = field(default_factory=dict)
     result: str = ""
@@ -23,9 +23,8 @@ class Success:
 
 @dataclass(frozen=True)
 class Fail:
-    """It could not be completed, and everything is as it was at the start: measured, within tolerance.
-
-    Only `fail_if_restored` makes one.
+    """Outcome: the motion was not completed, and everything is as at the start: measured, within
+    tolerance.
     """
 
     reason: str
@@ -42,7 +41,7 @@ class Fail:
 
 @dataclass(frozen=True)
 class GiveUp:
-    """Only a person can help; the robot holds still."""
+    """Outcome: only a person can help; the robot holds still."""
 
     reason: str
     residuals: Residuals = field(default_factory=Residuals)

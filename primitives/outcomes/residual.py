@@ -69,7 +69,9 @@ class Residual:
 
     @classmethod
     def from_label(cls, label: str, value: float, limit: float | None) -> Residual:
-        """Return the residual that a journal holds under a label."""
+        """Return a residual from its text in old journals; value and limit are in the unit that the label
+        names.
+        """
         start, end = _OBJECT_LABEL
         if label.startswith(start) and label.endswith(end) and len(label) >= len(start + end):
             return cls(ResidualKind.OBJECT, value, limit, label[len(start) : -len(end)])
@@ -88,21 +90,21 @@ class Residuals(Mapping[str, float]):
 
     @property
     def all(self) -> tuple[Residual, ...]:
-        """The residuals themselves."""
+        """All residuals as a tuple."""
         return tuple(self._by_label.values())
 
     def of(self, kind: ResidualKind) -> Residual | None:
-        """Return the residual of one of the robot's own parts; None if it was not measured."""
+        """Return the residual of a kind that belongs to the robot itself; None if it was not measured."""
         return next((residual for residual in self.all if residual.kind is kind), None)
 
     @property
     def beyond(self) -> Residuals:
-        """Those beyond their limits."""
+        """Residuals beyond their limits."""
         return Residuals(residual for residual in self.all if not residual.is_within)
 
     @property
     def moved(self) -> Residuals:
-        """Those beyond their limits that count as motion."""
+        """Residuals beyond their limits that count as motion."""
         return Residuals(residual for residual in self.all if residual.is_motion)
 
     @property

@@ -27,11 +27,7 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
 
 
 def hold_measured(robot: Robot) -> Generator[None, None, None]:
-    """Command the arm to where it was measured, so that it no longer presses.
-
-    A reading beyond a joint's limit counts as at the limit. Joints that are further from their command than
-    they move in a period get several periods.
-    """
+    """Command the arm to its measured joints, so that it no longer presses."""
     arm, model = robot.arm, robot.arm_model
     start = arm.command()
     goal = model.clipped(arm.joints())

@@ -94,7 +94,7 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
 
 
 def is_holding(robot: Robot) -> bool:
-    """Return whether the fingers press on something that keeps them apart."""
+    """Return whether an object keeps the pressing fingers apart."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return bool(gripper and gripper.closed_on_something() and gripper.width() > MIN_HELD_WIDTH_M)
 

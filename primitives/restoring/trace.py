@@ -14,7 +14,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Moment(NamedTuple):
-    """One period of a trace: base, arm and gripper on one time line."""
+    """State of the robot in one period: base, arm and gripper."""
 
     pose: Pose2
     """map_T_base as estimated."""
@@ -54,7 +54,7 @@ class Trace:
             self.moments[number] = self.moments[number]._replace(pose=pose, odometry_pose=odometry_pose)
 
     def record(self) -> None:
-        """Take this period down."""
+        """Record the robot's state in this period."""
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         gripper = self._robot.backend.get(Gripper)  # type: ignore[type-abstract]
         joints = arm.command().copy() if arm else np.empty(0)

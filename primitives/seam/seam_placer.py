@@ -16,7 +16,15 @@ FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": Fr
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """Return the work of the robot's tool by the robot's file; raise `Discrepancy` if it has no tool."""
+    """Return the work of the robot's tool by the robot's file.
+
+    Args:
+        spec: robot's file.
+        speed: speed of the tool, in [m/s]; None: that of the file.
+
+    Raises:
+        Discrepancy: the robot has no tool.
+    """
     tool = spec.tool
     if tool is None:
         raise Discrepancy("the robot's file has no tool", permanent=True, cause=causes.UNSUITABLE)

@@ -8,7 +8,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class DrivesTo(NamedTuple):
-    """The end of a straight way."""
+    """End of the straight drive of a base along a seam."""
 
     place: str
     """Name of the place there."""
@@ -54,7 +54,7 @@ class SeamWork(NamedTuple):
 
     @property
     def rest(self) -> tuple[SeamPart, ...]:
-        """All that is divided and not yet tracked."""
+        """Parts of the seam that are divided and not yet tracked."""
         return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:

@@ -28,13 +28,13 @@ class WorkBox(FileModel):
 
     @property
     def box(self) -> Box:
-        """Posed on the map."""
+        """Return the box, posed on the map."""
         floor = Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
         return Box(floor.lift(self.above_m + self.size_m[2] / 2), self.size_m, self.name)
 
 
 class WorkPiece(FileModel):
-    """A work piece, with what it lies on."""
+    """A work piece, with the boxes that it lies on."""
 
     format: Literal["handcart-work-piece/1"]
     boxes: Annotated[tuple[WorkBox, ...], Field(min_length=1)]

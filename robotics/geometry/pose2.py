@@ -35,7 +35,7 @@ class Pose2(NamedTuple):
         )
 
     def inverse(self) -> Pose2:
-        """b_T_a of a_T_b."""
+        """Return b_T_a of this pose a_T_b."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return Pose2(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, wrap(-self.theta))
 

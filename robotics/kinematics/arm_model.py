@@ -99,7 +99,7 @@ class ArmModel:
 
     @property
     def dof(self) -> int:
-        """Number of joints n."""
+        """Number n of the arm's joints."""
         return len(self.joint_names)
 
     def within(self, q: FloatArray, rounding: float = 0.0) -> bool:

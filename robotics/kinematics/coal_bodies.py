@@ -19,7 +19,7 @@ _CELLS = (200, 100, 50, 25)  # that a mesh is divided into along its longest sid
 
 @cache
 def meshes() -> Any:
-    """Coal's loader: a mesh is read once, however many models have it."""
+    """Return coal's mesh loader, which reads each mesh once for all models."""
     return pin.coal.CachedMeshLoader()
 
 
@@ -62,10 +62,10 @@ def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
 
 
 def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> object:
-    """Coal's mesh of a file: STL, OBJ, DAE and others.
+    """Return a mesh file as coal loads it; `scale` is a factor along each axis, without unit.
 
     Raises:
-        ValueError: it can't be read.
+        ValueError: the file can't be read as a mesh.
     """
     try:
         return meshes().load(path, np.array(scale))

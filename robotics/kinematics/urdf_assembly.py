@@ -12,7 +12,7 @@ _REFERENCES = (("parent", "link"), ("child", "link"), ("mimic", "joint"))
 
 
 class Part(NamedTuple):
-    """A URDF that is fixed onto a link of what is there already."""
+    """A URDF that is to be fixed onto a link of another one."""
 
     urdf_text: str
     onto: str

@@ -20,7 +20,7 @@ INERTIA_ROUNDED = 1e-9
 
 
 class JointFacts(NamedTuple):
-    """A joint that moves."""
+    """Facts on a movable joint of a URDF."""
 
     name: str
     kind: str

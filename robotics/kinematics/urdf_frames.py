@@ -51,7 +51,7 @@ def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
 
 
 def triple(element: ElementTree.Element | None, key: str) -> Triple:
-    """Three numbers of an attribute; zeros where it is missing."""
+    """Return the three numbers of an attribute; zeros if it is missing."""
     x, y, z = map(float, ("0 0 0" if element is None else element.get(key, "0 0 0")).split())
     return x, y, z
 

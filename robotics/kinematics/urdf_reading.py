@@ -12,7 +12,7 @@ _NOT_WELL_FORMED = "the URDF is not well-formed"
 
 
 class UrdfFault(NamedTuple):
-    """One thing wrong in a URDF; line and column count from 1."""
+    """A fault of a URDF; line and column count from 1."""
 
     line: int
     column: int
@@ -31,13 +31,13 @@ class UrdfFaults(ValueError):
 
 
 class UrdfElement(ElementTree.Element):
-    """An element of XML, and the position of its tag; 0 for one that comes from no file."""
+    """An XML element with the position of its tag, which is 0 for an element that is not from a file."""
 
     line: int = 0
     column: int = 0
 
     def fault(self, message: str) -> UrdfFault:
-        """Something wrong with it."""
+        """Return a fault at this element."""
         return UrdfFault(self.line, self.column, message)
 
 

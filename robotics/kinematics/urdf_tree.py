@@ -34,18 +34,7 @@ def kinematic_urdf(urdf_text: str) -> str:
 
 
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
-    """Return the URDF with only the joints `moving` left movable, and those that follow one of them.
-
-    Followers move independently here: see `followers_of`. Every other joint becomes fixed at its position:
-    at `standing[name]` in [rad] or [m], otherwise at zero; one that mimics another at the position that
-    follows from it. A moving continuous joint becomes a revolute one limited to -pi to pi: Pinocchio would
-    describe it by a cosine and a sine, and we want one number a joint. Visual bodies are dropped.
-
-    Raises:
-        ValueError: the text is not a URDF, or one of the names is not a movable joint of it, or one that
-            follows
-            another.
-    """
+    """Return the URDF with only the joints `moving`, and the joints that follow one of them, movable."""
     return _urdf_of_arm(urdf_text, tuple(moving), tuple(standing.items()))
 
 

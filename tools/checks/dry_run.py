@@ -17,7 +17,7 @@ def dry_run(
     script: Path | None,
     as_json: bool,
 ) -> int:
-    """Check a task with all its files, print what would be done; the exit status that a run would have."""
+    """Check a task with all its files, and print what would be done; return the exit status of such a run."""
     import orjson
 
     from handcart.backends.loading.robot_loading import load_robot

@@ -21,7 +21,7 @@ MAX_FINDING_LINES = 12  # more are grouped by kind
 
 
 class CheckOptions(NamedTuple):
-    """Options of a check."""
+    """Options of `handcart check`."""
 
     picture: Path | None = None
     every: bool = False

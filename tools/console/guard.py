@@ -23,7 +23,7 @@ TICKETS_PATH = "/ticket/"
 
 
 class Guard(OwnPage):
-    """Refuses before anything is done, with a status and a reason in words."""
+    """Middleware that refuses unauthorized requests with a status and a reason, before anything is done."""
 
     @web.middleware
     async def check(self, request: web.Request, handler: Handler) -> web.StreamResponse:

@@ -62,7 +62,7 @@ class Handlers:
         ]
 
     async def events(self, request: web.Request) -> web.StreamResponse:
-        """All runs and who commands: a line of JSON now, and for each change."""
+        """Stream all runs and the holder of the lease: a line of JSON now, and one for each change."""
         tab = _tab(request)
         answer = web.StreamResponse(headers={"Content-Type": "application/x-ndjson"})
         await answer.prepare(request)
@@ -79,7 +79,7 @@ class Handlers:
             self._lease.gone(tab)
 
     async def run(self, request: web.Request) -> web.Response:
-        """Answer with the details of one run."""
+        """Send the details of a run."""
         name = request.match_info["run"]
         folder = self._folder(request)
         state: Mapping[str, Any] = next(each for each in self._watcher.states() if each["name"] == name)

@@ -35,7 +35,7 @@ class NoConsole(InputError):
 
 
 class Server:
-    """Serves until it is over; the runs don't notice whether it does."""
+    """Web server of the console; the runs do not depend on it."""
 
     def __init__(self, runs: Path, host: str | None, port: int | None) -> None:
         """Bind the port.
@@ -61,7 +61,7 @@ class Server:
         """With the token behind `#`, which no browser sends or logs."""
 
     def serve(self, over: Callable[[], bool]) -> None:
-        """Serve until `over`."""
+        """Serve requests until `over` returns True."""
         asyncio.run(self._serve(over))
 
     def close(self) -> None:

@@ -53,7 +53,7 @@ class Watcher:
             await asyncio.sleep(LOOKS_S)
 
     async def away(self, work: Any, *words: Any) -> Any:
-        """Do what takes its time beside the server's loop."""
+        """Run a slow function in a thread beside the server's loop."""
         return await asyncio.get_running_loop().run_in_executor(self._pool, work, *words)
 
     async def tell_all(self) -> None:
@@ -63,7 +63,7 @@ class Watcher:
             self._changed.notify_all()
 
     async def newer(self, version: int, patience: float) -> int:
-        """Wait until there is a newer version than that, or for `patience` [s]; gives today's."""
+        """Wait until there is a newer version, at most `patience` [s]; return the current version."""
         async with self._changed:
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._changed.wait_for(lambda: self._version > version), patience)
@@ -88,7 +88,7 @@ class Watcher:
         return [self._state(name, listed) for name, listed in self._listed.items()]
 
     def close(self) -> None:
-        """Let go of what is still asked."""
+        """Stop the pending work."""
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:

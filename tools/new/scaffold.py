@@ -27,7 +27,7 @@ class NotAName(InputError):
 
 
 class FolderInUse(InputError):
-    """A folder that has files in it."""
+    """Error: the folder for a new project contains files."""
 
 
 class Starter(NamedTuple):

@@ -22,5 +22,5 @@ class AskedToEnd:
 
     @property
     def status(self) -> int:
-        """The exit status a shell expects: 128 and the first signal's number; 0 where none has come."""
+        """Exit status that a shell expects: 128 and the first signal's number; 0 without a signal."""
         return 128 + self._signals[0] if self._signals else 0

@@ -42,7 +42,7 @@ class CampaignWords:
         self._settling, self._learned = settling, learned
 
     def lines(self) -> Iterator[str]:
-        """Yield lines for people."""
+        """Yield the report as lines for people."""
         report = self._report
         low, high = report.wilson
         count = len(report.trials)
@@ -117,7 +117,7 @@ class CampaignWords:
         return exact_goal(Path(self._arguments["task"]), self._arguments["settings"])
 
     def facts(self) -> dict[str, Any]:
-        """Return fields for programs."""
+        """Return the report as fields for programs."""
         from handcart.evaluation.campaigns.statistics.divergence import first_difference
 
         report, median, goal = self._report, self._report.median_run, self._exact()

@@ -64,7 +64,7 @@ class Progress(RunObserver):
             self._status.stop()
 
     def event(self, event: Event) -> None:
-        """Print an event."""
+        """Print an event of the run."""
         match event:
             case Planned(time, situation, NoWay()):
                 self._line(time, f"no way leads on from {situation}")

@@ -34,7 +34,7 @@ class RareWords:
         return [f"seed {trial.seed}: {each}" for trial in self._trials for each in trial.untrue]
 
     def lines(self) -> Iterator[str]:
-        """Yield lines for people."""
+        """Yield the report as lines for people."""
         found, count = self._found, len(self._trials)
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:
@@ -62,7 +62,7 @@ class RareWords:
             yield f"\nrun folders of some that ended so: {', '.join(kept[:10])}"
 
     def facts(self) -> dict[str, Any]:
-        """Return fields for programs."""
+        """Return the report as fields for programs."""
         found = self._found
         return {
             "rare": dict(self._event),

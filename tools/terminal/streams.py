@@ -44,7 +44,7 @@ class Streams:
 
     @property
     def lost(self) -> str:
-        """Why not all could be written to stdout; empty where it could."""
+        """Return why output to stdout was lost; empty if all was written."""
         error = self._error
         return "" if error is None else os.strerror(error)
 

@@ -14,7 +14,7 @@ from .key_holding import held_key
 
 
 class TerminalOperator(Operator):
-    """Asks on stderr, and reads what is typed."""
+    """Operator at the terminal: questions go to stderr, answers are typed."""
 
     @override
     def tell(self, words: str) -> None:

@@ -10,7 +10,7 @@ from handcart.files.whole_file import write_whole
 
 
 class NotWritable(InputError):
-    """The file cannot be written where the user wants it."""
+    """Error: a file cannot be written at the requested path."""
 
     def __init__(self, path: Path, why: str | None, allowed: str = "a file in a folder that exists") -> None:
         super().__init__(f"{path} can't be written: {why}; allowed: {allowed}")

@@ -59,7 +59,7 @@ class Bench:
 
     @property
     def time(self) -> float:
-        """Simulated, in [s]."""
+        """Simulated time, in [s]."""
         return self._drives.time
 
     @property
@@ -73,7 +73,7 @@ class Bench:
         return self.master
 
     def serve(self) -> None:
-        """Let the drives take in, and answer, all that has been sent to them."""
+        """Let the drives receive and answer all frames sent to them."""
         self._drives.serve()
 
     def tick(self, seconds: float) -> None:

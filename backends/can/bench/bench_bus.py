@@ -29,7 +29,7 @@ class BenchBus(can.BusABC):
 
     @property
     def state(self) -> can.BusState:
-        """See python-can."""
+        """State of the interface, as python-can defines it."""
         return self.condition
 
     @state.setter
@@ -37,7 +37,15 @@ class BenchBus(can.BusABC):
         self.condition = new_state
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """See python-can."""
+        """Send a frame, as python-can's `Bus.send` does.
+
+        Args:
+            msg: frame to send.
+            timeout: not used, in [s].
+
+        Raises:
+            can.CanOperationError: the interface is down or its queue is full.
+        """
         if self.down:
             raise can.CanOperationError("Network is down", errno.ENETDOWN)
         if self.full:
@@ -55,7 +63,7 @@ class BenchBus(can.BusABC):
         self.held.clear()
 
     def flush_tx_buffer(self) -> None:
-        """See python-can."""
+        """Discard the frames that the interface holds back, as python-can defines it."""
         self.held.clear()
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
@@ -66,6 +74,6 @@ class BenchBus(can.BusABC):
         return self._inner.recv(timeout), True
 
     def shutdown(self) -> None:
-        """See python-can."""
+        """Close the interface, as python-can defines it."""
         super().shutdown()
         self._inner.shutdown()

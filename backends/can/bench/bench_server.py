@@ -46,11 +46,7 @@ class BenchServer:
         self._slice = period / _SLICES if bench.inner is None else period
 
     def serve(self, until: Callable[[], bool]) -> None:
-        """Serve until that becomes true; it is asked at least once a period.
-
-        Raises:
-            can.CanError: of the interface.
-        """
+        """Serve until `until()` returns True; it is called at least once a period."""
         while not until():
             self._bench.line.wait(self._has_passed, self._slice / 2 if self._alone else self._period / 2)
             self.catch_up()

@@ -22,7 +22,7 @@ class UnknownFault(InputError):
 
 
 class InjectedFault(NamedTuple):
-    """One fault."""
+    """A fault of a drive or of the bus that a bench can cause."""
 
     rows: str
     """Row ids in docs/reference/faults.md."""

@@ -16,17 +16,15 @@ _STUFFED, _PLAIN = 34, 13
 
 
 def frame_bits(length: int) -> int:
-    """Bits of a data frame with `length` bytes on the wire, the space behind it included, at worst.
-
-    Davis, Burns, Bril, Lukkien (2007), Controller area network (CAN) schedulability analysis, eq. 1: of
-    the bits that can be stuffed, every fourth is followed by one more.
+    """Return the largest number of bits of a data frame with `length` bytes on the wire, the space behind it
+    included.
     """
     stuffed = _STUFFED + 8 * length
     return stuffed + _PLAIN + (stuffed - 1) // 4
 
 
 class CyclicFrame(NamedTuple):
-    """A frame that goes out again and again."""
+    """A frame that is sent in each period, or every few periods."""
 
     what: str
     """Sender and kind of the frame, as shown to the user."""
@@ -37,7 +35,7 @@ class CyclicFrame(NamedTuple):
 
     @property
     def bits(self) -> int:
-        """On the wire, at worst."""
+        """Largest number of bits of the frame on the wire."""
         return frame_bits(self.length)
 
 
@@ -61,7 +59,7 @@ class BusLoad:
 
     @property
     def share(self) -> float:
-        """Share of the bus that all of them take together."""
+        """Share of the bus that all cyclic frames take together, from 0 to 1."""
         return sum(map(self.share_of, self.frames))
 
     @property

@@ -98,7 +98,7 @@ class CanLine(canopen.Network):
         return True
 
     def drain(self) -> None:
-        """Take in what has come so far."""
+        """Receive all frames that have arrived so far."""
         for _ in range(_BURST):
             frame = self._bus.recv(0.0)
             if frame is None:
@@ -106,10 +106,7 @@ class CanLine(canopen.Network):
             self._take(frame)
 
     def flush(self) -> None:
-        """Discard what the interface has not sent yet.
-
-        Many interfaces cannot do that; the commands that follow, to stop, are then sent after the queue.
-        """
+        """Discard the frames that the interface has not sent yet."""
         with suppress(NotImplementedError, can.CanError):  # `stop` must go on to send them
             self._bus.flush_tx_buffer()
 

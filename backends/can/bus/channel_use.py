@@ -53,7 +53,7 @@ def own_channel(name: str) -> str:
 
 
 def other_channel_hint(interface: str, name: str) -> str:
-    """Return what to do where a channel is taken."""
+    """Return advice for a channel that is in use by another program."""
     example = f", such as {own_channel(name)}" if interface == UDP_MULTICAST else ""
     return f"allowed: a channel for each robot or bench{example}, here and in the robot's file"
 

@@ -70,7 +70,7 @@ class ChannelTaken(InputError):
 
 
 class CanFault(RobotFault):
-    """The robot can't be driven any more; a person has to look."""
+    """Error on the CAN bus: the robot can't be driven any more; a person has to look at it."""
 
 
 class BusFault(CanFault):
@@ -118,7 +118,7 @@ class DriveNotReady(CanFault):
 
 
 class WrongDrive(CanFault):
-    """A drive can't do what is needed, or doesn't take a setting."""
+    """Error: a drive lacks a needed function, or rejects a setting."""
 
     def __init__(self, drive: str, what: str, got: str, allowed: str) -> None:
         super().__init__(f"{drive}: {what} is {got}; allowed: {allowed}")
@@ -133,7 +133,7 @@ class EncoderWraps(CanFault):
 
 @dataclass(frozen=True)
 class Difference:
-    """A setting that is not what was written."""
+    """A setting of a drive whose value differs from the written one."""
 
     drive: str
     index: int
@@ -150,7 +150,7 @@ class Difference:
 
 
 class ReadBackDiffers(CanFault):
-    """Settings are not what was written; nothing moves."""
+    """Error: settings of drives differ from the written ones; nothing moves."""
 
     def __init__(self, differences: Sequence[Difference]) -> None:
         self.differences = tuple(differences)
@@ -209,7 +209,7 @@ class BrokenOff(CanFault):
 
 
 class LateLoop(CanFault):
-    """This program doesn't keep its periods."""
+    """Error: this program doesn't keep its control periods."""
 
     def __init__(self, trouble: str) -> None:
         super().__init__(f"the control loop is too slow: {trouble}")

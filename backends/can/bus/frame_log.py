@@ -83,7 +83,7 @@ class FrameLog(Recording):
         self._count, self._number, self._size = 0, 0, 0
 
     def note(self, frame: can.Message, sent: bool) -> None:
-        """Take a frame down."""
+        """Record a frame."""
         now = self._clock()
         own = sent or abs(frame.timestamp - now) > _OTHER_CLOCK
         kept = copy(frame)

@@ -21,7 +21,7 @@ class PdoField(FileModel):
 
 
 class PdoNames(FileModel):
-    """A PDO."""
+    """Names of a PDO and of its fields."""
 
     node: int
     what: str
@@ -30,7 +30,7 @@ class PdoNames(FileModel):
 
 
 class FrameNames(FileModel):
-    """Names of the nodes and PDOs of a bus, as the program that controls it has set it up."""
+    """Names of the nodes and PDOs of a bus, as the controlling program has configured them."""
 
     time: str
     """Kind of the time stamps: `unix`, in [s] since 1970, or `robot`, the simulated robot's time."""

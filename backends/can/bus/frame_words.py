@@ -30,7 +30,7 @@ _ABORT = 0x80
 
 
 class FrameDescription(NamedTuple):
-    """A frame in words."""
+    """Description of a frame as text."""
 
     who: str
     """The node that it is from, or for."""

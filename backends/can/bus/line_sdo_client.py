@@ -14,7 +14,7 @@ _FRAMES = 16  # of one answer: what is asked for are numbers
 
 
 class NoAnswer(SdoCommunicationError):
-    """Nothing has come in time."""
+    """Error: no answer has arrived in time."""
 
 
 class LineSdoClient(SdoClient):
@@ -30,12 +30,12 @@ class LineSdoClient(SdoClient):
     _left = _FRAMES
 
     def upload(self, index: int, subindex: int) -> bytes:
-        """See the library."""
+        """Read an object of a node, as canopen's `SdoClient.upload` does."""
         self._left = _FRAMES
         return super().upload(index, subindex)
 
     def download(self, index: int, subindex: int, data: bytes, force_segment: bool = False) -> None:
-        """See the library."""
+        """Write an object of a node, as canopen's `SdoClient.download` does."""
         self._left = _FRAMES
         super().download(index, subindex, data, force_segment)
 

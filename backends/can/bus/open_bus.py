@@ -26,7 +26,7 @@ class EchoFreeBus(can.BusABC):
         super().__init__(channel=bus.channel_info)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """See python-can."""
+        """Send a frame, as python-can's `Bus.send` does, with a time-out in [s]."""
         self._sent.append((msg.arbitration_id, bytes(msg.data)))
         self._inner.send(msg, timeout)
 
@@ -46,7 +46,7 @@ class EchoFreeBus(can.BusABC):
         return True
 
     def shutdown(self) -> None:
-        """See python-can."""
+        """Close the interface, as python-can defines it."""
         super().shutdown()
         self._inner.shutdown()
 

@@ -31,7 +31,7 @@ OBJECT_BITS = {
 
 
 class Pdo(NamedTuple):
-    """One frame of process data."""
+    """A PDO: one frame of process data with its mapped objects."""
 
     number: int
     """Number of the PDO, from 1."""
@@ -46,7 +46,7 @@ class Pdo(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """The frames of one drive."""
+    """The process data frames (PDOs) of one drive."""
 
     commands: tuple[Pdo, ...]
     """To it, COB-IDs 200h, 300h ... + node. Those after the first go out only when they change."""

@@ -73,7 +73,11 @@ class Axes(Mapping[str, Axis]):
         look(self.values())
 
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
-        """Give all of them torque, standing; raises `CanFault`. See `enabling`."""
+        """Enable the torque of all drives at standstill; see `enabling`.
+
+        Raises:
+            CanFault: a drive can't be enabled.
+        """
         enable(tuple(self.values()), simulated, beat)
         self._checks = [AxisCheck(axis) for axis in self.values()]
 
@@ -83,7 +87,7 @@ class Axes(Mapping[str, Axis]):
             axis.send()
 
     def sync(self) -> None:
-        """End a period: ask for answers, and take those in that come within half of one."""
+        """End a period: send SYNC, and receive the answers that arrive within half a period."""
         self._line.drain()  # what is late belongs to an earlier SYNC
         for axis in self.values():
             axis.ask()
@@ -107,7 +111,7 @@ class Axes(Mapping[str, Axis]):
             axis.hold()
 
     def quick_stop(self) -> None:
-        """Stop all, each in its own way."""
+        """Stop all axes, each with its own kind of stop."""
         _each(axis.quick_stop for axis in self.values())
 
     @property
@@ -117,7 +121,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def periods_to_rest(self) -> int:
-        """Within which a quick stop brings all of them to rest."""
+        """Number of periods within which a quick stop brings all axes to rest."""
         longest = max(axis.limits.speed / axis.limits.braking for axis in self.values())
         return 3 + round(longest / self._period)
 
@@ -126,7 +130,7 @@ class Axes(Mapping[str, Axis]):
         _each(axis.disable for axis in self.values())
 
     def leave(self) -> None:
-        """Take commands no more: a PDO that comes late moves nothing."""
+        """Stop accepting commands: a PDO that arrives late moves nothing."""
         _each(axis.leave for axis in self.values())
 
     @property

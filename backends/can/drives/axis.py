@@ -41,11 +41,8 @@ _CREEP = 0.01  # of top speed: no way is planned slower
 
 
 class Axis(canopen.RemoteNode):
-    """A CiA 402 drive in one mode of operation; speeds and positions in SI units of what it drives.
-
-    `command` says what the next period is for, `send` sends it; the drive answers each SYNC with two PDOs:
-    statusword, position and mode; velocity, torque and error code. In profile position each new set-point
-    makes the handshake of CiA 402 (bits 4 and 12), and counts at once (bit 5).
+    """A CiA 402 drive in one mode of operation; speeds and positions are those of the driven part, in SI
+    units.
     """
 
     def __init__(
@@ -127,14 +124,7 @@ class Axis(canopen.RemoteNode):
     # Single objects, at rest
 
     def read(self, index: int, subindex: int = 0) -> int:
-        """Read an object.
-
-        Raises:
-            SilentDrive: nothing answers.
-            WrongDrive: the answer is invalid.
-            SdoAbortedError: the drive refuses.
-            KeyError: the drive's EDS file has no such object.
-        """
+        """Return the value of an object of the drive."""
         with self._asked_for(index):
             return int(self._object(index, subindex).raw)
 
@@ -182,7 +172,7 @@ class Axis(canopen.RemoteNode):
             self.network.unsubscribe(pdo.cob_id, pdo.on_message)
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
-        """See the library; the client needs no thread."""
+        """Create canopen's SDO client for this node; it needs no thread."""
         client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
         self.sdo_channels.append(client)
         return client
@@ -230,7 +220,9 @@ class Axis(canopen.RemoteNode):
             speed.transmit()
 
     def end_handshake(self) -> None:
-        """After the answers: take the request for a new set-point back; count those that weren't taken."""
+        """Withdraw the request for a new set-point after the drive's answer, and count set-points that it
+        ignored.
+        """
         if not self._asks or not self.answered:
             return
         self._asks = False
@@ -238,12 +230,12 @@ class Axis(canopen.RemoteNode):
         self._send(State402.CW_OPERATION_ENABLED, 0x607A, self._sent or 0)
 
     def quick_stop(self) -> None:
-        """Send a quick stop; how it ends is what the drive was set to."""
+        """Send a quick stop; the drive's own settings decide how it ends."""
         self._asks = False
         self._send(State402.CW_QUICK_STOP, *self._standing())
 
     def disable(self) -> None:
-        """Take its torque away, where it may lose it."""
+        """Disable the drive's torque, unless its stop in the robot's file is to hold."""
         if self.spec.stop != HOLD_COMMAND:
             self._send(State402.CW_DISABLE_VOLTAGE, *self._standing())
 
@@ -264,22 +256,22 @@ class Axis(canopen.RemoteNode):
         self._asked += 1
 
     def advance(self) -> None:
-        """Update after a period."""
+        """Advance the expected motion by a period."""
         self.expected.advance(self._target, self._top, self.period)
 
     @property
     def unanswered(self) -> int:
-        """SYNCs since the last that it answered."""
+        """Number of SYNCs since the last one that the drive answered."""
         return self._asked - self._answered
 
     @property
     def ever_answered(self) -> bool:
-        """True if it has answered a SYNC."""
+        """True if the drive has answered a SYNC."""
         return self._answered > 0
 
     @property
     def missing(self) -> list[Pdo]:
-        """Those answers to the last SYNC that are not there."""
+        """Answers to the last SYNC that have not arrived."""
         return [each for each in self.layout.answers if each.objects[0] not in self._fresh]
 
     @property
@@ -325,7 +317,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def jump(self) -> str:
-        """The first jump of its position in words, and what it says of the encoder."""
+        """Description of the first jump of the drive's position, and its likely cause in the encoder."""
         bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
         size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
         if bits is None:
@@ -346,7 +338,9 @@ class Axis(canopen.RemoteNode):
 
     @property
     def slack(self) -> float:
-        """Largest distance beyond its limits at which it may be enabled, in [m] or [rad]."""
+        """Largest distance of the position beyond its limits at which the drive may be enabled, in [m] or
+        [rad].
+        """
         return self.limits.window if self.positioned else math.inf
 
     @property

@@ -35,13 +35,13 @@ class AxisLimits(NamedTuple):
 
 
 def rim_speed(robot: RobotFile) -> float:
-    """Return the most that a wheel's rim ever has to run, in [m/s]."""
+    """Return the highest speed that a wheel's rim ever needs, in [m/s]."""
     drive = robot.drive
     return drive.top_speed_m_s + math.radians(drive.top_turn_deg_s) * drive.tread_m / 2
 
 
 def rim_acceleration(robot: RobotFile) -> float:
-    """Return the most by which a wheel's rim ever has to speed up, in [m/s²]."""
+    """Return the highest acceleration that a wheel's rim ever needs, in [m/s²]."""
     drive = robot.drive
     return drive.acceleration_m_s2 + math.radians(drive.turn_acceleration_deg_s2) * drive.tread_m / 2
 

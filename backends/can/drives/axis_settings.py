@@ -101,11 +101,7 @@ def _mode(axis: Axis, period: float) -> Iterator[ObjectValue]:
 
 
 def interpolation_time(period: float) -> tuple[int, int]:
-    """Return a period in [s] as 60C2h has it: value times ten to the index.
-
-    Raises:
-        ValueError: a byte can't hold it.
-    """
+    """Return a period in [s] in the form of object 60C2h: a value and a power of ten."""
     for index in (-3, -4, -5, -2, -6):
         value = period / 10.0**index
         if abs(value - round(value)) < 1e-6 and 1 <= round(value) <= 255:

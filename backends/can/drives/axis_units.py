@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class AxisUnits:
-    """Counts never leave `backends/can`."""
+    """Conversion between a drive's counts and [m] or [rad]; counts never leave `backends/can`."""
 
     scale: float
     """Counts for a metre or a radian, signed."""
@@ -23,11 +23,15 @@ class AxisUnits:
         return (counts - self.zero) / self.scale
 
     def rate(self, value: float) -> int:
-        """Counts/s or counts/s² for a speed or an acceleration, with its sign."""
+        """Return a speed or acceleration, in [m] or [rad] per second (squared), as signed counts/s or
+        counts/s².
+        """
         return round(value * self.scale)
 
     def size(self, value: float) -> int:
-        """Return the same rate without a sign."""
+        """Return the size of a speed or acceleration, in [m] or [rad] per second (squared), as counts/s or
+        counts/s².
+        """
         return abs(self.rate(value))
 
     def speed(self, counts: float) -> float:
@@ -36,5 +40,5 @@ class AxisUnits:
 
 
 def unwrapped(counts: int, before: int, size: int = 2**32) -> int:
-    """Return by how much counts have changed that start over after `size` of them."""
+    """Return the change of a counter that starts over after `size` counts."""
     return (counts - before + size // 2) % size - size // 2

@@ -28,18 +28,7 @@ _NEXT = {
 
 
 def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
-    """Enable all axes at rest; then start them on the network. If one isn't ready, none stays enabled.
-
-    Args:
-        axes: axes that are set up.
-        simulated: whether they answer at once, or never.
-        beat: sends our heartbeat if it is due.
-
-    Raises:
-        DriveNotReady: a drive has a fault, or doesn't become ready.
-        SilentDrive: a drive doesn't answer.
-        WrongDrive: a drive is at an impossible position, or refuses.
-    """
+    """Enable all axes at rest, then start them on the network; if one isn't ready, none stays enabled."""
     try:
         _enable(axes, simulated, beat)
         for axis in axes:

@@ -41,7 +41,7 @@ class PositionJumps:
         self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:
-        """Return by how many counts a way is longer than it can be, with its sign; 0 if it can be."""
+        """Return by how many counts a travel is longer than possible, signed; 0 for a possible travel."""
         reach = 2.0 * self._period * (periods + 1)
         lowest = min(0.0, *self._speeds) * reach - self._noise
         highest = max(0.0, *self._speeds) * reach + self._noise

@@ -23,7 +23,7 @@ class PositionRange(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Number of counts after which a position comes again."""
+        """Number of counts after which the position starts over."""
         return self.highest - self.lowest + 1
 
 

@@ -8,8 +8,14 @@ _CYCLE = 1e-3  # of a drive's own control loop [s]
 
 
 def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[float, float]:
-    """Return the way that is covered, and the velocity then, where it goes over to `target` at `rate` a
-    second.
+    """Return travel and final velocity of a ramp at constant acceleration, in [m] and [m/s] or [rad] and
+    [rad/s].
+
+    Args:
+        velocity: velocity at first, in [m/s] or [rad/s].
+        target: velocity at which the ramp ends and stays, in the same unit.
+        rate: acceleration, above zero, in [m/s²] or [rad/s²].
+        seconds: duration, in [s].
     """
     needs = abs(target - velocity) / rate if rate > 0.0 else math.inf
     if needs <= seconds:
@@ -21,17 +27,17 @@ def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[f
 def approach(
     way: float, velocity: float, top: float, rates: tuple[float, float], seconds: float
 ) -> tuple[float, float]:
-    """Return a trapezoidal velocity profile to a point, from whatever velocity it has.
+    """Return the motion with a trapezoidal velocity profile to a point, from any initial velocity.
 
     Args:
-        way: to the point.
-        velocity: at first.
-        top: speed that is not exceeded.
-        rates: speeding up and slowing down, a second.
-        seconds: that pass.
+        way: signed distance to the point, in [m] or [rad].
+        velocity: velocity at first, in [m/s] or [rad/s].
+        top: largest speed, in [m/s] or [rad/s].
+        rates: acceleration and deceleration, in [m/s²] or [rad/s²].
+        seconds: duration, in [s].
 
     Returns:
-        The way that is left, and the velocity then.
+        The remaining distance, and the velocity at the end.
     """
     for _ in range(round(seconds / _CYCLE)):
         if way == 0.0 and velocity == 0.0:

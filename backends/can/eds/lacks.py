@@ -82,5 +82,5 @@ def accepting(index: int) -> str:
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
-    """Return the lacks that an axis accepts, in words."""
+    """Return what the missing objects that the robot's file accepts for an axis leave unchecked, as text."""
     return [f"without {DEVICE_LACKS[each].what}: {DEVICE_LACKS[each].then}" for each in axis.without]

@@ -12,11 +12,11 @@ from handcart.files.errors import InputError
 
 
 class NoSensor(InputError):
-    """A sensor can't be opened, or isn't what the robot's file says."""
+    """Error: a sensor can't be opened, or differs from its section in the robot's file."""
 
 
 class StaleSensor(RobotFault):
-    """A sensor that is needed gives no new readings."""
+    """Error: a needed sensor delivers no new readings."""
 
     def __init__(self, sensor: str, age: float | None, allowed: float, why: str = "") -> None:
         status = "no reading has come yet" if age is None else f"its last reading is {1e3 * age:.0f} ms old"

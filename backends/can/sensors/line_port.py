@@ -13,7 +13,7 @@ _LONGEST = 1 << 14  # bytes of a line
 
 
 class LinePort:
-    """A serial port, or a socket, that gives lines; reading never waits."""
+    """A serial port or a socket that delivers lines of text; reading never blocks."""
 
     def __init__(self, sensor: str, port: str, baud: int) -> None:
         """Open it.
@@ -36,11 +36,7 @@ class LinePort:
         self._begun = b""
 
     def lines(self) -> Iterator[bytes]:
-        """Yield the whole lines that have come, without their ends.
-
-        Raises:
-            OSError: it can't be read any more.
-        """
+        """Yield the complete lines that have arrived, without their line ends."""
         came = self._begun + self._port.read(_MOST)
         *whole, self._begun = came.split(b"\n")
         if len(self._begun) > _LONGEST:
@@ -51,5 +47,5 @@ class LinePort:
                 yield line
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close the port."""
         self._port.close()

@@ -16,7 +16,7 @@ from .sensor_lines import SensorLine, read_line
 
 
 class LineSensor(LiveSensor):
-    """Takes lines of one kind; drops, and counts, those that are damaged or not newer than the last."""
+    """Sensor that sends lines of one kind; lines that are damaged or out of order are dropped and counted."""
 
     KIND: str
     """First word of its lines."""

@@ -37,7 +37,7 @@ class LiveSensor(ABC):
         """Why what comes is not used just now; "" while it is."""
 
     def advance(self) -> None:
-        """Read what arrived in the period that has passed."""
+        """Read the data that arrived in the last period."""
         self._now = self._clock()
         self._take_in()
 
@@ -47,7 +47,7 @@ class LiveSensor(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of it. A second call does nothing."""
+        """Close the device; a second call does nothing."""
 
     @property
     def age(self) -> float | None:

@@ -29,16 +29,12 @@ _KINDS: dict[str, type[Capability]] = {
 
 
 def sensor_kinds(sensors: SensorsSpec) -> tuple[type[Capability], ...]:
-    """Return the capabilities that these sensors give a robot; nothing is opened."""
+    """Return the capabilities that the sensors of a robot's file provide; nothing is opened."""
     return tuple(kind for key, kind in _KINDS.items() if getattr(sensors, key) is not None)
 
 
 def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.monotonic) -> list[LiveSensor]:
-    """Open them all, or none.
-
-    Raises:
-        NoSensor: one can't be opened, or the robot's file doesn't say what it measures.
-    """
+    """Open all sensors of a robot; if one fails, close the others again."""
     opened: list[LiveSensor] = []
     try:
         for key in _KINDS:

@@ -31,7 +31,7 @@ NO_SATELLITE_FIXES = {0: "invalid", 6: "estimated by dead reckoning", 7: "typed 
 
 
 class Position(NamedTuple):
-    """GGA: a fix."""
+    """Position of a satellite receiver: an NMEA sentence GGA."""
 
     utc: float
     """Time of day, in [s]."""

@@ -43,6 +43,6 @@ class RangeServer:
                 self._heard.remove(each)
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         for each in (self._listening, *self._heard):
             each.close()

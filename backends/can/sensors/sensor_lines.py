@@ -59,7 +59,7 @@ def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
 
 
 def read_line(line: bytes) -> SensorLine | None:
-    """Return a line; None where it is damaged, or of another kind of talk."""
+    """Return a parsed line; None if it is damaged or of another kind."""
     try:
         kind, stamp, *fields = body_of(line).decode("ascii").split(",")
         if not _STAMP.fullmatch(stamp):

@@ -8,10 +8,7 @@ from .drive_mode import SETPOINT_TAKEN, DriveMode
 
 
 class CyclicPosition(DriveMode):
-    """Mode 8: goes evenly to the target position (607Ah) within the interpolation period (60C2h).
-
-    The target is taken with each SYNC; where none came, the last one stays: the drive reaches it and holds.
-    """
+    """Mode 8: moves evenly to the target position (607Ah) within the interpolation period (60C2h)."""
 
     @override
     def begin(self) -> None:
@@ -39,7 +36,7 @@ class CyclicPosition(DriveMode):
 
     @property
     def status(self) -> int:
-        """See `DriveMode`; it follows (bit 12)."""
+        """Mode's bits of the statusword (6041h): bit 12, the drive follows its set-points."""
         return SETPOINT_TAKEN
 
 
@@ -63,7 +60,7 @@ class CyclicVelocity(DriveMode):
 
     @property
     def status(self) -> int:
-        """See `DriveMode`; it follows (bit 12)."""
+        """Mode's bits of the statusword (6041h): bit 12, the drive follows its set-points."""
         return SETPOINT_TAKEN
 
     @property

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass
 class DriveFaults:
-    """Nothing at first; a bench sets what a drive is to do wrong."""
+    """Faults of a simulated drive, none at first; a bench sets them."""
 
     silent: bool = False
     """It sends no PDOs any more, though it still listens."""

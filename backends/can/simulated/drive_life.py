@@ -51,7 +51,7 @@ class DriveLife:
 
     @property
     def state(self) -> str:
-        """Its name, as in CiA 402."""
+        """Name of the state in CiA 402."""
         return self._state
 
     @property
@@ -60,7 +60,7 @@ class DriveLife:
         return int(State402.SW_MASK[self._state][1]) | 0x0210
 
     def control(self, controlword: int) -> None:
-        """Take a controlword (6040h)."""
+        """Execute a controlword (6040h)."""
         rising = controlword & ~self._controlword
         self._controlword = controlword
         self._go("_reset" if rising & 0x80 else _trigger(controlword))
@@ -70,7 +70,7 @@ class DriveLife:
         self._go("_quick_stop")
 
     def disable(self) -> None:
-        """Voltage off."""
+        """Switch the voltage of the motor off."""
         self._go("_disable")
 
     def fail(self) -> None:

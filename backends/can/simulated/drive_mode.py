@@ -29,13 +29,18 @@ class Demand:
     """Below this position of the motor the negative limit switch is pressed, in [counts]."""
 
     def brake(self, rate: float, seconds: float) -> None:
-        """Slow down to rest."""
+        """Slow down to rest.
+
+        Args:
+            rate: deceleration, in [counts/s²].
+            seconds: duration, in [s].
+        """
         way, self.velocity = ramp(self.velocity, 0.0, rate, seconds)
         self.position += way
 
 
 class DriveMode(ABC):
-    """One mode of operation (6060h)."""
+    """A mode of operation (6060h) of a simulated drive."""
 
     def __init__(self, objects: DriveObjects, demand: Demand) -> None:
         self.objects, self.demand = objects, demand
@@ -49,7 +54,7 @@ class DriveMode(ABC):
         return
 
     def latch(self) -> None:
-        """Handle a SYNC."""
+        """Apply the received set-points at a SYNC."""
         return
 
     @abstractmethod
@@ -58,7 +63,7 @@ class DriveMode(ABC):
 
     @property
     def status(self) -> int:
-        """Its bits of the statusword (6041h)."""
+        """Mode's bits of the statusword (6041h)."""
         return 0
 
     @property

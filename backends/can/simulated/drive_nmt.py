@@ -6,10 +6,10 @@ from canopen.nmt import NmtSlave
 
 
 class DriveNmt(NmtSlave):
-    """The library's, whose heartbeats are not sent by a thread but as simulated time passes."""
+    """canopen's NMT slave, whose heartbeats are sent as simulated time passes instead of by a thread."""
 
     def start_heartbeat(self, heartbeat_time_ms: int) -> None:
-        """Send one each so many milliseconds of simulated time; 0: none."""
+        """Send a heartbeat once per interval, in [ms] of simulated time; 0: none."""
         self._heartbeat_time_ms = heartbeat_time_ms
         self._waited = 0.0
 

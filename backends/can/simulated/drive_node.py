@@ -152,12 +152,12 @@ class DriveNode(canopen.LocalNode):
             self._take_all(values)
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
-        """See the library, which finds a variable under any sub-index."""
+        """Return an object's data, as canopen's node does; a variable is found under any sub-index."""
         self._check_there(index, subindex)
         return super().get_data(index, subindex, check_readable)
 
     def set_data(self, index: int, subindex: int, data: bytes, check_writable: bool = False) -> None:
-        """See the library, which finds a variable under any sub-index."""
+        """Set an object's data, as canopen's node does; a variable is found under any sub-index."""
         self._check_there(index, subindex)
         super().set_data(index, subindex, data, check_writable)
 
@@ -271,7 +271,7 @@ class DriveNode(canopen.LocalNode):
             self.nmt.state = becomes
 
     def latch(self) -> None:
-        """Apply what waited for this SYNC."""
+        """Apply the set-points that waited for this SYNC."""
         waiting, self._waiting = self._waiting, []
         self._take_all(waiting)
         mode = self._modes.get(self._mode)
@@ -281,7 +281,7 @@ class DriveNode(canopen.LocalNode):
     # What goes out
 
     def answer(self) -> None:
-        """Send what goes out with a SYNC."""
+        """Send the PDOs that answer a SYNC."""
         if self.nmt.state != "OPERATIONAL" or self.wrong.silent or self.wrong.lost():
             return
         if not self.wrong.frozen:

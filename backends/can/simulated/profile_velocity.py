@@ -10,7 +10,7 @@ from .drive_mode import TARGET_REACHED, DriveMode
 
 
 class ProfileVelocity(DriveMode):
-    """Mode 3: goes over to the target velocity (60FFh) by 6083h and 6084h."""
+    """Mode 3: ramps to the target velocity (60FFh) with acceleration 6083h and deceleration 6084h."""
 
     @override
     def begin(self) -> None:

@@ -59,7 +59,7 @@ class SimulatedDrives:
         return VirtualBus(self._channel)
 
     def serve(self) -> None:
-        """Let the drives take in, and answer, all that has been sent to them."""
+        """Let the drives receive and answer all frames sent to them."""
         self.line.drain()
 
     def tick(self, seconds: float) -> None:

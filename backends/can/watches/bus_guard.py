@@ -19,7 +19,7 @@ from .watch import Watch
 
 
 class BusGuard:
-    """All watches together; they hear every frame from the beginning."""
+    """All watches of a bus together; they receive every frame from the beginning."""
 
     def __init__(self, line: CanLine, axes: Axes, spec: CanSpec, clock: Callable[[], float]) -> None:
         """Begin to listen.
@@ -55,7 +55,11 @@ class BusGuard:
         self._traffic.begin(self._clock())
 
     def check(self) -> None:
-        """Once a period: raises a `CanFault` if something is wrong."""
+        """Check the bus; called once a period.
+
+        Raises:
+            CanFault: a watch found a fault.
+        """
         now = self._clock()
         for watch in self._watches:
             watch.check(now)

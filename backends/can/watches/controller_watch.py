@@ -40,7 +40,7 @@ class ControllerWatch(Watch):
             self._warned = None if not detail & _WARNING else now if self._warned is None else self._warned
 
     def check(self, now: float) -> None:
-        """See `Watch`; raises `ControllerFault`."""
+        """Raise `ControllerFault` if the CAN controller reports a fault, at a time `now` in [s]."""
         if self._state() is can.BusState.ERROR:
             self._trouble = "off the bus (bus-off)"
         elif self._state() is can.BusState.PASSIVE:

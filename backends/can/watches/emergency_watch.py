@@ -18,7 +18,9 @@ _NODES = 0x7F
 
 
 class EmergencyWatch(Watch):
-    """EMCY (CiA 301) of all nodes on the bus, but those whose codes the robot's file allows."""
+    """Watch for EMCY messages (CiA 301) of all nodes on the bus, except codes that the robot's file
+    allows.
+    """
 
     def __init__(self, names: Mapping[int, str], allowed: Collection[int]) -> None:
         """Watch; `names` are those of nodes that are known, `allowed` error codes that don't matter."""

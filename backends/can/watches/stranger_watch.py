@@ -34,7 +34,7 @@ class StrangerWatch(Watch):
             self._seen = self._seen or frame
 
     def check(self, now: float) -> None:
-        """See `Watch`; raises `Stranger`."""
+        """Raise `Stranger` if a frame of another master was received, at a time `now` in [s]."""
         if self._seen is not None:
             data = self._seen.data.hex(" ")
             raise Stranger(f"a master's frame, {self._seen.arbitration_id:03X}h [{data}]")

@@ -13,10 +13,7 @@ def plain(frame: can.Message) -> bool:
 
 
 class Watch(ABC):
-    """Hears every frame, and is asked once a period whether all is well.
-
-    Times are those of the bench, or of the monotonic clock, in [s].
-    """
+    """Watch that receives every frame and is checked once a period."""
 
     def begin(self, now: float) -> None:
         """Begin to watch the drives, which are enabled."""

@@ -16,7 +16,7 @@ Read = Callable[[bool], Any]
 
 @dataclass(frozen=True, eq=False)
 class PartLook:
-    """One shape of a link."""
+    """Appearance of one shape of a link."""
 
     link: str
     kind: int

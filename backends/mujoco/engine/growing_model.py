@@ -27,7 +27,7 @@ class GrowingModel:
         self._tell, self._grown, self._stale = compiled, True, True
 
     def both(self) -> tuple[Any, Any]:
-        """Model and data, as of now; poses in the data may be those of before, see `links`."""
+        """Return model and data; poses in the data may be outdated, see `links`."""
         if self._grown or self._compiled is None:
             return self._compile()
         return self._compiled
@@ -45,11 +45,11 @@ class GrowingModel:
         return data
 
     def displaced(self) -> None:
-        """Coordinates have changed: poses follow when they are asked for."""
+        """Note that coordinates have changed: poses are computed when they are needed."""
         self._stale = True
 
     def forget(self) -> None:
-        """Let go of both."""
+        """Discard the compiled model and its data."""
         self._compiled, self._grown = None, True
 
     def _compile(self) -> tuple[Any, Any]:

@@ -71,11 +71,11 @@ class MujocoEngine(Engine):
 
     @property
     def data(self) -> Any:
-        """MuJoCo's data of it; poses of links in it may be those of before, see `links`."""
+        """MuJoCo's data; poses of links in it may be outdated, see `links`."""
         return self._grown.both()[1]
 
     def grow(self) -> int:
-        """Something is added to `world`; gives the number of a further body."""
+        """Note that a body was added to `world`; return its number."""
         self._grown.changed()
         self._forms.append(None)
         return len(self._forms) - 1
@@ -107,7 +107,7 @@ class MujocoEngine(Engine):
         return self._grown.links()
 
     def displaced(self) -> None:
-        """Coordinates were changed: poses follow when they are asked for."""
+        """Note that coordinates have changed: poses are computed when they are needed."""
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:

@@ -12,7 +12,7 @@ from handcart.files.errors import InputError
 
 
 class MissingMuJoCo(InputError):
-    """MuJoCo isn't installed."""
+    """Error: MuJoCo isn't installed."""
 
     def __init__(self) -> None:
         super().__init__(

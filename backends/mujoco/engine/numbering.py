@@ -13,7 +13,7 @@ _NOBODY = (-1, -1)
 
 
 class ThingNumbers(NamedTuple):
-    """Indices of a thing."""
+    """MuJoCo's indices of a thing's body and joint."""
 
     body: int
     position: int

@@ -17,7 +17,7 @@ _NAME = "pin {}"
 
 
 class Pins:
-    """Equalities between the hand and the held thing; which thing that is changes during the run.
+    """Equality constraints between the hand and the held thing; the thing changes during the run.
 
     In the model, the equalities of joints that mimic others precede them, with one constraint row each.
     """
@@ -27,7 +27,7 @@ class Pins:
         self._there, self._first = False, 0
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
-        """Have them in the model, open; `other` is some other body."""
+        """Add the constraints to a model, inactive; `other` is any other body."""
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         self._first = len(spec.equalities)
         assert all(each.type == kinds.mjEQ_JOINT for each in spec.equalities)
@@ -37,7 +37,7 @@ class Pins:
         self._there = True
 
     def closed(self, data: Any) -> bool:
-        """Return whether they hold something."""
+        """Return whether the pins hold a thing."""
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
@@ -49,7 +49,7 @@ class Pins:
         )
 
     def open(self, data: Any) -> None:
-        """Hold nothing."""
+        """Release the held thing."""
         if self._there:
             data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
 

@@ -13,7 +13,7 @@ _NOTHING = frozenset[Touching]()
 
 
 class Pressing:
-    """Contacts with forces, by the bodies that they belong to.
+    """Index of contacts with forces, by the bodies that touch.
 
     After most steps the same geometries touch as before, so the last result is cached.
     """

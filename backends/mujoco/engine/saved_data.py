@@ -16,7 +16,7 @@ _FREE = 7  # coordinates of a body that moves as it will
 
 
 def saved(model: Any, data: Any) -> dict[str, Any]:
-    """Return all that MuJoCo integrates, and what of it sleeps."""
+    """Return all of MuJoCo's state: what it integrates, and which bodies sleep."""
     kind = mujoco().mjtState.mjSTATE_INTEGRATION
     values = np.zeros(mujoco().mj_stateSize(model, kind))
     mujoco().mj_getState(model, data, values, kind)
@@ -24,11 +24,7 @@ def saved(model: Any, data: Any) -> dict[str, Any]:
 
 
 def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
-    """Bring back what `saved` gave of a model like this.
-
-    Raises:
-        NotAState: it is of another one.
-    """
+    """Restore a state that `saved` returned for an equal model."""
     if state.keys() != {"mujoco", "asleep"}:
         raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
     values = from_plain(state["mujoco"], FloatArray, "engine")

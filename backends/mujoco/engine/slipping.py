@@ -18,7 +18,7 @@ STICKING_SPEED_M_S = 0.005  # [m/s]: slower, what slid in the hand is held again
 
 
 class Slipping:
-    """Held thing, by pins that open while it slips."""
+    """Held thing, fixed by pins that open while it slips."""
 
     def __init__(self, pins: Pins, contacts_carry: float, period: float) -> None:
         """Prepare slipping with the share `Engine.CONTACTS_CARRY`.
@@ -38,12 +38,12 @@ class Slipping:
         self._pins.close(model, data, pinned, hand, other)
 
     def let_go(self, data: Any) -> None:
-        """Hold nothing."""
+        """Release the held thing."""
         self.pinned = None
         self._pins.open(data)
 
     def look(self, model: Any, data: Any, hand: int, other: int) -> None:
-        """Time has passed: let it slide while more pulls at it than holds it, and hold it where it stays."""
+        """Let the thing slide after a step if it is pulled harder than it is held; otherwise hold it."""
         pinned = self.pinned
         assert pinned is not None
         if self._pins.closed(data):

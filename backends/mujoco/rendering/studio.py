@@ -17,7 +17,7 @@ from .style import Style
 
 
 class Studio:
-    """Takes pictures of one size."""
+    """Renderer of pictures of one size."""
 
     def __init__(
         self, engine: MujocoEngine, robot: Sequence[PartLook], style: Style, size: tuple[int, int]

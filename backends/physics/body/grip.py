@@ -48,7 +48,7 @@ class Grip:
         return None if pinned is None else pinned.other
 
     def take(self, other: int) -> None:
-        """Hold a body where it is in the hand."""
+        """Fix a body to the hand at its current pose."""
         there = self._there(other)
         pinned = self._engine.pinned
         if pinned is not None and pinned.other == other:
@@ -60,7 +60,7 @@ class Grip:
         )
 
     def let_go(self) -> None:
-        """Hold nothing."""
+        """Release the held body."""
         if self.holds is not None:
             self._engine.pin(None)
 

@@ -14,10 +14,7 @@ MIN_TORQUE_RATIO = 0.03  # share of its torque that such a drive always has to g
 
 
 class JointGroup(ABC):
-    """Some joints of the robot in an engine. A command holds until the next one.
-
-    Positions are in [rad] or [m], speeds the same a second, torques in [Nm] or [N]; all are arrays (n,).
-    """
+    """Some joints of the robot in a physics engine. A command holds until the next one."""
 
     @abstractmethod
     def states(self) -> tuple[FloatArray, FloatArray]:

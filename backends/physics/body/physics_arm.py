@@ -74,7 +74,7 @@ class PhysicsArm(SimulatedArm):
         return self._felt()
 
     def begin(self, period: int) -> None:
-        """Begin a period."""
+        """Start the set-points and the noise of a period."""
         self._begin(period, loaded=self.load[0] > 0.0)
 
     def act(self, share: float, period: float) -> None:
@@ -104,7 +104,7 @@ class PhysicsArm(SimulatedArm):
         return torques
 
     def end(self) -> None:
-        """End a period."""
+        """Let the next period's set-points begin where those of this period ended."""
         self._from = self._command.copy()
 
     def _load_torque(self, angles: FloatArray) -> FloatArray | float:

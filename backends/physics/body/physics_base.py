@@ -15,12 +15,7 @@ from .wheel_drives import WheelDrives
 
 
 class PhysicsBase(CommandedBase):
-    """Driven wheels that roll and slip on a floor; those of one side turn together.
-
-    The file's errors of radius and tread are applied to the speeds, as if the wheels and their places
-    differed from the file; slip is physics. The yielding of tyres is imposed (`give`), because the
-    engine's are rigid.
-    """
+    """Base on driven wheels that roll and slip on a floor; the wheels of one side turn together."""
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
         """Take the driven wheels over; other links must slide on the floor.
@@ -41,7 +36,7 @@ class PhysicsBase(CommandedBase):
             body.cover(wheels.all, SCRUBBING_SURFACE)
 
     def begin(self, period: int) -> None:
-        """Begin a period."""
+        """Start the command of a period."""
         speed, turn_rate, _ = self._take_command()
         half = turn_rate / self._tread_scale * self._drive.tread_m / 2
         rims = np.where(self._right, speed + half, speed - half)
@@ -64,6 +59,6 @@ class PhysicsBase(CommandedBase):
         self._travel = WheelTravel(float(left), float(right))
 
     def rezero(self) -> None:
-        """Count from here on."""
+        """Count the wheels' travel from their current angles."""
         self.drives.rezero()
         self.read()

@@ -25,13 +25,7 @@ STEERING_TIME_S = 0.05  # time constant of the steering [s]
 
 
 class PhysicsCar(CommandedBase):
-    """Four driven wheels on ground that they roll on and slip on; those in front steer (Ackermann).
-
-    On two rockers, where the robot has them, all of them stay on the ground.
-
-    The wheels' speeds are those of a body that doesn't slip. Wheel travel is that of the rear wheels. Slip is
-    the engine's.
-    """
+    """Car on four driven wheels that roll and slip on the ground; the front wheels steer (Ackermann)."""
 
     STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
 
@@ -50,7 +44,7 @@ class PhysicsCar(CommandedBase):
         self._bend = 0.0
 
     def begin(self, period: int) -> None:
-        """Begin a period."""
+        """Start the command of a period."""
         speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period
@@ -59,7 +53,7 @@ class PhysicsCar(CommandedBase):
         self.drives.speeds = rims / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Do nothing: the wheels of a car do not give when its arm swings."""
+        """Do nothing: a car's wheels do not yield when its arm swings. `turn` is not used, in [rad]."""
 
     def act(self) -> None:
         """Command the drives for the next chunk of the period."""
@@ -77,6 +71,6 @@ class PhysicsCar(CommandedBase):
         self._travel = WheelTravel(float(left), float(right))
 
     def rezero(self) -> None:
-        """Count from here on."""
+        """Count the wheels' travel from their current angles."""
         self.drives.rezero()
         self.read()

@@ -54,11 +54,11 @@ class PhysicsGripper(SimulatedGripper):
 
     @property
     def opening(self) -> bool:
-        """True if it is commanded to open."""
+        """True if the gripper is commanded to open."""
         return self._command > self._target + PRESSING_LEAD_M
 
     def begin(self, period: int) -> None:
-        """Begin a period."""
+        """Start a period."""
         self._now = period
 
     def act(self, share: float) -> None:
@@ -69,7 +69,7 @@ class PhysicsGripper(SimulatedGripper):
         self._joints.stand(np.array([goal, goal]), self._most, FINGER_STEP_RATIO, np.array([rate, rate]))
 
     def end(self) -> None:
-        """End a period."""
+        """End a period: update the target width, and whether the fingers press on something."""
         self._target += max(-self._step, min(self._step, self._command - self._target))
         width = self.true_width()
         self._target = max(self._target, width - MAX_SET_POINT_LEAD_M)

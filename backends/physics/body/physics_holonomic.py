@@ -19,12 +19,7 @@ ROLLER_FRICTION = 0.6
 
 
 class PhysicsHolonomicBase(CommandedHolonomicBase):
-    """Wheels that carry the base without friction, and a drive that pushes it where they would.
-
-    Rollers are not simulated. The drive brings the base to the motion of `MecanumWheels`, with at most the
-    friction that rollers have under the base's weight. So the base is accelerated, held up by obstacles and
-    tipped as by wheels. The encoders follow the commands; the turning of the wheels is only seen.
-    """
+    """Base that slides without friction, pushed by a planar drive as its wheels would push it."""
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
         """Take the wheels over; `chunk` in [s] is how often the drives act."""
@@ -40,7 +35,7 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given, self._periods = 0.0, 0
 
     def begin(self, period: int) -> None:
-        """Begin a period."""
+        """Start the command of a period."""
         speed, turn_rate, sideways = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         rims = (speed - half, speed + half, sideways)
@@ -65,6 +60,6 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         """Take nothing: the encoders follow the commands."""
 
     def rezero(self) -> None:
-        """Count from here on."""
+        """Count the wheels' travel from here on."""
         self._travel = WheelTravel(0.0, 0.0)
         self.drives.rezero()

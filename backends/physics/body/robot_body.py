@@ -57,7 +57,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def put(self, base: Pose2, height: float = 0.0) -> None:
-        """Put the base elsewhere, on the floor or at a `height` above it in [m]."""
+        """Put the base at another pose, on the floor or at a `height` above it in [m]."""
 
     @abstractmethod
     def standing_pose(self) -> Transform:
@@ -89,7 +89,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
-        """Give links a surface."""
+        """Set the contact surface of links."""
 
     @abstractmethod
     def mirror(self, joints: tuple[str, str]) -> None:
@@ -100,11 +100,7 @@ class RobotBody(ABC):
         """Return the engine's numbers of the links that a joint moves."""
 
     def planar_drive(self) -> PlanarDrive:
-        """Return what pushes a base that drives in any direction.
-
-        Raises:
-            NoPlanarDrive: the engine has none.
-        """
+        """Return the drive that pushes a holonomic base."""
         raise NoPlanarDrive("this engine drives no holonomic base; allowed: the backends kinematic, mujoco")
 
     def sprung_masses(self) -> dict[str, float]:

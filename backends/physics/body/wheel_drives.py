@@ -58,7 +58,7 @@ class WheelDrives:
         )
 
     def rezero(self) -> None:
-        """Count from here on."""
+        """Count the wheels' turns from their current angles."""
         self._first = self._angles() - self._given
 
     def _angles(self) -> FloatArray:

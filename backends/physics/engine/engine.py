@@ -38,7 +38,7 @@ class Pinned:
 
 
 class Touching(NamedTuple):
-    """That a link of a body presses against another body."""
+    """Contact with force between a link of a body and another body."""
 
     link: int
     other: int
@@ -59,10 +59,7 @@ class ContactPoint(NamedTuple):
 
 
 class Engine(ABC):
-    """A physics engine of one's own: its clock, its bodies, its saved states. Bodies have numbers.
-
-    The solver's step divides the drives' period (`chunk`), which divides the control period.
-    """
+    """A physics engine with its clock, its bodies and its saved states. Bodies have numbers."""
 
     CHUNK: ClassVar[float]
     """[s] between two looks of the drives at their encoders, where that is less than a control period. An
@@ -130,7 +127,7 @@ class Engine(ABC):
 
     @abstractmethod
     def add_thing(self, form: ThingForm) -> int:
-        """Return a rigid body that moves as it will."""
+        """Add a rigid body that moves freely; return its number."""
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
@@ -138,7 +135,7 @@ class Engine(ABC):
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:
-        """Give a thing another mass, in [kg]."""
+        """Set the mass of a thing, in [kg]."""
 
     @abstractmethod
     def pose(self, body: int) -> Transform:
@@ -154,7 +151,7 @@ class Engine(ABC):
 
     @abstractmethod
     def touches(self, body: int, anything: bool) -> None:
-        """Let a thing touch what comes to it, or nothing at all."""
+        """Let a thing collide with everything, or with nothing at all."""
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
@@ -186,13 +183,10 @@ class Engine(ABC):
 
     @abstractmethod
     def state(self) -> dict[str, Any]:
-        """Plain data: where all bodies are and how they move, and what is held together."""
+        """Return positions, velocities and rigid connections of all bodies, as plain data."""
 
     @abstractmethod
     def set_state(self, state: object) -> None:
-        """Restore the state returned by `state`, of this engine or of one whose bodies were created in the
-        same order.
-
-        Raises:
-            NotAState: the data are not such a state.
+        """Restore a state returned by `state` of this engine, or of one whose bodies were created in the same
+        order.
         """

@@ -59,7 +59,7 @@ class Sticks(NamedTuple):
 
 
 class ThingForm(NamedTuple):
-    """A rigid body, where it is and how it looks."""
+    """A rigid body with its pose and its appearance."""
 
     middle: Transform
     """World pose (4, 4) of its middle, which is that of its mass."""

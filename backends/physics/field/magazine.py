@@ -17,7 +17,9 @@ PRESSING_PERIODS = 8  # periods that they get to press on it
 
 
 class Magazine(PropsBody):
-    """Holds the next sensor between the open fingers until they close on it; till then it touches nothing."""
+    """Magazine that holds the next sensor between the open fingers until they close on it; it touches nothing
+    until then.
+    """
 
     STATE: ClassVar[Kinds] = {"_given": int}
 
@@ -28,7 +30,7 @@ class Magazine(PropsBody):
 
     @property
     def keeps_grip(self) -> bool:
-        """See `PropsBody`: just given a sensor, the fingers needn't press on it yet."""
+        """Return True for a sensor just given to the hand, on which the fingers needn't press yet."""
         return self._given < PRESSING_PERIODS
 
     @override
@@ -46,14 +48,16 @@ class Magazine(PropsBody):
             sensor.rest, self._given = Rest.HAND, 0
 
     def act(self) -> None:
-        """See `PropsBody`: keep what waits where it is on the robot, however the robot moves."""
+        """Keep the waiting sensor at its place on the robot while the robot moves."""
         sensor, (engine, body, world, *_) = self._waiting(), self.pieces
         if sensor is not None and sensor.name in world.bodies:
             pose = body.base_pose() @ sensor.base_T_thing @ sensor.thing_T_middle
             engine.set_pose(world.bodies[sensor.name], pose)
 
     def end(self) -> None:
-        """See `PropsBody`: in a whole period what waits falls, and the robot drives on."""
+        """Put the waiting sensor back to its place on the robot, where it has fallen during a single long
+        step.
+        """
         if self.pieces.engine.chunks == 1:
             self.act()
 

@@ -18,7 +18,7 @@ class PhysicsFieldImu(FieldImu):
     """`FieldImu` for a base that is never completely at rest."""
 
     def advance(self, period: int) -> None:
-        """Update after a period."""
+        """Take the readings at the end of a period."""
         self._wander(period)
         SimulatedImu.advance(self, period)
         now, before = self._scene.base, self._speed

@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class PhysicsImu(SimulatedImu):
-    """Its accelerometers also feel how the base's motion changes, on the mean over two periods."""
+    """Inertial sensors whose accelerometers also feel the base's acceleration, averaged over two periods."""
 
     STATE: ClassVar = {**SimulatedImu.STATE, "_place": FloatArray, "_speed": FloatArray, "_sped": FloatArray}
 
@@ -24,7 +24,7 @@ class PhysicsImu(SimulatedImu):
         self._sped = np.zeros(3)
 
     def advance(self, period: int) -> None:
-        """Update after a period."""
+        """Take the readings at the end of a period."""
         super().advance(period)
         place = self._scene.world_T_base[:3, 3].copy()
         speed = (place - self._place) / self._period

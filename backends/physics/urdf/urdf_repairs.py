@@ -16,7 +16,7 @@ MIN_INERTIA_RATIO = 1e-6
 
 
 class Repair(NamedTuple):
-    """A link that isn't as its maker wrote it."""
+    """A correction of a link's mass or inertia, as text."""
 
     link: str
     what: str

@@ -22,9 +22,8 @@ GROUND_FRICTION = 1.0
 
 
 class Terrain:
-    """Waves of all directions, so that a base with wheels 0.6 m apart rolls and pitches as the world says.
-
-    It is made of tiles, height fields of 10 m, as the robot comes near; heights follow from the seed alone.
+    """Rough ground made of waves in all directions, so that a base with wheels 0.6 m apart rolls and pitches
+    as the world says.
     """
 
     def __init__(self, engine: Engine, ground: GroundSpec, seed: int) -> None:
@@ -54,7 +53,7 @@ class Terrain:
         return np.asarray(self._size * np.cos(phases).sum(axis=-1))
 
     def height_at(self, x: float, y: float) -> float:
-        """At one place, all in [m]."""
+        """Return the height of the ground at x and y in the world, all in [m]."""
         return float(self.height(np.array(x), np.array(y)))
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
@@ -68,7 +67,7 @@ class Terrain:
         return [tile for tile in near if tile not in self.tiles]
 
     def add(self, tile: tuple[int, int]) -> int:
-        """Make a tile; gives its body."""
+        """Create a tile of ground; return its body."""
         along = CELL_M * np.arange(CELLS_PER_SIDE + 1)
         corner = np.array(tile) * CELLS_PER_SIDE * CELL_M
         heights = self.height(*np.meshgrid(corner[0] + along, corner[1] + along))  # a row each y

@@ -80,7 +80,7 @@ class ThingBody:
         return white
 
     def asleep(self) -> bool:
-        """Return whether it sleeps from the beginning until something touches it."""
+        """Return whether the body sleeps from the beginning until another body touches it."""
         return False
 
     def look(self, eye: FloatArray) -> None:
@@ -90,7 +90,7 @@ class ThingBody:
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:
-        """Begin a period: give the body the mass of the thing."""
+        """Give the body the mass of the thing, at the beginning of a period."""
         if self.thing.mass != self._mass:
             self._mass = self.thing.mass
             self.engine.weigh(self.id, self._mass)

@@ -87,7 +87,7 @@ class WorldBodies:
             self._weighed.append(made)
 
     def keep_things(self) -> None:
-        """Begin a period: add bodies for new things, and give all the mass of their things."""
+        """Add bodies for new things and update all masses, at the beginning of a period."""
         for thing in self._scene.things():
             if thing.name not in self.things:
                 self.add(thing)
@@ -95,13 +95,16 @@ class WorldBodies:
             each.keep()
 
     def reach(self, x: float, y: float) -> None:
-        """Make sure that there is ground around a place, in [m]."""
+        """Make sure that there is ground around a place, x and y in the world, in [m]."""
         for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
             self._add_tile(tile)
 
     @property
     def made(self) -> list[tuple[int, int] | str]:
-        """Return the later additions in their order: tiles of the terrain, and things by name."""
+        """Create the missing bodies of a saved run, in the order in which that run created them.
+
+        The things are in the scene.
+        """
         return list(self._made)
 
     @made.setter
@@ -138,7 +141,7 @@ class WorldBodies:
         return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:
-        """Put surprises where they are at the scene's time."""
+        """Let surprises appear and disappear at the scene's time."""
         for body, solid in self._surprises:
             there = solid.appears <= self._scene.time < solid.leaves
             self._engine.set_pose(body, solid.box.pose if there else _AWAY)

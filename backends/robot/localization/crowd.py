@@ -26,7 +26,7 @@ NOBODY = np.empty((0, 3))
 
 
 class Crowd:
-    """Leaves people out of scans, and compares two scans at rest by the beams that nobody hides."""
+    """Removes people from scans, and compares two scans at rest by the beams that nobody blocks."""
 
     STATE: ClassVar[Kinds] = {"_ranges": FarArray, "_is_near": bool}
     """Attributes that a checkpoint keeps, with their types."""
@@ -57,7 +57,7 @@ class Crowd:
         self._is_near = False
 
     def came_to_rest(self, scan: Scan) -> None:
-        """Keep the scan with which the base has come to rest."""
+        """Keep the scan taken when the base came to rest."""
         self._ranges = scan.ranges.copy()
 
     def without(self, points: FloatArray, pose: Pose2) -> FloatArray:

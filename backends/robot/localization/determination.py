@@ -16,7 +16,7 @@ MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
 
 
 class PoseNeed(NamedTuple):
-    """Required accuracy of a pose."""
+    """Required accuracy of a pose, in position and heading."""
 
     position: float
     """Limit in [m] along any direction; only along `axis` if `across` is given."""
@@ -65,7 +65,7 @@ class Undetermined(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Unit of `shown`."""
+        """Unit of `shown`: "deg" or "mm"."""
         return "deg" if self.direction is None else "mm"
 
     @property
@@ -76,7 +76,7 @@ class Undetermined(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Text for people."""
+        """Description of the direction, its size and its limit as text."""
         size, limit = self.shown
         if self.direction is None:
             return f"the heading is not determined: 3 sigma {size:.2f} deg, at most {limit:.2f} deg allowed"
@@ -143,5 +143,5 @@ def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def difference(pose: Pose2, goal: Pose2) -> tuple[float, float, float]:
-    """Return x, y in [m] and heading in [rad] of a pose beyond those of a goal."""
+    """Return a pose less a goal: x, y on the map in [m], and heading in [rad]."""
     return pose.x - goal.x, pose.y - goal.y, wrap(pose.theta - goal.theta)

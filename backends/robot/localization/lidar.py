@@ -52,7 +52,7 @@ class Lidar(RangeSensor):
 
     @property
     def blockage(self) -> str:
-        """Why this period's scan says that the lidar is blocked or dirty, in words; empty if it is not."""
+        """Reason why the lidar is blocked or dirty by this period's scan, as text; empty if it is not."""
         if self.blind_share <= MAX_BLIND_SHARE:
             return ""
         scan = self.scan()

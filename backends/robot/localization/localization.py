@@ -84,7 +84,7 @@ class Localization(ABC):
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base."""
+        """Estimated map_T_base."""
         return self._wheels.pose
 
     @property
@@ -159,7 +159,7 @@ class Localization(ABC):
 
     @property
     def lost(self) -> Lost | None:
-        """Why it isn't known any more where the base is; None while it is."""
+        """Reason why the base's pose is unknown; None while it is known."""
         return None
 
     @property
@@ -169,7 +169,9 @@ class Localization(ABC):
 
     @property
     def doubt(self) -> Lost | None:
-        """Why what it claims about where it is isn't to be relied on just now; None while it is."""
+        """Reason why the claimed accuracy of the pose is unreliable at the moment; None while it is
+        reliable.
+        """
         return self.lost
 
     @property
@@ -189,7 +191,7 @@ class Localization(ABC):
 
     @property
     def explained(self) -> float:
-        """Share of the last scan's points that the map explains; NaN where no scan is compared with it."""
+        """Share of the last scan's points that the map explains, 0 to 1; NaN without a compared scan."""
         return float("nan")
 
     @property
@@ -234,7 +236,7 @@ class Localization(ABC):
         self.crowd.passed()
 
     def look_again(self) -> None:
-        """At rest, check whether the base is still at its pose; if not, find the new one."""
+        """Check at rest whether the base is still at its pose; if not, find the new pose."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -249,10 +251,7 @@ class Localization(ABC):
         self._wheels.odometry.correct(pose, variance)
 
     def forget_pose(self) -> None:
-        """Estimate poses in a local frame from now on, compared with what the lidar shows from here on.
-
-        The frame is such that `pose` does not change.
-        """
+        """Estimate poses in a local frame from now on, relative to the scans taken from here on."""
         assert self._map_field is not None
         assert isinstance(self._range_sensor, Lidar)
         self.local_map, self.lifted = LocalMap(), None

@@ -10,7 +10,7 @@ LIFTED_REASON = "it was lifted and set down elsewhere: its scans changed at once
 
 
 class Lost(NamedTuple):
-    """Why it isn't known where the base is."""
+    """Reason why the base's pose is unknown."""
 
     why: str
     """Reason, as text."""

@@ -31,7 +31,7 @@ class ActionEnd(NamedTuple):
 
     @property
     def primitive(self) -> str:
-        """Name of the primitive."""
+        """Name of the action's primitive."""
         return self.action.partition(" ")[0]
 
 

@@ -25,7 +25,7 @@ MAX_P = 0.999
 
 @dataclass(frozen=True)
 class EntryCounts:
-    """What trials tell of one action of the file."""
+    """Outcomes, causes and durations of one action of a task file, counted over trials."""
 
     counts: OutcomeCounts
     causes: dict[str, int]
@@ -37,12 +37,12 @@ class EntryCounts:
 
     @property
     def p(self) -> float:
-        """Expected probability of Success, as it is written."""
+        """Expected probability of Success, rounded as in a task file."""
         return min(MAX_P, round(self.counts.chance.success, 3))
 
     @property
     def p_give_up(self) -> float:
-        """Expected probability of GiveUp, as it is written; 0 if none was seen."""
+        """Expected probability of GiveUp, rounded as in a task file; 0 if no attempt gave up."""
         if not self.counts.give_ups:
             return 0.0
         return round(min(self.counts.chance.give_up, 1.0 - self.p), 4)
@@ -56,7 +56,7 @@ class EntryCounts:
         return low, high
 
     def words(self) -> str:
-        """Return what was counted, as a comment beside the action."""
+        """Return the counts as text, for a comment beside the action."""
         low, high = self.p_95
         causes = ", ".join(f"{name} {count}" for name, count in sorted(self.causes.items()))
         also = f"; {causes}" if causes else ""

@@ -28,7 +28,7 @@ class HeldOut(NamedTuple):
 
 
 class Trust(NamedTuple):
-    """Result of the cross-validation."""
+    """Result of a cross-validation of learned probabilities."""
 
     tried: tuple[HeldOut, ...]
 

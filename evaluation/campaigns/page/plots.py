@@ -48,7 +48,7 @@ class PlotAxis:
 
 @dataclass(frozen=True)
 class Bar:
-    """Bar of a histogram."""
+    """Bar of a histogram: its interval, and the trials with and without Success in it."""
 
     x: float
     width: float

@@ -24,7 +24,7 @@ class ActionShare:
 
     @property
     def p(self) -> float:
-        """Share of Success."""
+        """Share of the attempts that ended in Success, from 0 to 1."""
         return self.success / self.attempts
 
     @property

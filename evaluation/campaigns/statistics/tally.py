@@ -35,7 +35,9 @@ class Blame(NamedTuple):
 
 
 def in_general(reason: str) -> str:
-    """Return a text with # for each number, so that texts are equal that differ only in measured values."""
+    """Return a text with # in place of each number, so that texts that differ only in measured values are
+    equal.
+    """
     return _NUMBER.sub("#", reason)
 
 

@@ -23,7 +23,7 @@ class EndCode(IntEnum):
 
     @property
     def outcome(self) -> str:
-        """Name of the outcome."""
+        """Name of the outcome: Success, Fail or GiveUp."""
         return ("Success", "Fail", "Fail", "GiveUp", "GiveUp")[self]
 
 

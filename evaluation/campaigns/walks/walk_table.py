@@ -18,7 +18,7 @@ GOAL, NO_WAY = -1, -2
 
 
 class NotWalked(InputError):
-    """Error: the network has what walks do not know."""
+    """Error: the network has a feature that walks do not support."""
 
 
 class Columns(NamedTuple):

@@ -31,7 +31,7 @@ CHECK_MODULES = (
 
 @cache
 def checks() -> Mapping[str, Check]:
-    """Return the framework's, then those of the kinds of sensors, then those of the domains."""
+    """Return all checks by name: the framework's, then those of sensor kinds, then those of domains."""
     own = [check for module in CHECK_MODULES for check in module.CHECKS]
     own += [check for kind in sensor_kinds().values() if kind.checks for check in imported(kind.checks)]
     others = [check for domain in domains() if domain.checks for check in imported(domain.checks)]

@@ -197,7 +197,7 @@ def fingers(bench: KitBench, finding: CheckResult) -> None:
 
 
 def mounts(bench: KitBench, finding: CheckResult) -> None:
-    """Camera and range sensor are mounted where the URDF has them, or a calibration found them."""
+    """Check that camera and lidar are mounted where the URDF, or a calibration, has them."""
     with bench.rig() as rig:
         robot = rig.robot
         if (camera := part_of(rig.backend, Camera)) is not None:

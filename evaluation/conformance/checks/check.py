@@ -26,11 +26,11 @@ class CheckResult:
 
     @property
     def ok(self) -> bool:
-        """True without violations."""
+        """True if the check found no violation."""
         return not self.wrong
 
     def expect(self, holds: bool, words: str) -> None:
-        """Note `words` as wrong unless it holds."""
+        """Record a violation, described by `words`, unless the condition holds."""
         if not holds:
             self.wrong.append(words)
 

@@ -30,7 +30,7 @@ MAX_COASTING_M = 0.02  # [m] that a base may roll on after its last command
 
 
 def limits(bench: KitBench, finding: CheckResult) -> None:
-    """NaN, infinity, 1e308 and what is just beyond a limit is refused, and nothing moves."""
+    """Check that NaN, infinity, 1e308 and values just beyond a limit are rejected, and that nothing moves."""
     with bench.rig() as rig:
         commands = _bad_commands(bench, rig.backend)
         finding.measured.append(f"{len(commands)} tried")
@@ -74,7 +74,7 @@ def _bad_commands(bench: KitBench, backend: Backend) -> list[tuple[str, Callable
 
 
 def after_a_step(bench: KitBench, finding: CheckResult) -> None:
-    """Check that a command changes nothing before the next step, and something with it."""
+    """Check that a command has no effect before the next step, and has one with it."""
     with bench.rig() as rig:
         backend = rig.backend
         steps(backend, 1)

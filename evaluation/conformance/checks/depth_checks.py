@@ -17,7 +17,7 @@ POSE_TOLERANCE = 0.02
 
 
 def depth(bench: KitBench, finding: CheckResult) -> None:
-    """Shapes and limits are those of the file; pose and time belong to the picture."""
+    """Check that a depth camera keeps the shape and limits of its section, and stamps pose and time."""
     with bench.rig() as rig:
         camera, spec = needed(rig.backend, DepthCamera), rig.robot.spec.first(DepthCameraSpec)
         assert spec is not None, "the check of capabilities reports it"

@@ -25,7 +25,7 @@ FAILS, FAILS_QUICK = 100, 20
 
 
 def covers(bench: KitBench, finding: CheckResult) -> None:
-    """Whatever is moved beyond its tolerance is seen: base, each joint, fingers."""
+    """Check that snapshots show a motion of the base, each joint or the fingers beyond its tolerance."""
     with bench.rig() as rig:
         backend = rig.backend
         _wait(rig, REST_READINGS)
@@ -70,7 +70,7 @@ def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
 
 
 def tolerances(bench: KitBench, finding: CheckResult) -> None:
-    """Three sigma of what repeated readings of a standing robot spread is within the tolerance."""
+    """Check that 3 sigma of repeated readings of a robot at rest are within the tolerances."""
     with bench.rig() as rig:
         drive_seen(rig, 0.1, 0.5)
         first = take_snapshot(rig.robot, {})

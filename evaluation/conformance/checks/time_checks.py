@@ -72,10 +72,7 @@ def monotonic(bench: KitBench, finding: CheckResult) -> None:
 
 
 def same_seed(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the same seed gives the same readings, bit for bit, and another seed others.
-
-    A simulation without noise is accepted: seeds make no difference there, and nothing changes at rest.
-    """
+    """Check that the same seed gives the same readings, bit for bit, and another seed other readings."""
     first, second, other = (_script(bench, seed) for seed in (3, 3, 4))
     finding.wrong += [f"the same seed, another reading: {each}" for each in _different(first, second)]
     finding.measured.append(f"{len(first)} periods")
@@ -96,7 +93,7 @@ def looking_on(bench: KitBench, finding: CheckResult) -> None:
 
 
 def wall_clock(bench: KitBench, finding: CheckResult) -> None:
-    """Whatever the wall clock does, the readings are the same."""
+    """Check that the readings do not depend on the wall clock."""
     if scene_of_bench(bench) is None:
         finding.skipped = "nothing is simulated"
         return

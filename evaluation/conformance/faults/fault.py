@@ -19,7 +19,7 @@ FOR_GOOD = 1_000_000
 
 
 class FaultKind(Enum):
-    """Kinds of faults."""
+    """Kinds of faults that the kit injects into a backend."""
 
     EXCEPTION = "exception"
     """The backend raises when a sensor is read next, or commanded next."""
@@ -95,13 +95,7 @@ def all_sensors() -> tuple[str, ...]:
 
 
 def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
-    """One of the ways in which that kind of fault comes; `number` goes through them all.
-
-    Args:
-        kind: of fault.
-        number: 0 and on.
-        sensors: those that are read at all (default: all).
-    """
+    """Return one of the variants of a kind of fault; numbers from 0 on go through all of them."""
     sensors = sensors or all_sensors()
     sensor = sensors[number % len(sensors)]
     turn = number // len(sensors)

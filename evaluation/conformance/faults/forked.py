@@ -24,11 +24,11 @@ CPU_LIMIT_RATIO = 0.9  # of that CPU time has passed at its end: the system coun
 
 
 class Hung(Exception):
-    """The copy didn't come to an end."""
+    """Error: a forked copy of the process did not end in time."""
 
 
 class Died(Exception):
-    """The copy came to an end that it shouldn't; the message is its traceback."""
+    """Error: a forked copy of the process ended in an exception; the message is its traceback."""
 
 
 def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:

@@ -25,7 +25,7 @@ LOCATE_TASK = TASKS_FOLDER / "drive_map" / "locate.yaml"
 
 
 class NoRehearsal(Exception):
-    """The task doesn't go as it should, though nothing is broken."""
+    """Error: a task does not succeed although no fault was injected."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,9 @@ class Solo:
 
 
 def rehearsed(task: Task) -> list[Action]:
-    """Return the actions of the cheapest plan, and those that compute only, where the plan passes."""
+    """Return the actions of the cheapest plan, and the actions that only compute in the situations it
+    passes.
+    """
     network = task.network
     plan = Planner(network).plan(network.start)
     if isinstance(plan, NoWay):

@@ -15,7 +15,7 @@ from .rehearsal import DRIVE_MAP, LOCATE_TASK
 
 
 def declared() -> dict[Path, Mapping[str, str]]:
-    """Return the task files that domains declare for it, and those that drive alone, with their settings."""
+    """Return the task files, with settings, that domains declare for the kit, and those that only drive."""
     every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
     return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}}
 

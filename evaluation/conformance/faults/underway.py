@@ -49,7 +49,7 @@ class AttemptEnding:
 
 @dataclass
 class Underway:
-    """One attempt of a primitive on a robot whose backend can be made to err."""
+    """An attempt of a primitive in progress, on a robot whose backend can inject faults."""
 
     primitive: ActionPrimitive
     robot: Robot
@@ -85,7 +85,7 @@ class Underway:
         self.backend.asked = True
 
     def advance(self) -> Outcome | None:
-        """One period; gives the outcome if the attempt has ended."""
+        """Run one period; return the outcome if the attempt has ended."""
         try:
             next(self.periods)
         except StopIteration as end:

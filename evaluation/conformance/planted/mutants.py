@@ -30,7 +30,7 @@ HANG_LIMIT_S = 15.0
 
 @dataclass(frozen=True)
 class Caught:
-    """Result for one mutant."""
+    """Result of the kit for one mutant: whether it was found."""
 
     name: str
     lie: str
@@ -41,7 +41,7 @@ class Caught:
 
 
 def try_mutant(name: str, bench: KitBench) -> Caught:
-    """Plant a liar and look."""
+    """Plant a mutant, and return whether the kit finds it."""
     mutant = mutants()[name]
     try:
         _plantable(mutant, bench)

@@ -25,7 +25,7 @@ UNDO_ERROR_M = 0.005  # [m] that an undo leaves each time
 
 
 class NotRestored(Reach):
-    """Leaves everything as it is."""
+    """Mutant primitive that fails without restoring anything."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -42,7 +42,7 @@ class BaseAlone(Reach):
 
 
 class MovesLater(Reach):
-    """Comes back, and drives off a second later."""
+    """Mutant primitive that restores the base, and drives off a second later."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -60,7 +60,9 @@ class MovesLater(Reach):
 
 
 class RelativeUndo(Reach):
-    """Goes back by what it knows to have driven, always a little less, and takes that for where it began."""
+    """Mutant primitive that drives back by dead reckoning, a little too short, and takes that for its
+    start.
+    """
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -72,7 +74,7 @@ class RelativeUndo(Reach):
 
 
 class EditsSnapshot(Reach):
-    """Doesn't come back: it moves the goal."""
+    """Mutant primitive that changes its snapshot instead of restoring."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -86,7 +88,7 @@ class EditsSnapshot(Reach):
 
 
 class RaisesTolerance(Reach):
-    """Doesn't come back: it takes tolerances that forgive everything."""
+    """Mutant primitive that raises the tolerances instead of restoring."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -97,7 +99,7 @@ class RaisesTolerance(Reach):
 
 
 class SwallowsFault(Reach):
-    """Takes whatever goes wrong for the end."""
+    """Mutant primitive that ends its motion on every exception as if it were complete."""
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -113,7 +115,7 @@ class SwallowsFault(Reach):
 
 
 class ClaimsSuccess(Reach):
-    """Does nothing, and says that it is done."""
+    """Mutant primitive that does nothing and claims Success."""
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -126,7 +128,7 @@ class ClaimsSuccess(Reach):
 
 
 class FailsAfterNoReturn(Reach):
-    """Declares a point of no return, and takes it back when something goes wrong."""
+    """Mutant primitive that declares a point of no return, and withdraws it after a fault."""
 
     swing_rad: float = 0.0
     grip_m: float = 0.0
@@ -142,7 +144,7 @@ class FailsAfterNoReturn(Reach):
 
 
 class Hangs(Reach):
-    """Never comes to an end of its restoring, and never hands back control."""
+    """Mutant primitive whose restoring never ends and never yields."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -152,7 +154,7 @@ class Hangs(Reach):
 
 
 class RunsIntoThings(Reach):
-    """Comes back by way of the wall, past the guard that would keep it off."""
+    """Mutant primitive that restores by driving into a wall, past the guard of the base."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

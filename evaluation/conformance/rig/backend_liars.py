@@ -29,26 +29,26 @@ TRAVEL_FACTOR = 1.25  # of what wheels report
 
 
 class KeepsDriving(LayeredBackend):
-    """A command lives on until there is another."""
+    """Mutant backend whose command of the base lasts until the next command."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
         self._command: tuple[float, ...] = (0.0, 0.0)
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Kept."""
+        """Keep the command."""
         base.drive(*command)
         self._command = command
 
     def step(self) -> None:
-        """Renews what was kept."""
+        """Repeat the kept command, then step."""
         base = part_of(self.inner, Base)
         if base is not None and any(self._command):
             base.drive(*self._command)
         self.inner.step()
 
     def stop(self) -> None:
-        """Forgets it."""
+        """Drop the kept command, then stop."""
         self._command = (0.0, 0.0)
         self.inner.stop()
 
@@ -62,12 +62,12 @@ class QueuesCommands(LayeredBackend):
         self._due = -1
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Kept in the queue."""
+        """Put the command into the queue."""
         base.drive(*command)
         self._command = command
 
     def stop(self) -> None:
-        """Doesn't empty the queue."""
+        """Stop without emptying the queue."""
         self.inner.stop()
         self._due = QUEUE_DELAY_PERIODS
 
@@ -87,7 +87,7 @@ class TakesAnything(LayeredBackend):
         super().__init__(inner)
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Never refused."""
+        """Accept every command, also beyond the limits."""
         _try(lambda: base.drive(*command))
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
@@ -95,7 +95,7 @@ class TakesAnything(LayeredBackend):
         _try(lambda: arm.move(joints))
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:
-        """Never refused."""
+        """Accept every width in [m], also beyond the limits."""
         _try(lambda: gripper.move(width))
 
 
@@ -107,19 +107,19 @@ def _try(command: Callable[[], None]) -> None:
 
 
 class MovesAtOnce(LayeredBackend):
-    """A command takes effect without a step."""
+    """Mutant backend whose base commands take effect without a step."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """And off it goes."""
+        """Execute the command before the next step."""
         base.drive(*command)
         self.inner.step()
 
 
 class WrongUnits(LayeredBackend):
-    """Wheel travel in millimetres."""
+    """Mutant backend whose wheel travel is in millimetres instead of metres."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -131,7 +131,7 @@ class WrongUnits(LayeredBackend):
 
 
 class EchoesCommands(LayeredBackend):
-    """Encoders read what was commanded; the first joint moves half as far."""
+    """Mutant backend whose encoders report commands, while the first joint moves half as far."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -157,13 +157,13 @@ class EchoesCommands(LayeredBackend):
 
 
 class RollsDice(LayeredBackend):
-    """Ranges waver with the wall clock, each time that they are asked for."""
+    """Mutant backend whose ranges change with each call, by the wall clock."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
-        """Another one each time."""
+        """Return a scan with other ranges at each call."""
         scan = sensor.scan()
         return scan._replace(ranges=scan.ranges + 1e-3 * math.sin(1e6 * time.perf_counter()))
 
@@ -224,7 +224,7 @@ class DropsScans(LayeredBackend):
         self._number = 0
 
     def step(self) -> None:
-        """Count the periods."""
+        """Count the periods, then step."""
         self.inner.step()
         self._number += 1
         if self._number % KEPT_SCAN_PERIOD == 0:
@@ -238,7 +238,7 @@ class DropsScans(LayeredBackend):
 
 
 class DelaysScans(LayeredBackend):
-    """Scans come 200 ms late."""
+    """Mutant backend whose scans are delayed by 200 ms."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -258,26 +258,28 @@ class DelaysScans(LayeredBackend):
 
 
 class MirrorsScans(LayeredBackend):
-    """The lidar is mounted upside down, and nobody says so."""
+    """Mutant backend whose lidar is mounted upside down, contrary to its description."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
-        """Left is right."""
+        """Return the scan with left and right exchanged."""
         scan = sensor.scan()
         mirrored = np.interp(-scan.angles, scan.angles, np.arange(len(scan.angles)), period=2.0 * math.pi)
         return scan._replace(ranges=scan.ranges[np.round(mirrored).astype(np.int64) % len(scan.ranges)])
 
 
 class StretchesTravel(LayeredBackend):
-    """The wheels report a quarter more than they roll, as with a wrong radius in the driver."""
+    """Mutant backend whose wheels report a quarter more than they roll, as with a wrong radius in the
+    driver.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """Longer than true."""
+        """Return the travel, longer than true."""
         return WheelTravel(*(TRAVEL_FACTOR * way for way in base.wheel_travel()))
 
 
@@ -288,7 +290,7 @@ class SwapsWheels(LayeredBackend):
         super().__init__(inner)
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """Exchanged."""
+        """Return the travel of the two wheels exchanged."""
         travel = base.wheel_travel()
         return travel._replace(left=travel.right, right=travel.left)
 

@@ -17,7 +17,7 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 @dataclass(frozen=True)
 class KitBench:
-    """A backend by its name, with the robot and the world that it is tried with."""
+    """A backend, by its name, with the robot and the world in which the kit tests it."""
 
     backend: str
     robot: str = "librarian"

@@ -30,7 +30,9 @@ FINGER_TIMEOUT_S = 3.0  # [s] that the fingers get
 
 
 class Reach(ActionPrimitive):
-    """Drive ahead, swing a joint, close the fingers part of the way; each only where the robot has it."""
+    """Primitive that drives ahead, turns the first joint and closes the fingers partly, as far as the robot
+    has these.
+    """
 
     ahead_m: float = 0.15
     """Distance to drive."""

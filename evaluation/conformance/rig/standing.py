@@ -41,7 +41,7 @@ class TrueState:
         return cls(readings, backend.ground_truth())
 
     def moved(self, after: TrueState) -> list[str]:
-        """Describe the parts whose readings moved until `after`."""
+        """Describe the parts that moved between this state and `after`."""
         wrong = []
         for name, room in MAX_REST_MOTION.items():
             if name in self.readings:

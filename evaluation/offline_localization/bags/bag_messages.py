@@ -22,7 +22,7 @@ class BagError(Exception):
 
 
 class BagMessage(NamedTuple):
-    """A decoded message."""
+    """A decoded message of a bag, with its topic and times."""
 
     topic: str
     kind: str

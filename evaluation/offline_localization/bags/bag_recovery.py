@@ -15,7 +15,7 @@ CHUNK, CONNECTION, MESSAGE = 5, 7, 2  # rosbag1, the header field `op`
 
 
 class RawMessage(NamedTuple):
-    """A message before decoding."""
+    """A message of a bag before decoding."""
 
     topic: str
     kind: str

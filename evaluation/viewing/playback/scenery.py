@@ -120,11 +120,11 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
 
 
 class PosedBox(Protocol):
-    """A box that is somewhere else from time to time: a thing, or a passer."""
+    """A drawn box whose pose changes: a thing, or a passer."""
 
     @property
     def name(self) -> str:
-        """Unique name."""
+        """Unique name of the box."""
 
     @property
     def size(self) -> Size:

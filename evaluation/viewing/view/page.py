@@ -73,7 +73,7 @@ class Page:
         span: tuple[float, float],
         at_once: bool = False,
     ) -> None:
-        """Draw a frame; the arguments are those of `Panel.show`."""
+        """Draw a frame; the arguments are those of `Panel.show`, and `span` in [s]."""
         with self._server.atomic():
             self._draw(frame)
             self.panel.show(frame, action, actions, span, at_once)

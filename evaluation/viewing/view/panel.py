@@ -64,15 +64,7 @@ class Panel:
         span: tuple[float, float],
         at_once: bool,
     ) -> None:
-        """Show a frame.
-
-        Args:
-            frame: with a picture if there is a new one.
-            action: the running action, or the last one.
-            actions: all known actions, shown on the time line.
-            span: start and end of the time line, in [s].
-            at_once: whether to draw the time line even if it was drawn a moment ago.
-        """
+        """Show a frame of the run in the panel."""
         time = frame.moment.time
         runs = action is not None and action.start <= time < action.end
         self._status.content = self._words(frame, action, runs)

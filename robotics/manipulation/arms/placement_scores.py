@@ -44,7 +44,7 @@ class PlacementScores(NamedTuple):
         )
 
     def also(self, more: PlacementScores) -> PlacementScores:
-        """Return these placements followed by those of `more`."""
+        """Return the scores of these placements, followed by those of `more`."""
         joined = None
         if self.joined is not None and more.joined is not None:
             joined = np.asfortranarray(np.vstack((self.joined, more.joined)))

@@ -25,7 +25,7 @@ _ATTEMPTS = 40  # at ways that the arm follows, point by point
 
 
 class Leg(NamedTuple):
-    """A straight way of the base, and the part of a path that is followed from it."""
+    """A straight drive of the base, and the part of a path that is followed during it."""
 
     start: Pose2
     """world_T_base at the path's first point."""

@@ -47,7 +47,7 @@ class Goal(NamedTuple):
 
 
 class BaseStop(NamedTuple):
-    """A place of the base, and what is done from there."""
+    """A pose of the base, and the goals that are served from it."""
 
     base: FloatArray
     """(3,) x and y in [m], heading in [rad]."""
@@ -116,17 +116,7 @@ class StopPlacer:
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
     ) -> tuple[BaseStop, ...]:
-        """Return the best stops.
-
-        Args:
-            goals: in their order.
-            blocked: check of many base poses.
-            touches: check of the chosen stops.
-            cost: score that one more stop must gain, in scores of goals.
-
-        Raises:
-            Untrackable: no stop serves a goal; names its number and the reason.
-        """
+        """Return the best stops of the base for some goals."""
         around = _joined(goals)
         candidates = self._placer.candidates(around)
         bases = candidates[~blocked(candidates)]

@@ -15,7 +15,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 
 
 class StopRule(NamedTuple):
-    """When the landmark is seen as planned (eq. 13)."""
+    """Tolerances within which a landmark counts as seen where it was planned (eq. 13)."""
 
     position: float = 0.0005
     """eps1, of x and of y in the camera frame, in [m]."""

@@ -23,7 +23,7 @@ _RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
 
 
 class Swing(NamedTuple):
-    """One move of the arm: where it took the hand, counted from the reference posture."""
+    """A motion of the arm, by the poses of the hand relative to the reference posture."""
 
     base_T_hand: Transform
     """Pose of the hand by the joints, (4, 4)."""
@@ -44,7 +44,7 @@ class Sighting(NamedTuple):
 
 
 class SuspensionFit(NamedTuple):
-    """An identified model."""
+    """Identified suspension model with its accuracy."""
 
     model: SuspensionModel
     sigmas: SuspensionModel

@@ -105,7 +105,10 @@ class CarTracker:
         return self._drive(leg)
 
     def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Return speed and turn rate with which to come to rest and stay there; see `PathTracker.hold`."""
+        """Return speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there.
+
+        See `PathTracker.hold`; `dt` is the period, in [s].
+        """
         if self._at < len(self._legs):
             leg = self._legs[self._at]
             leg.pursuit.advance(leg.seen(pose))

@@ -34,8 +34,12 @@ class DriveLimits(NamedTuple):
 
 
 def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
-    """Return the speed with which to cover `rest` and stop there; works for metres and for radians, with
-    sign.
+    """Return the speed with which to cover a distance and stop there, signed.
+
+    Args:
+        rest: distance, in [m] or [rad].
+        most: largest speed, in [m/s] or [rad/s].
+        acceleration: in [m/s²] or [rad/s²].
     """
     size = min(most, math.sqrt(2.0 * BRAKING_SHARE * acceleration * abs(rest)), END_APPROACH_RATE * abs(rest))
     return math.copysign(size, rest)

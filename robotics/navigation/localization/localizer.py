@@ -50,7 +50,13 @@ class RolledWay(NamedTuple):
     sideways: float = 0.0
 
     def added(self, left: float, right: float, sideways: float) -> RolledWay:
-        """Return the travel with more of it."""
+        """Return the travel with more of it.
+
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, in [m].
+            sideways: travel to the left, in [m].
+        """
         return RolledWay(self.left + left, self.right + right, self.sideways + sideways)
 
 
@@ -81,12 +87,12 @@ class Localizer(ABC):
 
     @property
     def looks(self) -> bool:
-        """True if it uses scans."""
+        """True if the localizer uses scans."""
         return True
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base."""
+        """Estimated map_T_base."""
         return self._odometry.pose
 
     @property

@@ -225,7 +225,7 @@ class Odometry:
 
     @property
     def scale_variance(self) -> float:
-        """Relative, of the length of a straight way."""
+        """Relative variance of the length of a straight way, without unit."""
         return float(self._state[3:5, 3:5].sum()) / 4.0
 
     def doubt_scale(self, size: float) -> None:

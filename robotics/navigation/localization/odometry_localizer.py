@@ -76,7 +76,7 @@ class OdometryLocalizer(Localizer):
 
     @property
     def looks(self) -> bool:
-        """See `Localizer`: it needs a map."""
+        """True with a map, with which scans are compared."""
         return self._field is not None
 
     @property

@@ -69,15 +69,12 @@ class PositioningLocalizer(Localizer):
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:
-        """Take a reading in; one that was taken already is left.
+        """Correct the pose by a reading, unless the same one was taken before; return whether it was used.
 
         Args:
-            number: of the reading.
-            measured: map_T_base.
-            periods: how many ago that was.
-
-        Returns:
-            Whether the base turned out to have been moved.
+            number: number of the reading; a repeated number is ignored.
+            measured: map_T_base by the reading.
+            periods: age of the reading, in periods.
         """
         if number == self._number:
             return False

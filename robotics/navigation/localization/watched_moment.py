@@ -27,7 +27,7 @@ class Belief(NamedTuple):
 
 
 class BeliefBranch(NamedTuple):
-    """One way in which the states may have changed just before something was seen."""
+    """Possible change of the states just before a reading, with its probability."""
 
     weight: float
     """Probability of the branch, given the readings; all weights add up to one."""
@@ -42,7 +42,7 @@ class BeliefBranch(NamedTuple):
 
 
 class WatchedMoment(NamedTuple):
-    """Some k of the states as they were then, by all that was seen so far."""
+    """States at an earlier moment, as estimated by all readings up to now."""
 
     belief: Belief
     """Mean (k,) and covariance (k, k) of the states then."""

@@ -32,7 +32,7 @@ MAX_HYPOTHESES = 120
 
 
 class Look(NamedTuple):
-    """A scan at rest."""
+    """A scan taken at rest, with its pose."""
 
     beams: ScanBeams
     pose: Pose2
@@ -84,7 +84,7 @@ class Hypotheses:
 
     @property
     def share(self) -> float:
-        """Share of the beams of all scans that the map explains from the best hypothesis."""
+        """Mean share of the scans' beams that the best hypothesis explains, from 0 to 1."""
         weight = sum(look.weight for look in self.looks)
         return float(self.explained[0]) / weight if len(self.explained) and weight > 0.0 else 0.0
 

@@ -73,7 +73,7 @@ class Loop(NamedTuple):
 
 
 def place_at(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], number: int) -> KeyframeView:
-    """Return what the keyframes around one see, in its frame."""
+    """Return the view of the keyframes around one keyframe, in its frame."""
     low, high = max(0, number - PLACE_KEYFRAMES), number + PLACE_KEYFRAMES + 1
     frames, near = keyframes[low:high], [pose.relative_to(poses[number]) for pose in poses[low:high]]
     surface = submap(keyframes[low:high], poses[low:high], poses[number])

@@ -39,7 +39,7 @@ CHI2_LIMIT = 3.0 * SCALING_CHI2
 
 
 class BuiltMap(NamedTuple):
-    """A map, and how it came about."""
+    """A map, with the keyframes and loop closures from which it was built."""
 
     counts: RayCounts
     rows: list[int]

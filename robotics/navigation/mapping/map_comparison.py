@@ -27,7 +27,7 @@ SAME_WALL_M = 0.25
 
 
 class MapComparison(NamedTuple):
-    """Fit of two maps."""
+    """Result of comparing two maps."""
 
     first_T_second: Pose2
     """Pose of the second map's frame in the frame of the first."""

@@ -142,7 +142,7 @@ class FieldKalman:
 
     @property
     def pose(self) -> Pose2:
-        """world_T_base."""
+        """Estimated world_T_base."""
         x, y, heading = self._mean[:3].tolist()
         return Pose2(x, y, wrap(heading))
 
@@ -335,7 +335,7 @@ class FieldKalman:
         self._lost.doubt(count)
 
     def begin(self, found: FoundTrack) -> None:
-        """Start at a pose that was found; only what is known of the gyro is kept."""
+        """Start at a pose found by the fixes; only the estimate of the gyro's bias is kept."""
         known = [states.BIAS, states.WARM_UP]
         mean, spread = self._model.start(np.array(found.pose), 0.0)
         mean[known], spread[np.ix_(known, known)] = self._mean[known], self._spread[np.ix_(known, known)]

@@ -92,7 +92,7 @@ class FieldLocalizer(ABC):
 
     @property
     def pose(self) -> Pose2:
-        """world_T_base now."""
+        """Current estimate of world_T_base."""
         return self._estimate().compose(self._odometry.pose.relative_to(self._since))
 
     @property
@@ -165,7 +165,7 @@ class FieldLocalizer(ABC):
             self._ranges(distances)
 
     def mark(self) -> Belief | None:
-        """Mark this moment as one of those that `smoothed` returns."""
+        """Mark this moment as one for which `smoothed` returns an estimate."""
         return None
 
     def smoothed(self) -> list[Belief]:

@@ -9,11 +9,7 @@ REFERENCE_CURVATURE = 0.5  # [1/m], the curvature at which `FieldNoise.turn_slip
 
 
 class FieldNoise(NamedTuple):
-    """One-sigma errors outdoors.
-
-    The defaults are one set with which the particle filter of Ohki et al. (2012) spreads as in their field
-    test. Four figures can't identify a dozen: it is a set that reproduces, not the noise that was there.
-    """
+    """One-sigma errors of wheels, gyro and GNSS outdoors."""
 
     roughness: float = math.radians(2.5)
     """Roll and pitch of the base, in [rad]."""

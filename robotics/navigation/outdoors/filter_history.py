@@ -18,7 +18,7 @@ class FilterRequest(Enum):
 
 
 class FilterMoment(NamedTuple):
-    """All that changes in the filter, before a fix."""
+    """State of the filter before a fix, to which it can be reset."""
 
     belief: Belief
     rested: bool
@@ -28,7 +28,7 @@ class FilterMoment(NamedTuple):
 
 
 class FixResult(NamedTuple):
-    """Result of a fix."""
+    """Result of updating the filter with a fix."""
 
     believed: bool
     log_likelihood: float

@@ -26,7 +26,7 @@ BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer
 
 
 class Advance(NamedTuple):
-    """What happened since the last one was taken."""
+    """Motion since the last step of the filter, by wheels and gyro."""
 
     forward: float
     """Way over ground, level, in [m]."""

@@ -11,16 +11,16 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Sky(NamedTuple):
-    """One of the ways in which the error may have changed."""
+    """GNSS condition: one of the ways in which the error of fixes may have changed."""
 
     transition: FloatArray | None
     """Transition (13, 13) of the states; None if the error did not change."""
     spread: FloatArray
-    """(13, 13) covariance of them after it."""
+    """Covariance (13, 13) of the states after the change, in SI units."""
     residual: FloatArray
     """(2,) fix less forecast, in [m]."""
     whole: FloatArray
-    """(2, 2) covariance that it should have, in [m²]."""
+    """Expected covariance (2, 2) of the residual, in [m²]."""
     log_likelihood: float
     """Log-likelihood of the fix together with the error's change."""
 

@@ -101,7 +101,7 @@ class TrackRecord:
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:
-        """Forget what came after `entries`, in the same run."""
+        """Discard the entries that came after `entries`, of the same run."""
         if entries.starts != self._starts:
             raise ValueError("a record can't be rewound to before the filter's restart")
         self._links, self._latest = self._links[: entries.links], entries.latest

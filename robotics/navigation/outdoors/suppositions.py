@@ -21,7 +21,7 @@ GROUND_SHARES = (
 
 
 class Supposition(NamedTuple):
-    """One way in which a world may be other than given."""
+    """Hypothesis on the noise: one way in which the world may differ from the given noise model."""
 
     noise: FieldNoise
     share: float

@@ -22,7 +22,7 @@ LEAVING_M = 0.35  # at both ends, where the polygon may have less room: it begin
 
 
 class RouteSettings(NamedTuple):
-    """Settings of a route."""
+    """Settings for planning a route: clearance, reach of its ends, and rounding."""
 
     room: float
     """Room beside the footprint, in [m]."""

@@ -35,7 +35,7 @@ CORNER_ROUNDING_PASSES = 20  # of corner rounding: about half a metre of corner 
 
 
 class Route(NamedTuple):
-    """A way to drive, from where the robot is to where it is to be."""
+    """Route from the robot's position to its goal."""
 
     points: FloatArray
     """Points (n, 2) in [m], evenly spaced by roughly a cell; the first is the start, the last the goal."""
@@ -48,7 +48,7 @@ class Route(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length in [m]."""
+        """Length of the route, in [m]."""
         return path_length(self.points)
 
     @property
@@ -84,30 +84,7 @@ def plan_route(
     rounding: float = 1.0,
     passes: int = CORNER_ROUNDING_PASSES,
 ) -> Route | None:
-    """Return a short way that keeps away from obstacles.
-
-    Start and goal join the graph where they see it (or by a shortest path where they don't), Dijkstra
-    finds the way between, shortcuts straighten it and its corners are rounded. Every line is followed from
-    cell to cell and its distance to blocked squares is exact, so what the route says of its clearance
-    holds.
-
-    Args:
-        graph: of the map and the robot.
-        start: only x and y count, in [m].
-        goal: only x and y count, in [m].
-        reach: how far outside the graph's free component start and goal may be, in [m], rounded up to
-            whole
-            cells: localisation noise, a place close to furniture.
-        least: clearance without which a route is refused, in [m]: the footprint's radius, say, where the
-            graph was grown by more.
-        rounding: length of corners, as a multiple of the usual one; more for faster robots.
-        passes: of corner rounding; 0 leaves all corners sharp.
-
-    Returns:
-        None if start or goal is farther than `reach` from the free component or cut off from it, if they
-            are
-        cut off from each other, or if the way needs less clearance than `least`.
-    """
+    """Return a short route that keeps away from obstacles; None if none exists."""
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
     if ends[0] is None or ends[1] is None:
         return None

@@ -78,7 +78,7 @@ class _Body:
 
 
 class TrackedScan(NamedTuple):
-    """What a scan's points belong to."""
+    """Scan points that belong to moving bodies, and the ground that these have left."""
 
     moving: BoolArray
     """(n,) points of people and carts that move, or stood for less than `STOOD_S`."""
@@ -87,12 +87,7 @@ class TrackedScan(NamedTuple):
 
 
 class MovingTracks:
-    """Tracks all bodies of a person's or a cart's size, and tells those that move.
-
-    A body moves if its velocity is significant, it has left its first place, and scans before saw free
-    ground where it is now. So what comes into view behind something, and edges that wander with the
-    viewpoint, are no movers.
-    """
+    """Tracker of all bodies with the size of a person or a cart; it separates moving bodies from others."""
 
     def __init__(self, reach: float) -> None:
         """BodyTrack up to a distance from the lidar, in [m]."""

@@ -14,7 +14,7 @@ BEAMS_BESIDE = 1  # beams on each side that have to have passed it as well
 
 
 class PastScan(NamedTuple):
-    """A scan, and where it was taken."""
+    """A past scan with its time and the pose of the lidar."""
 
     time: float
     """In [s]."""

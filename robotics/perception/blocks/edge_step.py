@@ -24,10 +24,10 @@ _LEAST_AWAY = 1.5  # [px] from an edge to the next one that is nothing of its ow
 
 
 class Steps(NamedTuple):
-    """The first step down in each of some profiles (k, 21)."""
+    """Fitted steps of grey profiles across edges: position and height of the first step down of each."""
 
     at: FloatArray
-    """(k,) in [px]."""
+    """Position (k,) of each step along its profile, in [px]."""
     drop: FloatArray
     """Height (k,) of each step in grey levels; 0 without a step."""
     model: FloatArray

@@ -28,12 +28,12 @@ class GapFound(NamedTuple):
 
     @property
     def centre(self) -> float:
-        """Middle between the edges."""
+        """Lateral middle between the gap's edges in the shelf frame, in [m]."""
         return (self.left + self.right) / 2
 
     @property
     def width(self) -> float:
-        """Distance between the edges."""
+        """Distance between the gap's edges, in [m]."""
         return self.left - self.right
 
 

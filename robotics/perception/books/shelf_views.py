@@ -32,7 +32,7 @@ class ShelfBook(NamedTuple):
 
     @property
     def centre(self) -> float:
-        """Middle between the edges."""
+        """Lateral middle between the book's edges in the shelf frame, in [m]."""
         return (self.left + self.right) / 2
 
 

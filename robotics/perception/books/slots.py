@@ -31,7 +31,7 @@ class Gap(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Distance between the edges."""
+        """Distance between the gap's edges, in [m]."""
         return self.left - self.right
 
 

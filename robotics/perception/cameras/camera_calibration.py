@@ -28,7 +28,7 @@ _MORE_OF_THE_LENS = ((cv2.CALIB_ZERO_TANGENT_DIST, [2, 3]), (cv2.CALIB_FIX_K3, [
 
 
 class CameraCalibration(NamedTuple):
-    """A calibrated camera."""
+    """Result of a calibration: camera model and its accuracy."""
 
     camera: CameraModel
     sigmas: FloatArray

@@ -46,7 +46,7 @@ Shown = Callable[[Kind, Sequence[Pose2]], BoolArray]
 
 
 class BasePrior(NamedTuple):
-    """Expected pose of the base before it looks."""
+    """Expected pose of the base before the first picture, with its accuracy."""
 
     planned_T_base: Pose2
     covariance: FloatArray
