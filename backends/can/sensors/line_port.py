@@ -13,7 +13,7 @@ _LONGEST = 1 << 14  # bytes of a line
 
 
 class LinePort:
-    """A serial port or a socket that delivers lines of text; reading never blocks."""
+    """A serial port or a socket that delivers lines of text; reading never waits."""
 
     def __init__(self, sensor: str, port: str, baud: int) -> None:
         """Open it.

@@ -26,7 +26,7 @@ NOBODY = np.empty((0, 3))
 
 
 class Crowd:
-    """Removes people from scans, and compares two scans at rest by the beams that nobody blocks."""
+    """Removes people from scans, and compares two scans at rest by the beams that nobody interrupts."""
 
     STATE: ClassVar[Kinds] = {"_ranges": FarArray, "_is_near": bool}
     """Attributes that a checkpoint keeps, with their types."""
