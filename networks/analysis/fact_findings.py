@@ -9,6 +9,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.files.errors import Finding
 from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_model import ConditionFile
 
 _MOVED_BY = {"base": (Base,), "hand": (Arm, Gripper)}
 """Facts that only some capabilities can change, by the names that tasks use for them."""
@@ -75,7 +76,17 @@ def _more_than_elsewhere(task: Task) -> list[Finding]:
 
 def _changes(task: Task, number: int) -> Changes:
     """Return the changes of an action of the file, among the facts that both of its situations state."""
+    if isinstance(task.file, ConditionFile):
+        return _conditional_changes(task.file, number)
     entry, situations = task.file.actions[number], task.file.situations
     before, after = situations.get(entry.source) or {}, situations.get(entry.target) or {}
     both = (name for name in before if name in after)
     return {name: (before[name], after[name]) for name in both if before[name] != after[name]}
+
+
+def _conditional_changes(file: ConditionFile, number: int) -> Changes:
+    """Return the changes of physical facts by an action that is given with conditions."""
+    entry = file.actions[number]
+    changed = {name: value for name, value in entry.endings[0].changes.items() if name in file.facts}
+    before = {name: entry.condition.get(name) for name in changed}
+    return {name: (before[name], value) for name, value in changed.items() if before[name] != value}

@@ -10,8 +10,8 @@ from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort, TooMuch
 from handcart.networks.chains.policy import DEFAULT_MAX_STEPS, TooLarge, budget_of
 from handcart.networks.chains.stage import Stage
+from handcart.networks.entries.entry import TaskEntry
 from handcart.networks.task.task_file import Task
-from handcart.networks.task.task_model import ActionEntry
 
 from .forecast import Change, Forecast, Forecaster
 
@@ -135,7 +135,7 @@ def _bounds(now: Forecast, fails: float) -> tuple[float, float]:
     return -min(now.goal_high, fails), min(1.0 - now.goal, fails + now.unknown)
 
 
-def _words(entry: ActionEntry) -> str:
+def _words(entry: TaskEntry) -> str:
     return f"{entry.do} ({entry.source} to {entry.target})"
 
 

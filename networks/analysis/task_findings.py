@@ -11,8 +11,10 @@ from handcart.files.errors import Finding
 from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_model import ConditionFile
 
 from .cause_findings import cause_findings, causes_into
+from .condition_findings import condition_findings
 from .fact_findings import fact_findings
 from .hand_findings import denied_hand_facts
 from .worst_cases import WorstCases
@@ -25,7 +27,8 @@ def task_findings(task: Task) -> list[Finding]:
     or that an action's effect on the hand contradicts.
     """
     facts = [*fact_findings(task), *denied_hand_facts(task)]
-    return [*_unreached(task), *_dead_ends(task), *cause_findings(task), *facts]
+    ends = condition_findings(task) if isinstance(task.file, ConditionFile) else _dead_ends(task)
+    return [*_unreached(task), *ends, *cause_findings(task), *facts]
 
 
 def _unreached(task: Task) -> list[Finding]:

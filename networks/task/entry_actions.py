@@ -6,17 +6,20 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.entries.action_entry import ActionEntry
+from handcart.networks.entries.condition_entry import ConditionEntry
+from handcart.networks.entries.copied import Copied
+from handcart.networks.entries.entry import TaskEntry, listed_names
 from handcart.networks.graph.network import Action, Binding, Ending, FailEnding, Situation, faults_of
 
-from .repeating import Copied
-from .task_model import ActionEntry, TaskFile
+from .task_model import AnyTaskFile
 
 Faults = Iterator[tuple[KeyPath, str]]
 """Keys in the file, and what is wrong there with what is allowed."""
 DEFAULT_ATTEMPTS = 3
 
 
-def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Mapping[str, int]) -> Action:
+def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mapping[str, int]) -> Action:
     """Return the action of an entry.
 
     Args:
@@ -25,7 +28,8 @@ def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Map
         binding: its primitive.
         budgets: attempts that several actions share, by name.
     """
-    limit, others = entry.limit, _others(entry)
+    limit, others = entry.limit, entry.endings[1:]
+    is_shared = limit.shared or isinstance(entry, ConditionEntry)
     unlimited = limit.most == "unlimited"
     most = DEFAULT_ATTEMPTS if limit.most == "unlimited" else limit.most
     return Action(
@@ -43,7 +47,7 @@ def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Map
         unlimited=unlimited and limit.budget is None,
         renewals=limit.renewals if limit.fresh_after else 0,
         fresh_after=listed_names(limit.fresh_after),
-        budget=limit.budget or (f"{entry.do} {copied.entry}" if limit.shared else ""),
+        budget=limit.budget or (f"{entry.do} {copied.entry}" if is_shared else ""),
         fail_endings=_fail_endings(entry, copied.fails),
     )
 
@@ -51,8 +55,16 @@ def action_of(entry: ActionEntry, copied: Copied, binding: Binding, budgets: Map
 def entry_faults(
     entry: ActionEntry, known: Mapping[str, Situation], budgets: Sequence[str], done: Collection[str]
 ) -> Faults:
-    """Yield the faults of an entry of the task file, by the keys below it."""
-    target, others = entry.endings[0].target, _others(entry)
+    """Yield what is wrong with an entry, by the keys below it.
+
+    Args:
+        entry: the entry.
+        known: situations of the file, by name.
+        budgets: names of the task's budgets.
+        done: names of all primitives in the file.
+    """
+    target = entry.endings[0].target
+    others = tuple(Ending(each.target, each.result, each.p) for each in entry.endings[1:])
     fails = _fail_endings(entry, tuple(each.to for each in entry.fail_entries.values()))
     plain = Action(
         *(entry.source, target, None, entry.cost_s),
@@ -62,6 +74,17 @@ def entry_faults(
     )
     for key, fault in faults_of(plain, known):
         yield ("then" if key == "to" and entry.then else key,), fault
+    yield from limit_faults(entry, budgets, done)
+
+
+def limit_faults(entry: TaskEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
+    """Yield what is wrong with the attempts and probabilities of an entry, by the keys below it.
+
+    Args:
+        entry: the entry.
+        budgets: names of the task's budgets.
+        done: names of all primitives in the file.
+    """
     yield from _attempt_faults(entry, budgets, done)
     left = 1.0 - (entry.p_success or 0.0)
     if left < -1e-12:
@@ -72,7 +95,7 @@ def entry_faults(
     yield from _cause_faults(entry, left - entry.p_give_up)
 
 
-def _cause_faults(entry: ActionEntry, left: float) -> Faults:
+def _cause_faults(entry: TaskEntry, left: float) -> Faults:
     """Yield what is wrong with the probabilities of causes; all others share what is `left` of a Fail."""
     every = entry.fail_entries
     if entry.p_success is not None:
@@ -85,7 +108,7 @@ def _cause_faults(entry: ActionEntry, left: float) -> Faults:
         yield ("on_fail",), wrong
 
 
-def _attempt_faults(entry: ActionEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
+def _attempt_faults(entry: TaskEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
     budget = entry.limit.budget
     if budget is not None and budget not in budgets:
         yield ("attempts", "budget"), f"unknown budget {budget!r}{suggest(budget, budgets)}"
@@ -95,7 +118,7 @@ def _attempt_faults(entry: ActionEntry, budgets: Sequence[str], done: Collection
             yield ("attempts", "fresh_after"), wrong
 
 
-def chance_faults(file: TaskFile) -> Faults:
+def chance_faults(file: AnyTaskFile) -> Faults:
     """Yield the actions without a probability, which all policies but the rule need."""
     for number, entry in enumerate(file.actions):
         if entry.p_success is None:
@@ -103,17 +126,7 @@ def chance_faults(file: TaskFile) -> Faults:
             yield ("actions", number), f"{wrong}; allowed: p, or policy: rule"
 
 
-def listed_names(names: str | list[str] | None) -> tuple[str, ...]:
-    """Return one name or several as a tuple."""
-    return (names,) if isinstance(names, str) else tuple(names or ())
-
-
-def _fail_endings(entry: ActionEntry, nexts: tuple[str | None, ...]) -> tuple[FailEnding, ...]:
+def _fail_endings(entry: TaskEntry, nexts: tuple[str | None, ...]) -> tuple[FailEnding, ...]:
     """Return where Fails of named causes lead, given their situations in the network."""
     pairs = zip(entry.fail_entries.items(), nexts, strict=True)
     return tuple(FailEnding(cause, to, each.p) for (cause, each), to in pairs)
-
-
-def _others(entry: ActionEntry) -> tuple[Ending, ...]:
-    """Return the situations besides the usual one that Success may lead to."""
-    return tuple(Ending(each.target, each.result, each.p) for each in entry.endings[1:])

@@ -27,9 +27,10 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.keepout import with_keepout
 
+from .named_files import SPEED_MASK_KEYS
 from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
-from .task_file import SPEED_MASK_KEYS, Primitives, Task, load_task
+from .task_file import Primitives, Task, load_task
 from .unknown_start import drawn_pose, start_findings
 from .without_map import is_without_map, open_floor, started_exactly
 

@@ -4,39 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from handcart.networks.entries.copied import Copied as Copied
+from handcart.networks.entries.copied import Copies as Copies
 from handcart.networks.graph.network import MAX_ACTIONS
 
 from .repetition import Element, Nested, NotRepeated, Repetition, nested
 from .task_model import ActionEntry, GivenFact
-
-
-@dataclass(frozen=True)
-class Copied:
-    """Copy of an action of the task file for one element of a repeat."""
-
-    source: str
-    target: str
-    on_fail: str | None
-    entry: int | None
-    """Number of the action in the file; None: a skip."""
-    element: Element | None = None
-    """Element that the copy belongs to; None: it is outside the repeated parts."""
-    others: tuple[str, ...] = ()
-    """Further situations that Success may lead to."""
-    fails: tuple[str | None, ...] = ()
-    """Situations that Fails of named causes lead to; None: it remains as it is."""
-
-
-@dataclass(frozen=True)
-class Copies:
-    """A network's situations and actions after copying."""
-
-    situations: Mapping[str, tuple[str, Element | None]]
-    """Name in the file, and element, of each situation by its name in the network."""
-    actions: tuple[Copied, ...]
-    start: str
 
 
 def repeated(

@@ -9,29 +9,9 @@ from typing import Any, NamedTuple
 
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.entries.copied import Element as Element
 
 from .task_model import ActionEntry, Each, Repeat
-
-
-@dataclass(frozen=True)
-class Element:
-    """An element of a repeated part."""
-
-    number: int
-    """Number of the element in its part, from 0."""
-    path: KeyPath
-    """Position in the task's document."""
-    name: str
-    """What `{each: NAME}` calls it."""
-    value: Any
-    words: str
-    """Unique name shown to people, `place[2] (kitchen)`; nested elements begin with the one around them."""
-    around: Element | None = None
-    """Element of the surrounding part."""
-
-    def chain(self) -> list[Element]:
-        """Return the element and those around it, the outermost first."""
-        return [*(self.around.chain() if self.around else ()), self]
 
 
 class NotRepeated(ValueError):

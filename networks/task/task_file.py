@@ -11,19 +11,18 @@ import networkx as nx
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
-from handcart.backends.description.robot_names import SHIPPED_FOLDER, find_robot, named_robots
+from handcart.backends.description.robot_names import find_robot, named_robots
 from handcart.files.errors import FileError, UnsafePath
 from handcart.files.extras import extra_of, lack
 from handcart.files.findings import Findings
-from handcart.files.inside import resolve_inside
-from handcart.files.maps.map_file import map_path
 from handcart.files.models.loading import load_document, load_part
 from handcart.files.models.model import FileModel
-from handcart.files.models.settings import SETTINGS_SECTION, setting_value, with_settings
-from handcart.files.printable import printable
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.entries.condition_entry import ConditionEntry
+from handcart.networks.entries.condition_reading import ConditionReader, has_conditions
+from handcart.networks.entries.entry import TaskEntry, listed_names
 from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import (
     LOCATE_NAME,
@@ -37,7 +36,8 @@ from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 
-from .entry_actions import action_of, chance_faults, entry_faults, listed_names
+from .entry_actions import action_of, chance_faults, entry_faults, limit_faults
+from .named_files import SPEED_MASK_KEYS, named_robot, no_file, resolved, with_set
 from .parameters import goes_over_unknown, repeat_count, with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
@@ -51,14 +51,19 @@ from .task_knowledge import (
     is_start_unknown,
     read_knowledge,
 )
-from .task_model import MAX_TASK_BYTES, MAX_TASK_NODES, ActionEntry, GivenFact, Repeat, TaskFile
+from .task_model import (
+    MAX_TASK_BYTES,
+    MAX_TASK_NODES,
+    ActionEntry,
+    AnyTaskFile,
+    ConditionFile,
+    GivenFact,
+    Repeat,
+    TaskFile,
+)
 from .unknown_start import Parts, with_locate
 from .unwritten import unwritten
-from .without_map import MAP_KEY, NO_MAP
 
-SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
-MAP_KEYS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), SPEED_MASK_KEYS)
-"""Keys of files that may be maps, which may be in any folder."""
 FileModelT = TypeVar("FileModelT", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
 
@@ -67,7 +72,7 @@ Primitives = Callable[[str], type[ActionPrimitive]]
 class Task:
     """A task file that was read and checked."""
 
-    file: TaskFile
+    file: AnyTaskFile
     document: Document
     network: ActionNetwork
     entries: tuple[int | None, ...]
@@ -80,12 +85,12 @@ class Task:
 
         It is relative to the task's file, or to the current folder if it was set on the command line.
         """
-        return _resolved(self.document, key)
+        return resolved(self.document, key)
 
     @property
     def robot(self) -> str:
         """A shipped robot's name, or the path of a robot's file."""
-        return _robot(self.document, self.file.robot)
+        return named_robot(self.document, self.file.robot)
 
     def check_capabilities(self, backend: Backend) -> None:
         """Raise `FileError` naming every action whose primitive needs a capability that the robot lacks."""
@@ -121,7 +126,7 @@ def load_task(
         FileError: with every finding.
     """
     document = read_document(path, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES)
-    return _Reader(_set(document, dict(settings or {})), primitives).task()
+    return _Reader(with_set(document, dict(settings or {})), primitives).task()
 
 
 class _Reader:
@@ -133,7 +138,7 @@ class _Reader:
         self._primitives = primitives
         self._lacking: set[str] = set()
         self._budgets: Mapping[str, int] = self._silently(("budgets",), dict[str, int]) or {}
-        self._knowledge = read_knowledge(self._document, self._findings, _resolved)
+        self._knowledge = read_knowledge(self._document, self._findings, resolved)
         self._names = self._knowledge.names()
         places = self._knowledge.places
         self._place_names = None if places is None else list(places.value.places)
@@ -147,7 +152,25 @@ class _Reader:
             self._findings.raise_all()
 
     def task(self) -> Task:
-        file = self._whole()
+        return self._generated() if has_conditions(self._document) else self._written()
+
+    def _generated(self) -> Task:
+        """Return the task whose network its conditions span."""
+        file, entries = self._whole(ConditionFile), self._listed("actions", ConditionEntry)
+        self._check_entries(entries)
+        self._check_files()
+        self._check_robot()
+        found = ConditionReader(self._document).generated(entries, self._findings)
+        copies = found.copies if found else Copies({}, (), "")
+        actions = self._actions(copies, entries)
+        if self._findings or file is None or found is None:
+            self._findings.raise_all()
+        assert file is not None
+        assert found is not None
+        return self._built(file, copies, found.facts, actions, found.goal, found.otherwise)
+
+    def _written(self) -> Task:
+        file = self._whole(TaskFile)
         situations, entries = self._situations(), self._listed("actions", ActionEntry)
         # Their facts are but compared, so what follows from an element may stand there.
         known = {name: Situation(name, cast(Any, facts)) for name, facts in situations.items()}
@@ -165,13 +188,13 @@ class _Reader:
         if self._findings or file is None:
             self._findings.raise_all()
         assert file is not None
-        return self._built(file, copies, facts, actions, goal)
+        return self._built(file, copies, facts, actions, goal, listed_names(file.otherwise))
 
     # Parts, each None or left out where the file is wrong: `_whole` tells that
 
-    def _whole(self) -> TaskFile | None:
+    def _whole(self, kind: type[FileModelT]) -> FileModelT | None:
         try:
-            return load_document(self._document, TaskFile).value
+            return load_document(self._document, kind).value
         except FileError as error:
             self._findings.take(error)
             return None
@@ -209,12 +232,18 @@ class _Reader:
             if situations and name not in situations:
                 self._add(("otherwise",), f"unknown situation {name!r}{suggest(name, situations)}")
 
-    def _check_entries(self, entries: Mapping[int, ActionEntry], known: Mapping[str, Situation]) -> None:
+    def _check_entries(
+        self, entries: Mapping[int, TaskEntry], known: Mapping[str, Situation] | None = None
+    ) -> None:
+        """Check the entries; those of conditions have no known situations."""
         budgets = self._document.root.child("budgets")
         named = list(budgets.content) if budgets and isinstance(budgets.content, dict) else []
         done = {entry.do for entry in entries.values()}
         for number, entry in entries.items():
-            for path, fault in entry_faults(entry, known, named, done):
+            faults = limit_faults(entry, named, done)
+            if known is not None and isinstance(entry, ActionEntry):
+                faults = entry_faults(entry, known, named, done)
+            for path, fault in faults:
                 self._add(("actions", number, *path), fault)
 
     def _copies(
@@ -236,16 +265,20 @@ class _Reader:
             self._findings.raise_all()
             raise
 
-    def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
+    def _actions(self, copies: Copies, entries: Mapping[int, TaskEntry]) -> list[Action | None]:
         self._check_start_place(self._place_names)
         reader = ParameterReader(self._document, self._findings, self._names)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
+        copied = {each.entry for each in copies.actions}
+        for number, kind in kinds.items():  # what is wrong with actions that are never possible
+            if kind and number not in copied and has_conditions(self._document):
+                reader.binding(kind, number, None)
         return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
 
     def _action(
         self,
         copied: Copied,
-        entries: Mapping[int, ActionEntry],
+        entries: Mapping[int, TaskEntry],
         kinds: Mapping[int, type[ActionPrimitive] | None],
         reader: ParameterReader,
     ) -> Action | None:
@@ -303,20 +336,21 @@ class _Reader:
         named = [("knowledge", name) for name in ("map", "keepout", PLACES_KIND, *domain_keys())]
         for key in (("world",), *named, SPEED_MASK_KEYS):
             try:
-                path = _resolved(self._document, key)
+                path = resolved(self._document, key)
             except UnsafePath as unsafe:
                 self._add(key, str(unsafe))
                 continue
             if path is not None and not path.is_file():
-                self._add(key, _no_file(path))
+                self._add(key, no_file(path))
 
     def _built(
         self,
-        file: TaskFile,
+        file: AnyTaskFile,
         copies: Copies,
         facts: Mapping[str, Mapping[str, Fact]],
         actions: list[Action | None],
         goal: str,
+        otherwise: tuple[str, ...],
     ) -> Task:
         situations = [
             Situation(each, facts[each], element.words if element else None)
@@ -328,7 +362,7 @@ class _Reader:
         if not self._knowledge.is_start_known:
             parts = with_locate(parts, self._primitives(LOCATE_NAME))
             entries += (None,) * (len(parts.actions) - len(every))
-        network = ActionNetwork.build(*parts, goal, listed_names(file.otherwise))
+        network = ActionNetwork.build(*parts, goal, otherwise)
         network = replace(network, policy=file.policy, person_s=file.person_s)
         if file.policy != "rule":
             for path, fault in chance_faults(file):
@@ -346,7 +380,7 @@ class _Reader:
         self._findings.raise_all()
         return Task(file, self._document, network, entries, self._knowledge)
 
-    def _check_late(self, file: TaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
+    def _check_late(self, file: AnyTaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
         given = file.knowledge.model_fields_set if file.knowledge else ()
         for action, name, key in unwritten(network, given):
             wrong = f"{name}: nothing that is done before finds out {key!r}"
@@ -354,35 +388,3 @@ class _Reader:
             number = entries[action.index]
             assert number is not None
             self._add(("actions", number, "with", name), f"{wrong}; {needed}")
-
-
-def _resolved(document: Document, key: KeyPath) -> Path | None:
-    node, there = document.root.deepest(key)
-    if not there or not isinstance(node.content, str) or (key == MAP_KEY and node.content == NO_MAP):
-        return None
-    if node.line == 0:  # from the command line: the user's own words
-        return Path(node.content)
-    folder = document.folder.resolve()
-    # Neighbouring tasks may share a world.
-    find = map_path if key in MAP_KEYS else resolve_inside
-    return find(folder.parent, node.content, start=folder)
-
-
-def _no_file(path: Path) -> str:
-    folder = printable(str(path.parent.absolute()))
-    return f"there is no file {path.name!r} in {folder}; allowed: a file, from the task's folder"
-
-
-def _set(document: Document, settings: dict[str, str]) -> Document:
-    declared = document.root.deepest((*SETTINGS_SECTION, "robot"))[1]
-    if "policy" in settings and not document.root.deepest((*SETTINGS_SECTION, "policy"))[1]:
-        document = document.with_value(("policy",), setting_value("policy", settings.pop("policy")))
-    if "robot" in settings and not declared and document.root.child("robot"):
-        document = document.with_value(("robot",), setting_value("robot", settings.pop("robot")))
-    return with_settings(document, settings) if settings else document
-
-
-def _robot(document: Document, name: str) -> str:
-    if not name.endswith((".yaml", ".yml")) or (SHIPPED_FOLDER / name).exists():
-        return name
-    return str(_resolved(document, ("robot",)))

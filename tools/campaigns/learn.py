@@ -130,7 +130,7 @@ def _changed(
                 continue
             row = data["actions"][number]
             row["cost_s"] = _rounded(each.mean_s, row["cost_s"])
-            if entry.then is None:
+            if entry.is_plain:
                 row["p"] = each.p
                 if each.p_give_up or "p_give_up" in row:
                     row["p_give_up"] = each.p_give_up

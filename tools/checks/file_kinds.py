@@ -11,7 +11,7 @@ from handcart.tasks.domain import domains, imported
 MAX_NEIGHBOUR_FILES = 20  # next to a URDF
 
 _GENERAL = {
-    "task": "handcart.networks.task.task_model:TaskFile",
+    "task": "handcart.networks.task.task_model:task_model",
     "robot": "handcart.backends.loading.robot_model:robot_model",
     "world": "handcart.backends.simulation.world_files.world_model:world_model",
     "table": "handcart.networks.analysis.action_table:ActionTable",

@@ -1,0 +1,1 @@
+"""Entries under `actions:` of a task's file, and the network that conditions span."""

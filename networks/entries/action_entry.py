@@ -1,0 +1,101 @@
+"""Entries of a network that is written in the task's file, situation by situation."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from .entry import OTHER_CAUSES, EndingChance, FailChance, TaskEntry
+
+
+class ThenEntry(EndingChance):
+    """A situation that Success may lead to."""
+
+    target: Annotated[str, Field(alias="to")]
+    """The situation."""
+
+
+class FailEntry(FailChance):
+    """Result of a Fail of a certain cause: the situation that it leads to."""
+
+    to: str | None = None
+    """The situation: same facts, other knowledge (default: it remains as it is)."""
+
+
+class ActionEntry(TaskEntry):
+    """An action in a task file."""
+
+    source: Annotated[str, Field(alias="from")]
+    """The situation in which it can be done."""
+    to: str = ""
+    """The situation that Success leads to; `then` if there are several."""
+    then: Annotated[list[ThenEntry], Field(min_length=1)] | None = None
+    """The situations that Success may lead to, the usual one first."""
+    fails: Annotated[str | dict[str, str | FailEntry] | None, Field(alias="on_fail")] = None
+    """The situation that Fail leads to: same facts, other knowledge (default: Fail changes nothing); or one
+    for each cause, and `else`.
+    """
+
+    @model_validator(mode="after")
+    def _leads_somewhere(self) -> Self:
+        if self.then is None and not self.to:
+            raise ValueError("the key 'to' is missing; needed: the situation that Success leads to")
+        if self.then is not None and self.to:
+            raise ValueError("has both `to` and `then`; allowed: one of them")
+        if self.then is not None and self.p is not None:
+            raise ValueError("has both `p` and `then`; allowed: p in each entry of `then`")
+        return self
+
+    @property
+    def target(self) -> str:
+        """The situation that Success usually leads to."""
+        return self.then[0].target if self.then else self.to
+
+    @cached_property
+    def endings(self) -> list[ThenEntry]:
+        """The situations that Success may lead to, the usual one first."""
+        return self.then or [ThenEntry.model_construct(target=self.to, p=self.p, result="")]
+
+    @property
+    def leads_to(self) -> list[str]:
+        """All situations that the action may lead to, that of a Fail last."""
+        return [*(each.target for each in self.endings), *self.fail_situations]
+
+    @property
+    def on_fail(self) -> str | None:
+        """Situation that a Fail leads to if its cause has none of its own; None: the situation stays."""
+        if isinstance(self.fails, str):
+            return self.fails
+        named = self._by_cause.get(OTHER_CAUSES)
+        return None if named is None else named.to
+
+    @property
+    def fail_entries(self) -> dict[str, FailEntry]:
+        """Results of Fails, by the name of their cause."""
+        return {cause: each for cause, each in self._by_cause.items() if cause != OTHER_CAUSES}
+
+    @property
+    def fail_situations(self) -> list[str]:
+        """All situations that a Fail may lead to, that of causes without an entry last."""
+        return [each for each in (*(e.to for e in self.fail_entries.values()), self.on_fail) if each]
+
+    @property
+    def _by_cause(self) -> dict[str, FailEntry]:
+        if not isinstance(self.fails, dict):
+            return {}
+        return {
+            cause: FailEntry(to=each) if isinstance(each, str) else each for cause, each in self.fails.items()
+        }
+
+    @property
+    def p_success(self) -> float | None:
+        """Probability of Success, with any target situation; None if it is not given."""
+        every = [each.p for each in self.endings]
+        return None if None in every else sum(p or 0.0 for p in every)
+
+    @property
+    def is_plain(self) -> bool:
+        """True if Success leads to one situation, whose probability is `p`."""
+        return self.then is None

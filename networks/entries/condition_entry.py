@@ -1,0 +1,108 @@
+"""Entries of a network that is generated: the conditions under which an action starts, and its effects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Annotated, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from handcart.networks.graph.network import Fact
+
+from .entry import OTHER_CAUSES, EndingChance, FailChance, TaskEntry
+
+Values = Annotated[list[Fact], Field(min_length=1, max_length=1000)]
+"""Possible values of a fact."""
+Conditions = dict[str, Fact | Values]
+"""Values of facts, or a list of values that each will do, by the fact's name."""
+
+
+class ConditionEnding(EndingChance):
+    """What a Success may change: facts by their names, and how probable that is."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Fact] = Field(init=False)
+
+    @property
+    def changes(self) -> Mapping[str, Fact]:
+        """The facts that it changes."""
+        return self.__pydantic_extra__
+
+
+class ConditionFail(FailChance):
+    """What a Fail of a cause changes."""
+
+    known: Annotated[dict[str, Fact], Field(default_factory=dict)]
+    """What the robot then knows (default: nothing new)."""
+
+
+class ConditionEntry(TaskEntry):
+    """One action, in every situation in which its conditions hold."""
+
+    condition: Annotated[Conditions, Field(alias="if", default_factory=dict)]
+    """Facts that have to hold; one that is not named may have any value."""
+    then: dict[str, Fact] | Annotated[list[ConditionEnding], Field(min_length=1)]
+    """Facts that hold after Success; a list if there are several possibilities, the usual one first."""
+    fails: Annotated[dict[str, ConditionFail], Field(alias="on_fail", default_factory=dict)]
+    """What the robot knows after a Fail, for each cause, and for `else`."""
+
+    @model_validator(mode="after")
+    def _has_one_p(self) -> Self:
+        if self.p is not None and not self.is_plain:
+            raise ValueError("has both `p` and a list in `then`; allowed: p in each entry of `then`")
+        return self
+
+    @property
+    def is_plain(self) -> bool:
+        """True if Success has one effect, whose probability is `p`."""
+        return isinstance(self.then, dict)
+
+    @cached_property
+    def endings(self) -> list[ConditionEnding]:
+        """The effects that Success may have, the usual one first."""
+        if isinstance(self.then, dict):
+            return [ConditionEnding.model_validate({**self.then, "p": self.p})]
+        return self.then
+
+    @property
+    def source(self) -> str:
+        """The conditions in words."""
+        return facts_in_words(self.condition) or "anywhere"
+
+    @property
+    def target(self) -> str:
+        """The usual effect in words."""
+        return facts_in_words(self.endings[0].changes) or "the same"
+
+    @property
+    def on_fail(self) -> str | None:
+        """What a Fail of a cause that is not named makes known, in words."""
+        return self._known_in_words(OTHER_CAUSES)
+
+    @property
+    def fail_entries(self) -> dict[str, ConditionFail]:
+        """What Fails of named causes make known."""
+        return {cause: each for cause, each in self.fails.items() if cause != OTHER_CAUSES}
+
+    @property
+    def p_success(self) -> float | None:
+        """Probability of Success, whatever its effect; None: not given."""
+        every = [each.p for each in self.endings]
+        return None if None in every else sum(p or 0.0 for p in every)
+
+    def _known_in_words(self, cause: str) -> str | None:
+        found = self.fails.get(cause)
+        return facts_in_words(found.known) or None if found else None
+
+
+def facts_in_words(facts: Mapping[str, object]) -> str:
+    """Return facts in words, on one line."""
+    return ", ".join(f"{name} {value_in_words(value)}" for name, value in facts.items())
+
+
+def value_in_words(value: object) -> str:
+    """Return a value of a fact, or several that will do, as a situation's name contains it."""
+    if isinstance(value, list):
+        return "|".join(map(value_in_words, value))
+    return str(value).lower() if isinstance(value, bool) else str(value)

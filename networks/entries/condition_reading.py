@@ -1,0 +1,74 @@
+"""Reading of `facts`, `known`, `start`, `goal` and `otherwise` of a task, and of the network they span."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from handcart.files.errors import FileError
+from handcart.files.findings import Findings
+from handcart.files.models.loading import load_part
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.graph.network import Fact
+
+from .condition_entry import ConditionEntry, Conditions, Values
+from .fact_space import FactSpace
+from .generating import Generated, NetworkGenerator, NotGenerated
+
+FACTS_KEY = "facts"
+"""Key of a task whose network is generated."""
+Fault = tuple[KeyPath, str]
+
+
+def has_conditions(document: Document) -> bool:
+    """Return whether a task's network is generated from conditions."""
+    return document.root.child(FACTS_KEY) is not None
+
+
+class ConditionReader:
+    """Reads what a network is generated from; what has a wrong type is reported with the complete file."""
+
+    def __init__(self, document: Document) -> None:
+        """Read the facts and what is said of them."""
+        self._document = document
+        self._space = FactSpace(self._values("facts"), self._values("known"))
+        self._start: Mapping[str, Fact] = self._part("start", dict[str, Fact]) or {}
+        self._goal: Conditions = self._part("goal", Conditions) or {}
+        otherwise = self._part("otherwise", Conditions | list[Conditions]) or []
+        self._is_listed = isinstance(otherwise, list)
+        self._otherwise: list[Conditions] = otherwise if isinstance(otherwise, list) else [otherwise]
+
+    def generated(self, entries: Mapping[int, ConditionEntry], findings: Findings) -> Generated | None:
+        """Return the network of the entries, by their numbers; None if something is wrong, which is added."""
+        before = len(findings)
+        for path, fault in self._faults(entries):
+            findings.add(self._document.finding(path, fault))
+        if len(findings) > before:
+            return None
+        try:
+            return NetworkGenerator(self._space, entries, self._goal).generated(self._start, self._otherwise)
+        except NotGenerated as wrong:
+            findings.add(self._document.finding((wrong.key,), str(wrong)))
+            return None
+
+    def _faults(self, entries: Mapping[int, ConditionEntry]) -> Iterator[Fault]:
+        space = self._space
+        yield from space.faults()
+        yield from space.given_faults(("start",), self._start)
+        yield from space.given_faults(("goal",), self._goal)
+        for number, each in enumerate(self._otherwise):
+            path: KeyPath = ("otherwise", number) if self._is_listed else ("otherwise",)
+            yield from space.given_faults(path, each)
+        for number, entry in entries.items():
+            for below, fault in space.entry_faults(entry):
+                yield ("actions", number, *below), fault
+
+    def _values(self, key: str) -> Mapping[str, list[Fact]]:
+        return self._part(key, dict[str, Values]) or {}
+
+    def _part(self, key: str, kind: Any) -> Any:
+        try:
+            return load_part(self._document, (key,), kind)
+        except FileError:
+            return None

@@ -1,0 +1,57 @@
+"""Situations and actions of a future network, each with its origin in the task's file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from handcart.files.yaml.yaml_node import KeyPath
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element of a repeated part."""
+
+    number: int
+    """Number of the element in its part, from 0."""
+    path: KeyPath
+    """Position in the task's document."""
+    name: str
+    """What `{each: NAME}` calls it."""
+    value: Any
+    words: str
+    """Unique name shown to people, `place[2] (kitchen)`; nested elements begin with the one around them."""
+    around: Element | None = None
+    """Element of the surrounding part."""
+
+    def chain(self) -> list[Element]:
+        """Return the element and those around it, the outermost first."""
+        return [*(self.around.chain() if self.around else ()), self]
+
+
+@dataclass(frozen=True)
+class Copied:
+    """An action of the future network: a copy of one of the file's actions."""
+
+    source: str
+    target: str
+    on_fail: str | None
+    entry: int | None
+    """Number of the action in the file; None: a skip."""
+    element: Element | None = None
+    """Element that the copy belongs to; None: it is outside the repeated parts."""
+    others: tuple[str, ...] = ()
+    """Further situations that Success may lead to."""
+    fails: tuple[str | None, ...] = ()
+    """Situations that Fails of named causes lead to; None: it remains as it is."""
+
+
+@dataclass(frozen=True)
+class Copies:
+    """A network's situations and actions after copying."""
+
+    situations: Mapping[str, tuple[str, Element | None]]
+    """Name in the file, and element, of each situation by its name in the network."""
+    actions: tuple[Copied, ...]
+    start: str

@@ -1,0 +1,117 @@
+"""The keys that every entry under `actions:` has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+from handcart.networks.graph.network import MAX_ATTEMPTS, MAX_COST_S
+
+Probability = Annotated[float, Field(ge=0.0, le=1.0)]
+Count = Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] | Literal["unlimited"]
+
+OTHER_CAUSES = "else"
+"""Key for the causes that are not named."""
+
+
+class AttemptsEntry(FileModel):
+    """Limit on the Fails of an action."""
+
+    most: Count = 3
+    """Maximum number of Fails, or `unlimited`."""
+    budget: str | None = None
+    """Name of one of the task's `budgets`, shared with all actions that name it."""
+    shared: bool = False
+    """True if the copies of the action in a repeat share its attempts."""
+    fresh_after: str | list[str] = Field(default_factory=list)
+    """Primitives after whose Success the Fails are forgotten, in a repeat for the same element."""
+    renewals: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
+    """How often they are forgotten, at most."""
+
+
+class EndingChance(FileModel):
+    """A possible end of an attempt in Success."""
+
+    p: Probability | None = None
+    """Probability that an attempt ends so."""
+    result: str = ""
+    """Result by which the primitive reports it (default: the usual one)."""
+
+
+class FailChance(FileModel):
+    """A possible end of an attempt in a Fail of one cause."""
+
+    p: Probability | None = None
+    """Probability that an attempt fails so."""
+
+
+class TaskEntry(FileModel):
+    """What an action does, what it costs and how often it is tried, wherever it leads."""
+
+    do: str
+    """Name of the primitive."""
+    cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
+    """Expected duration; each Fail doubles its weight in planning."""
+    attempts: Count | AttemptsEntry = 3
+    """Maximum number of Fails, after which it is excluded; or how they are counted."""
+    p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+    """Probability that an attempt ends in Success; `handcart check` then reports how runs end."""
+    p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    """Probability that it ends in GiveUp; the rest is that of Fail."""
+    permit: Literal["operator"] | None = None
+    """`operator`: it starts only when the operator permits it, each time."""
+    time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None
+    """Time limit of the motion; after that it is stopped, restored, and counts as a Fail."""
+    parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
+    """The primitive's parameters; `{model: cup.size}` is looked up when the action starts, `{each: slot}`
+    is the element of a repeat."""
+
+    if TYPE_CHECKING:  # fields or properties, which each kind of entry has
+
+        @property
+        def source(self) -> str:
+            """The situation in which it starts, or its conditions in words."""
+            ...
+
+        @property
+        def target(self) -> str:
+            """The usual situation after Success, or the usual effect in words."""
+            ...
+
+        @property
+        def is_plain(self) -> bool:
+            """True if Success has one effect, whose probability is `p`."""
+            ...
+
+        @property
+        def p_success(self) -> float | None:
+            """Probability of Success, whatever its effect; None: not given."""
+            ...
+
+        @property
+        def endings(self) -> Sequence[EndingChance]:
+            """The effects that Success may have, the usual one first."""
+            ...
+
+        @property
+        def fail_entries(self) -> Mapping[str, FailChance]:
+            """Effects of Fails of named causes."""
+            ...
+
+    @cached_property
+    def limit(self) -> AttemptsEntry:
+        """The limit on its Fails."""
+        if isinstance(self.attempts, AttemptsEntry):
+            return self.attempts
+        return AttemptsEntry.model_construct(
+            most=self.attempts, budget=None, shared=False, fresh_after=[], renewals=3
+        )
+
+
+def listed_names(names: str | list[str] | None) -> tuple[str, ...]:
+    """Return one name or several as a tuple."""
+    return (names,) if isinstance(names, str) else tuple(names or ())

@@ -1,0 +1,168 @@
+"""The facts of a task with the values that each may have, and what is wrong with conditions on them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from handcart.files.suggest import listed, suggest
+from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.graph.network import Fact
+
+from .condition_entry import ConditionEntry, value_in_words
+
+State = tuple[int, ...]
+"""Number of the value of each fact, in the order of the space."""
+Condition = tuple[tuple[int, frozenset[int]], ...]
+"""Facts by their numbers, each with the numbers of the values that will do."""
+Change = tuple[tuple[int, int], ...]
+"""Facts by their numbers, each with the number of its new value."""
+Faults = Iterator[tuple[KeyPath, str]]
+RESERVED_NAMES = ("p", "result")
+"""Keys of an entry of `then`, which no fact can have as its name."""
+
+
+@dataclass(frozen=True)
+class FactSpace:
+    """Facts and knowledge of a task."""
+
+    facts: Mapping[str, Sequence[Fact]]
+    """Possible values of each physical fact, the first at the start."""
+    known: Mapping[str, Sequence[Fact]]
+    """Possible values of what the robot may know, the first at the start."""
+
+    @cached_property
+    def values(self) -> dict[str, list[Fact]]:
+        """Possible values of all of them, physical facts first."""
+        return {name: list(each) for name, each in (*self.facts.items(), *self.known.items())}
+
+    @cached_property
+    def number(self) -> dict[str, int]:
+        """Number of each fact."""
+        return {name: number for number, name in enumerate(self.values)}
+
+    @cached_property
+    def _index(self) -> list[dict[object, int]]:
+        return [{_key(v): number for number, v in enumerate(each)} for each in self.values.values()]
+
+    def start(self, given: Mapping[str, Fact]) -> State:
+        """Return the state at the start."""
+        return self.changed((0,) * len(self.values), self.change(given))
+
+    def condition(self, given: Mapping[str, object]) -> Condition:
+        """Return conditions by numbers; all names and values are known."""
+        listed = ((name, each if isinstance(each, list) else [each]) for name, each in given.items())
+        return tuple((self.number[name], self._numbers(name, each)) for name, each in listed)
+
+    def change(self, given: Mapping[str, Fact]) -> Change:
+        """Return changes by numbers; all names and values are known."""
+        return tuple((self.number[name], self._numbered(name, value)) for name, value in given.items())
+
+    def changed(self, state: State, change: Change) -> State:
+        """Return the state after a change."""
+        values = list(state)
+        for fact, value in change:
+            values[fact] = value
+        return tuple(values)
+
+    def facts_of(self, state: State) -> dict[str, Fact]:
+        """Return the physical facts of a state."""
+        return {
+            name: values[number] for (name, values), number in zip(self.facts.items(), state, strict=False)
+        }
+
+    def name_of(self, state: State) -> str:
+        """Return the name of a state: its facts, and what is known beyond the start."""
+        stated = (
+            (name, values[number])
+            for (name, values), number in zip(self.values.items(), state, strict=True)
+            if name in self.facts or number
+        )
+        return ", ".join(self._words(name, value) for name, value in stated)
+
+    def words(self, conditions: Mapping[str, object]) -> str:
+        """Return the name of the situations in which conditions hold."""
+        return ", ".join(self._words(name, value) for name, value in conditions.items())
+
+    def _words(self, name: str, value: object) -> str:
+        """Return a value in words: alone if it is that of no other fact, otherwise with the fact's name."""
+        is_unique = isinstance(value, str) and (name, value) in self._unique
+        return str(value) if is_unique else f"{name} {value_in_words(value)}"
+
+    @cached_property
+    def _unique(self) -> set[tuple[str, object]]:
+        """Words that are a value of one physical fact only."""
+        texts = [(name, each) for name, values in self.values.items() for each in values]
+        counts = Counter(value_in_words(each) for _, each in texts)
+        return {
+            (name, each)
+            for name, each in texts
+            if name in self.facts and isinstance(each, str) and counts[each] == 1
+        }
+
+    def _numbers(self, name: str, values: Sequence[object]) -> frozenset[int]:
+        return frozenset(self._numbered(name, each) for each in values)
+
+    def _numbered(self, name: str, value: object) -> int:
+        return self._index[self.number[name]][_key(value)]
+
+    # What is wrong, by keys in the file
+
+    def faults(self) -> Faults:
+        """Yield what is wrong with the names and values."""
+        for key, names in (("facts", self.facts), ("known", self.known)):
+            for name, values in names.items():
+                if name in RESERVED_NAMES:
+                    yield (key, name), f"{name!r} is a key of an entry of `then`; allowed: another name"
+                seen: set[object] = set()
+                for number, value in enumerate(values):
+                    if value_in_words(value) in seen:
+                        yield (key, name, number), f"{value_in_words(value)} is listed twice; allowed: once"
+                    seen.add(value_in_words(value))
+        for name in self.known:
+            if name in self.facts:
+                yield ("known", name), f"{name!r} is one of `facts`; allowed: another name"
+
+    def given_faults(self, path: KeyPath, given: Mapping[str, object], only_known: bool = False) -> Faults:
+        """Yield the unknown names and values among conditions or changes.
+
+        Args:
+            path: their key in the file.
+            given: values, or lists of values, by name.
+            only_known: True if physical facts are rejected.
+        """
+        allowed = self.known if only_known else self.values
+        for name, value in given.items():
+            if only_known and name in self.facts:
+                wrong = f"{name!r} is a physical fact, and a Fail changes none"
+                yield (
+                    (*path, name),
+                    f"{wrong}; allowed: {listed(self.known) or 'names in `known`'}",
+                )
+            elif name not in allowed:
+                yield (*path, name), f"unknown fact {name!r}{suggest(name, allowed)}"
+            else:
+                yield from self._value_faults((*path, name), name, value)
+
+    def _value_faults(self, path: KeyPath, name: str, value: object) -> Faults:
+        each = list(enumerate(value)) if isinstance(value, list) else [(None, value)]
+        for number, one in each:
+            if _key(one) not in self._index[self.number[name]]:
+                said = suggest(value_in_words(one), list(map(value_in_words, self.values[name])))
+                at = path if number is None else (*path, number)
+                yield at, f"{name} is never {value_in_words(one)!r}{said}"
+
+    def entry_faults(self, entry: ConditionEntry) -> Faults:
+        """Yield the unknown names and values of an entry, by the keys below it."""
+        yield from self.given_faults(("if",), entry.condition)
+        for number, ending in enumerate(entry.endings):
+            yield from self.given_faults(("then",) if entry.is_plain else ("then", number), ending.changes)
+        for cause, each in entry.fails.items():
+            yield from self.given_faults(("on_fail", cause, "known"), each.known, only_known=True)
+
+
+def _key(value: object) -> object:
+    """Return a value so that true and 1 differ."""
+    return type(value) is bool, value

@@ -1,0 +1,178 @@
+"""Generation of a network from conditions: all situations of a run (paper 003, section 2.6)."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from handcart.files.suggest import listed
+from handcart.networks.graph.network import MAX_ACTIONS, Fact
+
+from .condition_entry import ConditionEntry, Conditions
+from .copied import Copied, Copies
+from .entry import OTHER_CAUSES, listed_names
+from .fact_space import Change, Condition, FactSpace, State
+
+MAX_SITUATIONS = 50_000
+"""Maximum number of situations that conditions may span."""
+
+
+class NotGenerated(ValueError):
+    """Conditions span no valid network; the message says why."""
+
+    def __init__(self, message: str, key: str = "facts") -> None:
+        super().__init__(message)
+        self.key = key
+        """Key of the task's file that is to blame."""
+
+
+class Generated(NamedTuple):
+    """A network that was generated from conditions."""
+
+    copies: Copies
+    facts: Mapping[str, Mapping[str, Fact]]
+    """Physical facts of each situation."""
+    goal: str
+    otherwise: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """An entry with its conditions and effects as numbers."""
+
+    number: int
+    condition: Condition
+    endings: tuple[Change, ...]
+    fails: tuple[Change, ...]
+    """Effects of Fails of named causes."""
+    otherwise: Change
+    """Effect of all other Fails."""
+    renews: bool
+    """True if its Success gives attempts back, so that it is useful where it changes nothing."""
+
+    def holds(self, state: State) -> bool:
+        return all(state[fact] in values for fact, values in self.condition)
+
+
+class NetworkGenerator:
+    """Follows all actions from the start, and collects the situations that they lead to.
+
+    All situations in which the goal's conditions hold are one.
+    """
+
+    def __init__(
+        self,
+        space: FactSpace,
+        entries: Mapping[int, ConditionEntry],
+        goal: Conditions,
+    ) -> None:
+        """Prepare the generation.
+
+        Args:
+            space: the facts of the task.
+            entries: the file's actions, by number; all their names and values are known.
+            goal: conditions of the goal.
+        """
+        self._space, self._goal = space, space.condition(goal)
+        self._goal_name = space.words(goal)
+        renewing = {do for each in entries.values() for do in listed_names(each.limit.fresh_after)}
+        self._rules = [_rule(space, number, entry, renewing) for number, entry in entries.items()]
+        self._names: dict[State, str] = {}
+        self._waiting: deque[State] = deque()
+        self._goal_facts: dict[str, Fact] | None = None
+
+    def generated(self, start: Mapping[str, Fact], otherwise: Sequence[Conditions] = ()) -> Generated:
+        """Return the network from a start.
+
+        Args:
+            start: facts at the start that are not the first of their values.
+            otherwise: conditions to be met when no route to the goal is left, in order of preference.
+
+        Raises:
+            NotGenerated: it has more than `MAX_SITUATIONS` situations or `MAX_ACTIONS` actions, or a Fail
+                leads to the goal, of which not all facts are known.
+        """
+        first = self._name(self._space.start(start))
+        actions: list[Copied] = []
+        while self._waiting:
+            state = self._waiting.popleft()
+            actions += self._actions(state)
+            if len(actions) > MAX_ACTIONS:
+                raise NotGenerated(self._too_many(f"{MAX_ACTIONS} actions"))
+        facts = {name: self._space.facts_of(state) for state, name in self._names.items()}
+        if self._goal_facts is not None:
+            facts = {**facts, self._goal_name: self._goal_facts}
+        facts.setdefault(self._goal_name, {})  # no action leads there, which is reported later
+        self._check_fails(actions, facts)
+        situations = dict.fromkeys(facts)
+        copies = Copies({name: (name, None) for name in situations}, tuple(actions), first)
+        return Generated(copies, facts, self._goal_name, tuple(self._meeting(otherwise)))
+
+    def _name(self, state: State) -> str:
+        """Return the name of a situation, which is followed later if it is new."""
+        if _holds(self._goal, state):
+            here = self._space.facts_of(state)
+            before = here if self._goal_facts is None else self._goal_facts
+            self._goal_facts = {name: value for name, value in before.items() if here[name] == value}
+            return self._goal_name
+        if state not in self._names:
+            if len(self._names) >= MAX_SITUATIONS:
+                raise NotGenerated(self._too_many(f"{MAX_SITUATIONS} situations"))
+            self._names[state] = self._space.name_of(state)
+            self._waiting.append(state)
+        return self._names[state]
+
+    def _actions(self, state: State) -> Iterator[Copied]:
+        changed = self._space.changed
+        for rule in self._rules:
+            if not rule.holds(state):
+                continue
+            ends = [changed(state, each) for each in rule.endings]
+            fails = [changed(state, each) for each in (rule.otherwise, *rule.fails)]
+            if not rule.renews and all(each == state for each in (*ends, *fails)):
+                continue
+            here = self._names[state]
+            usual, *others = map(self._name, ends)
+            on_fail, *by_cause = (None if each == state else self._name(each) for each in fails)
+            yield Copied(here, usual, on_fail, rule.number, None, tuple(others), tuple(by_cause))
+
+    def _check_fails(self, actions: Sequence[Copied], facts: Mapping[str, Mapping[str, Fact]]) -> None:
+        """Raise if a Fail leads to the goal, and would change physical facts there."""
+        goal = self._goal_name
+        for action in actions:
+            if goal in (action.on_fail, *action.fails) and facts[action.source] != facts[goal]:
+                missing = listed(name for name in facts[action.source] if name not in facts[goal])
+                wrong = f"a Fail leads to it, and {missing} may have several values in it"
+                raise NotGenerated(f"{wrong}; allowed: a goal that names all facts", "goal")
+
+    def _meeting(self, conditions: Sequence[Conditions]) -> Iterator[str]:
+        """Yield the situations that meet one of these conditions, in order of preference."""
+        seen: set[str] = set()
+        for each in conditions:
+            needed = self._space.condition(each)
+            for state, name in self._names.items():
+                if name not in seen and _holds(needed, state):
+                    seen.add(name)
+                    yield name
+
+    def _too_many(self, limit: str) -> str:
+        counts: Counter[str] = Counter()
+        for number, name in enumerate(self._space.values):
+            counts[name] = len({state[number] for state in self._names})
+        most = listed(f"{name} ({count} values)" for name, count in counts.most_common(3))
+        wrong = f"the conditions span more than {limit}; most values have {most}"
+        return f"{wrong}; allowed: fewer facts or values, or conditions that exclude more"
+
+
+def _rule(space: FactSpace, number: int, entry: ConditionEntry, renewing: set[str]) -> _Rule:
+    fails = tuple(space.change(each.known) for each in entry.fail_entries.values())
+    unnamed = entry.fails.get(OTHER_CAUSES)
+    endings = tuple(space.change(each.changes) for each in entry.endings)
+    left = space.change(unnamed.known) if unnamed else ()
+    return _Rule(number, space.condition(entry.condition), endings, fails, left, entry.do in renewing)
+
+
+def _holds(condition: Condition, state: State) -> bool:
+    return all(state[fact] in values for fact, values in condition)
