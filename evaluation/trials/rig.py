@@ -119,5 +119,7 @@ def build_rig(
     findings.raise_all()
     grid = load_map(files.map)[0] if files.map else nowhere()
     model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
+    findings.add(*model.fit(spec))
+    findings.raise_all()
     made = make_backend(backend, spec, files.world, seed, start, put_at_start=put_at_start)
     return Rig(Robot(made, spec, start if is_start_known else None, grid), model, made, knowledge)

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
+from handcart.files.models.model import FileModel
 from handcart.files.models.model_findings import findings_of
 from handcart.files.models.settings import with_settings
 from handcart.files.yaml.yaml_document import Document, read_document
@@ -65,7 +66,10 @@ def load_document(
     document: Document, model: type[FileModelT] | TypeAdapter[FileModelT], context: object = None
 ) -> Loaded[FileModelT]:
     """Return the whole of `document` as a `model`; raises `FileError` with every finding."""
-    return Loaded(load_part(document, (), model, context), document)
+    value = load_part(document, (), model, context)
+    if isinstance(value, FileModel) and (found := list(value.contradictions(document))):
+        raise FileError(found)
+    return Loaded(value, document)
 
 
 def load_part(

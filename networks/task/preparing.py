@@ -196,6 +196,8 @@ def _read(
     if spec is not None and known is not None:
         for section in task.knowledge.sections.values():
             findings.add(*section.faults(spec))
+        if not findings:
+            findings.add(*known[0].fit(spec))
     if spec is not None and spec.drive.kind == "ackermann":
         for key in ("keepout", "speed_limits"):
             if task.document.root.deepest(("knowledge", key))[1]:

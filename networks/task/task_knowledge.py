@@ -41,8 +41,9 @@ class TaskKnowledge:
         found: dict[str, Collection[object]] = {}
         for section in self.sections.values():
             found |= section.names()
-        if self.places is not None or self._more_places():
-            found[PLACES_KIND] = list(self.all_places())
+        computed = found.get(PLACES_KIND, ())
+        if self.places is not None or computed or self._more_places():
+            found[PLACES_KIND] = [*self.all_places(), *computed]
         return found
 
     def all_places(self) -> dict[str, Place]:

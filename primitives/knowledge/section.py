@@ -20,6 +20,7 @@ from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
 from handcart.files.yaml.yaml_document import Document
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .meant_contact import MeantContact
@@ -100,8 +101,23 @@ class Section:
         """
         return {}
 
+    def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
+        """Compute what depends on the robot, such as places of its base; yield what is impossible.
+
+        Called once, before anything moves; `places` then returns the computed ones too.
+
+        Args:
+            robot: the robot's file.
+            grid: the map.
+            places: places of the map.
+        """
+        return iter(())
+
     def places(self) -> Mapping[str, Place]:
-        """Places of the map that these files add."""
+        """Places of the map that these files add.
+
+        Those that are computed for a robot are missing until `fit`; `names` has their names as "places".
+        """
         return {}
 
     def discs(self) -> FloatArray:

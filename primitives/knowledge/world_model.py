@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar, 
 
 import numpy as np
 
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.robot.robot import Robot
 from handcart.backends.saved_state import NotAState
-from handcart.files.errors import HandcartError
+from handcart.files.errors import Finding, HandcartError
 from handcart.files.suggest import suggest
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
@@ -130,6 +131,15 @@ class WorldModel:
             self.sections[name] = kind()
             self._noted |= self.sections[name].noted()
         return self.sections[name]
+
+    def fit(self, robot: RobotFile) -> list[Finding]:
+        """Let the domains compute what depends on the robot, and add their places; return the faults."""
+        found: list[Finding] = []
+        for section in self.sections.values():
+            found += section.fit(robot, self.map, self.places)
+            self.places = {**self.places, **section.places()}
+        self._noted = self._now()
+        return found
 
     def clear_element(self) -> None:
         """Forget what belongs to one element of a repeat."""

@@ -39,7 +39,7 @@ class ThingBody:
                 thing.size,
                 self._mass,
                 self.pieces(),
-                THING_FRICTION,
+                self.friction(),
                 self.uvs(),
                 self.first_picture(),
                 self.STICKS,
@@ -53,6 +53,10 @@ class ThingBody:
     def pieces(self) -> tuple[Cuboid | Wedge, ...]:
         """Return its shapes, around the thing's middle."""
         return (Cuboid(self.thing.size),)
+
+    def friction(self) -> float:
+        """Return its friction; the product with that of what it touches counts."""
+        return THING_FRICTION
 
     def uvs(self) -> tuple[Uvs, ...]:
         """Return the places of its faces in its picture; see `ThingForm`."""

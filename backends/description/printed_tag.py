@@ -1,0 +1,81 @@
+"""A square tag on a side of a box, in files."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.perception.landmarks.tag_family import TagFamily, tags_of
+
+Face = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
+FACE_TURNS: dict[Face, tuple[float, float, float]] = {
+    "+z": (0.0, 0.0, 0.0),
+    "-z": (math.pi, 0.0, 0.0),
+    "+x": (math.pi / 2, 0.0, math.pi / 2),
+    "-x": (math.pi / 2, 0.0, -math.pi / 2),
+    "+y": (math.pi / 2, 0.0, math.pi),
+    "-y": (math.pi / 2, 0.0, 0.0),
+}
+"""Roll, pitch and yaw of each side's frame in [rad]: seen from outside, x right and y up; z points out."""
+FACE_AXES: dict[str, tuple[int, int]] = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
+"""Axes of the box along x and y of a side's frame, by the axis of its normal."""
+CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])
+"""(4, 3) corners of a tag of side 1 in its frame, clockwise from its own upper left."""
+
+
+class PrintedTag(FileModel):
+    """A tag printed on a side of a box."""
+
+    family: TagFamily = "apriltag_36h11"
+    id: Annotated[int, Field(ge=0)]
+    side_mm: Annotated[float, Field(gt=0.0, le=500.0)]
+    """Side of its black square."""
+    face: Face = "+z"
+    """Side of the box, by its outward normal; `+z` is the upper one."""
+    x_mm: float = 0.0
+    """Offset of its middle from the middle of the side, to the right, as seen from outside."""
+    y_mm: float = 0.0
+    """Offset likewise, upwards; on `+z` along the box's y."""
+    turn_deg: float = 0.0
+    """Counter-clockwise turn on the side, as seen from outside."""
+
+    @model_validator(mode="after")
+    def _in_family(self) -> Self:
+        if self.id >= tags_of(self.family):
+            raise ValueError(f"{self.family} has no tag {self.id}; allowed: 0 to {tags_of(self.family) - 1}")
+        return self
+
+    @property
+    def key(self) -> tuple[TagFamily, int]:
+        """Family and number: what a reader of tags returns."""
+        return self.family, self.id
+
+    @property
+    def side(self) -> float:
+        """Side of its black square, in [m]."""
+        return self.side_mm / 1e3
+
+    def fits(self, size_mm: tuple[float, float, float]) -> bool:
+        """Return whether the tag lies within its side of a box of that size."""
+        turn = math.radians(self.turn_deg)
+        half = 0.5 * self.side_mm * (abs(math.cos(turn)) + abs(math.sin(turn)))
+        along, up = FACE_AXES[self.face[1]]
+        return abs(self.x_mm) + half <= size_mm[along] / 2 and abs(self.y_mm) + half <= size_mm[up] / 2
+
+    def on_box(self, size: tuple[float, float, float]) -> Transform:
+        """Return box_T_tag (4, 4), the box's origin in the middle of its foot; x right, y up, z out of it.
+
+        Args:
+            size: size of the box along its x, y and z, in [m].
+        """
+        out = np.zeros(3)
+        axis = "xyz".index(self.face[1])
+        out[axis] = math.copysign(size[axis] / 2, float(self.face[0] + "1"))
+        out[2] += size[2] / 2
+        on_face = transform((self.x_mm / 1e3, self.y_mm / 1e3, 0.0), (0.0, 0.0, math.radians(self.turn_deg)))
+        return np.asarray(transform(out.tolist(), FACE_TURNS[self.face]) @ on_face)

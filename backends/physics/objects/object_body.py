@@ -1,0 +1,18 @@
+"""An object as a body."""
+
+from __future__ import annotations
+
+from typing import cast
+
+from typing_extensions import override
+
+from handcart.backends.physics.world.thing_body import ThingBody
+from handcart.backends.simulation.objects.carried_object import CarriedObject
+
+
+class ObjectBody(ThingBody):
+    """A box with the friction of its file."""
+
+    @override
+    def friction(self) -> float:
+        return cast(CarriedObject, self.thing).spec.friction

@@ -1,0 +1,1 @@
+"""Objects with tags in simulated worlds."""

@@ -1,0 +1,59 @@
+"""A box with printed tags, as a solid body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+from typing_extensions import override
+
+from handcart.backends.simulation.noise.keyed_noise import keyed
+from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedThing
+from handcart.backends.simulation.world.scene import Scene
+from handcart.backends.simulation.world.thing import GreyImage, Side
+
+from .spec import CarriedObjectSpec
+from .tag_print import printed_faces
+
+
+@dataclass(eq=False, repr=False)
+class CarriedObject(PlacedThing):
+    """An object and where it truly is.
+
+    Its frame: origin in the middle of its foot; x, y and z along its size.
+    """
+
+    KIND = "object"
+    WEIGHS = True
+
+    spec: CarriedObjectSpec
+
+    @property
+    @override
+    def mass(self) -> float:
+        return self.spec.mass_kg
+
+    @override
+    @classmethod
+    def set_down(cls, scene: Scene, spec: PlacedSpec, seed: int, **others: Any) -> Self:
+        """Return an object that a person sets down about where its file says, by its own sigmas too."""
+        assert isinstance(spec, CarriedObjectSpec)
+        dx, dy, turn = keyed(seed, f"place of {cls.KIND} {spec.name}").standard_normal(3).tolist()
+        placed = spec.model_copy(
+            update={
+                "x_m": spec.x_m + spec.sigma_mm / 1e3 * dx,
+                "y_m": spec.y_m + spec.sigma_mm / 1e3 * dy,
+                "heading_deg": spec.heading_deg + spec.sigma_deg * turn,
+            }
+        )
+        return super().set_down(scene, placed, seed, **others)
+
+    @override
+    def faces(self) -> Mapping[Side, GreyImage]:
+        return self._faces
+
+    @cached_property
+    def _faces(self) -> Mapping[Side, GreyImage]:
+        return printed_faces(self.spec.tags, self.spec.size_mm, self.spec.grey)

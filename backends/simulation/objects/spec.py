@@ -1,0 +1,44 @@
+"""Objects in a world's file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.simulation.world.placed_thing import PlacedSpec
+from handcart.backends.simulation.world.world_file import each_once
+from handcart.files.models.model import FileModel
+
+
+class CarriedObjectSpec(PlacedSpec):
+    """A box, and where a person sets it down: the middle of its foot."""
+
+    mass_kg: Annotated[float, Field(gt=0.0, le=50.0)] = 0.3
+    friction: Annotated[float, Field(gt=0.0, le=2.0)] = 0.65
+    """Of the object; the product with that of what it touches counts."""
+    tags: tuple[PrintedTag, ...] = ()
+    """Tags printed on its sides."""
+    sigma_mm: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
+    """Standard deviation, along each axis, of where the person sets it down."""
+    sigma_deg: Annotated[float, Field(ge=0.0, le=180.0)] = 0.0
+    """Standard deviation of its heading then."""
+
+    @model_validator(mode="after")
+    def _tags_fit(self) -> Self:
+        for tag in self.tags:
+            if not tag.fits(self.size_mm):
+                raise ValueError(f"the tag {tag.id} is larger than the side {tag.face}; allowed: within it")
+        return self
+
+
+class ObjectsSection(FileModel):
+    """Keys of a world's file about objects."""
+
+    objects: tuple[CarriedObjectSpec, ...] = ()
+
+    @model_validator(mode="after")
+    def _each_object_once(self) -> Self:
+        each_once("object", (each.name for each in self.objects))
+        return self

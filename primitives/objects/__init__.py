@@ -1,0 +1,1 @@
+"""Finding, picking and placing objects that a file describes."""

@@ -1,0 +1,123 @@
+"""World model section of objects."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+from typing_extensions import override
+
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_document import read_document
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+
+from .object_findings import gripper_findings
+from .objects_file import ObjectsFile
+from .surface_places import NoStandingPlace, standing_place
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.files.errors import Finding
+    from handcart.robotics.navigation.maps.grid_map import GridMap
+
+NOTHING_KNOWN = ObjectsFile(format="handcart-objects/1", kinds={}, surfaces={})
+
+
+class ObjectSighting(NamedTuple):
+    """An object as it was last seen, at rest on a surface."""
+
+    object: str
+    surface: str
+    pose: Pose2
+    """On the map."""
+    covariance: tuple[tuple[float, ...], ...]
+    """(3, 3) of x, y in [m] and heading in [rad], with the uncertainty of the base's pose."""
+
+
+class HeldObject(NamedTuple):
+    """An object in the hand."""
+
+    object: str
+    hand_T_object: Transform
+    """(4, 4); the object's origin is in the middle of its foot."""
+
+
+@dataclass
+class Objects(Section):
+    """Knowledge of a robot that fetches and carries objects."""
+
+    FILES: ClassVar = {"objects": ObjectsFile}
+    LEARNED: ClassVar = ("sightings", "held_object")
+
+    objects: ObjectsFile = NOTHING_KNOWN
+    """Kinds, objects and surfaces."""
+    sightings: tuple[ObjectSighting, ...] = ()
+    """Objects as they were last seen, each once."""
+    held_object: HeldObject | None = None
+    """The object in the hand."""
+    listed: Loaded[ObjectsFile] | None = field(default=None, repr=False, compare=False)
+    """The file with the lines of its values."""
+    stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
+    """Computed places of the base, by surface."""
+
+    @override
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        listed = files.read("objects", lambda path: load_document(read_document(path), ObjectsFile))
+        return cls() if listed is None else cls(listed.value, listed=listed)
+
+    @override
+    def faults(self, robot: RobotFile) -> Iterator[Finding]:
+        """Report objects that the fingers cannot take between them."""
+        if self.listed is not None and robot.gripper is not None:
+            yield from gripper_findings(self.listed.document, self.objects.kinds, robot.gripper.opening_mm)
+
+    @override
+    def names(self) -> Mapping[str, Collection[object]]:
+        if self.listed is None:
+            return {}
+        surfaces = self.objects.surfaces
+        computed = [name for name, each in surfaces.items() if each.place is None]
+        return {"objects": self.objects.objects, "surfaces": surfaces, "places": computed}
+
+    @override
+    def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
+        if self.listed is None:
+            return
+        found: dict[str, Place] = {}
+        for name, surface in self.objects.surfaces.items():
+            if surface.place is not None:
+                if surface.place not in places:
+                    words = f"unknown place {surface.place!r}{suggest(surface.place, places)}"
+                    yield self.listed.finding(("surfaces", name, "place"), words)
+            elif robot.arm is not None:
+                try:
+                    found[name] = standing_place(robot, grid, self.objects, name, tuple(places.values()))
+                except NoStandingPlace as reason:
+                    yield self.listed.finding(("surfaces", name), str(reason), at_key=True)
+        self.stands = found
+
+    @override
+    def places(self) -> Mapping[str, Place]:
+        return self.stands
+
+    def seen(self, name: str) -> ObjectSighting | None:
+        """Return where an object was last seen; None if it wasn't."""
+        return next((each for each in self.sightings if each.object == name), None)
+
+    def without(self, name: str) -> tuple[ObjectSighting, ...]:
+        """Return the sightings of all other objects."""
+        return tuple(each for each in self.sightings if each.object != name)
+
+    @override
+    def noted(self) -> dict[str, Any]:
+        held = self.held_object
+        return {
+            "sightings": [[*each[:2], list(each.pose), each.covariance] for each in self.sightings],
+            "held_object": None if held is None else [held.object, held.hand_T_object.round(6).tolist()],
+        }

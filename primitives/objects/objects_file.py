@@ -1,0 +1,41 @@
+"""File of objects: kinds, objects, and the surfaces that they stand on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Literal
+
+from pydantic import Field
+from typing_extensions import override
+
+from handcart.backends.description.printed_tag import PrintedTag
+from handcart.files.models.model import FileModel
+
+from .object_findings import object_findings
+from .object_kind import KnownObject, Name, ObjectKind
+from .surface import ObjectSurface
+
+if TYPE_CHECKING:
+    from handcart.files.errors import Finding
+    from handcart.files.yaml.yaml_document import Document
+
+
+class ObjectsFile(FileModel):
+    """Objects that a robot finds, picks and places."""
+
+    format: Literal["handcart-objects/1"]
+    kinds: dict[Name, ObjectKind]
+    surfaces: dict[Name, ObjectSurface]
+    objects: dict[Name, KnownObject] = Field(default_factory=dict)
+
+    @override
+    def contradictions(self, document: Document) -> Iterator[Finding]:
+        yield from object_findings(document, self.kinds, self.surfaces, self.objects)
+
+    def kind_of(self, name: str) -> ObjectKind:
+        """Return the kind of an object; both are in the file."""
+        return self.kinds[self.objects[name].kind]
+
+    def tags_of(self, name: str) -> tuple[PrintedTag, ...]:
+        """Return the tags on an object."""
+        return (*self.kind_of(name).tags, *self.objects[name].tags)

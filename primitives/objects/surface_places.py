@@ -1,0 +1,180 @@
+"""Places of the base for work on a surface: within reach, in sight, clear of what the map shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
+from handcart.primitives.knowledge.place import Place
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.placement.standing_places import OpenFloor
+from handcart.robotics.navigation.maps.clearances import Clearances
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .objects_file import ObjectsFile
+from .surface import ObjectSurface
+
+EDGE_GAPS_M = (0.04, 0.10)  # between the base's outline and the edge of the surface
+ALONG_STEP_M = 0.1  # between candidates along an edge
+INWARD_M = 0.15  # from the edge to where work is expected, if nothing is said
+LIFT_M = 0.10  # over a grasp that must be reached too
+HIGHEST_TIP_M = 0.04  # of the finger tips over the surface in a grasp
+VIEW_DISTANCE_M = 0.35
+MAX_CANDIDATES = 40
+IK_RESTARTS = 4
+PITCHES_RAD = tuple(math.radians(each) for each in (90.0, 55.0, 30.0))
+"""Of a hand over a surface: pointing down, and slanting ahead."""
+TURNS_RAD = tuple(math.radians(each) for each in (0.0, 90.0, 180.0, -90.0))
+
+
+class NoStandingPlace(Exception):
+    """There is no place of the base for work on a surface; the message says why."""
+
+
+def standing_place(
+    robot: RobotFile, grid: GridMap, file: ObjectsFile, name: str, places: Sequence[Place]
+) -> Place:
+    """Return the place from which the arm reaches and the camera sees what is to be done on a surface.
+
+    The base faces one of the sides. Nearest places to the work come first; the first one from which
+    everything is reached is taken.
+
+    Args:
+        robot: robot with an arm.
+        grid: the map.
+        file: surfaces, and the objects on them.
+        name: name of the surface.
+        places: known places of the base; a route must lead from one of them.
+
+    Raises:
+        NoStandingPlace: there is no free floor beside it, or the arm reaches nothing from there.
+    """
+    surface, arm = file.surfaces[name], robot.arm_model()
+    work = _work(file, name)
+    free = _free(robot, grid, list(_around(robot, surface, work)), places)
+    if not free:
+        radius = robot.footprint_radius_m + ROOM_AT_GOAL
+        raise NoStandingPlace(
+            f"the base can't stand beside the surface {name!r}: needed: {radius:.2f} m of free floor around"
+            " its middle, reached from a place"
+        )
+    best, missing = free[0], len(work) + 1
+    for base in free[:MAX_CANDIDATES]:
+        points = work if len(work) else _ahead(base, robot, surface)
+        unreached = sum(not _reaches(robot, arm, surface, base, point) for point in points)
+        if unreached < missing:
+            best, missing = base, unreached
+        if missing == 0:
+            return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
+    count = max(1, len(work))
+    raise NoStandingPlace(
+        f"the arm doesn't reach all work on the surface {name!r} from one place: {missing} of {count} points"
+        " (objects and spots) are out of reach; allowed: points within reach, or a `place` by hand"
+    )
+
+
+def _work(file: ObjectsFile, name: str) -> FloatArray:
+    """Return (n, 2) points on the map where objects are believed to be or go."""
+    spots = [(each.x_m, each.y_m) for each in file.surfaces[name].spots.values()]
+    believed = [
+        (each.x_m, each.y_m)
+        for each in file.objects.values()
+        if each.on == name and each.x_m is not None and each.y_m is not None
+    ]
+    return np.array([*believed, *spots]).reshape(-1, 2)
+
+
+def _around(robot: RobotFile, surface: ObjectSurface, work: FloatArray) -> Iterator[Pose2]:
+    """Yield poses of the base that face the sides, those nearest to the work first."""
+    poses = []
+    for turn in TURNS_RAD:
+        side = Pose2(0.0, 0.0, turn)
+        lengthwise = abs(math.cos(turn)) > 0.5
+        depth, width = surface.size_m if lengthwise else surface.size_m[::-1]
+        count = max(1, round(width / ALONG_STEP_M))
+        for gap in EDGE_GAPS_M:
+            for along in np.linspace(-width / 2, width / 2, 2 * (count // 2) + 1).tolist():
+                away = depth / 2 + robot.footprint_radius_m + gap
+                poses.append(surface.floor.compose(side).compose(Pose2(-away, along, 0.0)))
+    middle = work if len(work) else np.array([[surface.x_m, surface.y_m]])
+    poses.sort(key=lambda each: float(np.hypot(middle[:, 0] - each.x, middle[:, 1] - each.y).max()))
+    yield from poses
+
+
+def _free(robot: RobotFile, grid: GridMap, poses: Sequence[Pose2], places: Sequence[Place]) -> list[Pose2]:
+    """Return the poses with room on the map and, if places are known, with a route from one of them."""
+    radius = robot.footprint_radius_m + ROOM_AT_GOAL
+    bases = np.array([tuple(each) for each in poses])
+    clear = Clearances(grid, grid.blocked, walled=True).at(bases[:, :2]) >= radius
+    if places:
+        floor = OpenFloor(grid, radius)
+        reached = np.any([floor.reached_from((each.x_m, each.y_m)) for each in places], axis=0)
+        if reached.any():
+            clear &= floor.leads_to(bases, reached)
+    return [pose for pose, fits in zip(poses, clear, strict=True) if fits]
+
+
+def _ahead(base: Pose2, robot: RobotFile, surface: ObjectSurface) -> FloatArray:
+    """Return the point (1, 2) of the surface right before the base."""
+    for away in np.arange(robot.footprint_radius_m, robot.footprint_radius_m + 1.0, 0.01).tolist():
+        point = base.apply(np.array([[away + INWARD_M, 0.0]]))
+        if surface.margin(*point[0].tolist()) >= min(INWARD_M, min(surface.size_m) / 2) - 0.01:
+            return point
+    return np.array([[surface.x_m, surface.y_m]])
+
+
+def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray) -> bool:
+    """Return whether the hand grips and lifts at a point (2,), and the camera looks at it."""
+    base_T_map = inverse(base.lift())
+    spot = apply(base_T_map, np.array([[*point, surface.height_m]]))[0]
+    boxes = tuple(box.seen_from(base_T_map) for box in surface.boxes("surface"))
+    collision = CollisionModel(arm, boxes)
+    home = np.array(robot.posture("home"))
+    grips = any(
+        _is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home)
+        for hand in _hands(robot, spot)
+    )
+    return grips and (
+        robot.hand_camera is None
+        or any(_is_free(arm, collision, hand, home) for hand in _looks(robot, arm, spot))
+    )
+
+
+def _hands(robot: RobotFile, spot: FloatArray) -> Iterator[Transform]:
+    """Yield base_T_hand (4, 4) with the finger tips over a point (3,), approached from above or ahead."""
+    for pitch in PITCHES_RAD:
+        for roll in TURNS_RAD[:2]:
+            tips = transform((spot[0], spot[1], spot[2] + HIGHEST_TIP_M), (0.0, pitch, 0.0))
+            back = transform((-robot.finger_shape.tip, 0.0, 0.0), (roll, 0.0, 0.0))
+            yield np.asarray(tips @ back)
+
+
+def _looks(robot: RobotFile, arm: ArmModel, spot: FloatArray) -> Iterator[Transform]:
+    """Yield base_T_hand (4, 4) from which the camera on the hand looks at a point (3,)."""
+    spec = robot.hand_camera
+    assert spec is not None
+    hand_T_camera = known_camera(spec, mount_of(robot, spec, arm)).hand_T_camera
+    for tilt in (0.0, math.radians(30.0)):
+        for pose in camera_poses(spot, from_direction(tilt, math.pi), VIEW_DISTANCE_M):
+            yield np.asarray(pose @ inverse(hand_T_camera))
+
+
+def _raised(hand: Transform) -> Transform:
+    result = hand.copy()
+    result[2, 3] += LIFT_M
+    return result
+
+
+def _is_free(arm: ArmModel, collision: CollisionModel, hand: Transform, near: FloatArray) -> bool:
+    joints = arm.inverse(hand, near, restarts=IK_RESTARTS)
+    return joints is not None and not collision.in_collision(joints)

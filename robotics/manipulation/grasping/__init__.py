@@ -1,0 +1,1 @@
+"""Poses of a hand that grips a box, and of a camera that looks at a point."""

@@ -1,0 +1,72 @@
+"""Grasps of a box by two parallel pads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
+
+OPENING_MARGIN_M = 0.004  # that the fingers open wider than what they close on
+BITE_M = 0.030  # of the box that the pads cover, along the approach
+MAX_BITE_SHARE = 0.6  # of the box's extent along the approach
+TILTS_RAD = (0.0, math.radians(30.0), math.radians(-30.0), math.radians(55.0), math.radians(-55.0))
+"""Turns of the approach about the closing direction."""
+
+
+class Grasp(NamedTuple):
+    """Pose of the hand around a box."""
+
+    box_T_hand: Transform
+    """(4, 4); the hand's x is the approach, its y the closing direction; the box's origin is in its foot."""
+    width: float
+    """Of the box between the pads, in [m]."""
+    face: str
+    """Side that the hand comes from, by its outward normal: `+z` is from above."""
+    tilt: float
+    """Angle between the approach and the side's normal, in [rad]."""
+
+
+def box_grasps(
+    size: tuple[float, float, float], opening: float, tip: float, faces: Collection[str] | None = None
+) -> Iterator[Grasp]:
+    """Yield the grasps of a box, straight ones first.
+
+    The pads close on two opposite sides; the hand comes from a side between them, straight or turned about
+    the closing direction. Never from below.
+
+    Args:
+        size: of the box along its x, y and z, in [m].
+        opening: of the fingers, in [m].
+        tip: distance from the frame `hand` to the finger tips, in [m].
+        faces: allowed sides; None for all.
+    """
+    for tilt in TILTS_RAD:
+        for axis, sign, face in ((2, 1, "+z"), (0, -1, "-x"), (0, 1, "+x"), (1, -1, "-y"), (1, 1, "+y")):
+            if faces is not None and face not in faces:
+                continue
+            for closing in (each for each in range(3) if each != axis and (axis == 2 or each != 2)):
+                if size[closing] <= opening - OPENING_MARGIN_M:
+                    for flip in (1, -1):
+                        pose = _hand(size, tip, sign * np.eye(3)[axis], flip * np.eye(3)[closing], tilt)
+                        yield Grasp(pose, size[closing], face, tilt)
+
+
+def _hand(
+    size: tuple[float, float, float], tip: float, normal: FloatArray, closing: FloatArray, tilt: float
+) -> Transform:
+    """Return box_T_hand whose tips are `BITE_M` below the side with an outward normal (3,)."""
+    extent = float(np.abs(normal) @ np.array(size))
+    bite = min(BITE_M, MAX_BITE_SHARE * extent)
+    middle = np.array([0.0, 0.0, size[2] / 2])
+    tips = middle + normal * (extent / 2 - bite)
+    across = np.cross(-normal, closing)
+    ahead = -normal * math.cos(tilt) + across * math.sin(tilt)
+    pose = np.eye(4)
+    pose[:3, 0], pose[:3, 1], pose[:3, 2] = ahead, closing, np.cross(ahead, closing)
+    pose[:3, 3] = tips - tip * ahead
+    return pose

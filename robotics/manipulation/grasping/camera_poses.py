@@ -1,0 +1,51 @@
+"""Poses of a camera that looks at a point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+ROLLS_RAD = tuple(math.radians(each) for each in (0.0, 180.0, 90.0, -90.0, 45.0, -45.0, 135.0, -135.0))
+
+
+def from_direction(tilt: float, azimuth: float) -> FloatArray:
+    """Return the unit vector (3,) at an angle `tilt` from the vertical and an azimuth, both in [rad]."""
+    return np.array([math.sin(tilt) * math.cos(azimuth), math.sin(tilt) * math.sin(azimuth), math.cos(tilt)])
+
+
+def camera_poses(
+    point: FloatArray, towards: FloatArray, distance: float, rolls: Sequence[float] = ROLLS_RAD
+) -> Iterator[Transform]:
+    """Yield the poses (4, 4) of an optical frame that has a point in its middle.
+
+    Args:
+        point: (3,) in [m].
+        towards: (3,) unit vector from the point to the camera.
+        distance: from the camera to the point, in [m].
+        rolls: turns about the optical axis, in [rad]; at 0 the picture's rows are level.
+    """
+    ahead = -towards
+    level = np.cross(ahead, [0.0, 0.0, 1.0])
+    right = np.array([0.0, -1.0, 0.0]) if np.linalg.norm(level) < 1e-6 else level / np.linalg.norm(level)
+    down = np.cross(ahead, right)
+    for roll in rolls:
+        pose = np.eye(4)
+        pose[:3, 0] = right * math.cos(roll) + down * math.sin(roll)
+        pose[:3, 1] = np.cross(ahead, pose[:3, 0])
+        pose[:3, 2], pose[:3, 3] = ahead, point + distance * towards
+        yield pose
+
+
+def points_in_view(
+    camera: CameraModel, base_T_camera: Transform, points: FloatArray, margin_px: float
+) -> BoolArray:
+    """Return a mask (n,), True for points (n, 3) in [m] in the picture, `margin_px` inside of its edge."""
+    pixels = camera.project(apply(inverse(base_T_camera), points))
+    inside = (pixels >= margin_px) & (pixels <= np.array([camera.width, camera.height]) - 1 - margin_px)
+    return np.asarray(inside.all(axis=1))

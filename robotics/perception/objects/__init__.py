@@ -1,0 +1,1 @@
+"""Poses of boxes with printed tags."""

@@ -1,0 +1,84 @@
+"""Pose of an upright box from the corners of its tags in several pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+CORNER_SIGMA_PX = 0.3
+STEPS = 12
+STEP = np.array([1e-5, 1e-5, 1e-5, 1e-5])  # [m], [m], [m], [rad]: of the derivatives
+ENOUGH = 1e-7
+
+
+class TagView(NamedTuple):
+    """A tag of the box in one picture."""
+
+    camera: CameraModel
+    base_T_camera: Transform
+    """(4, 4)."""
+    corners: FloatArray
+    """(4, 2) in [px]."""
+    on_box: FloatArray
+    """(4, 3) the same corners in the frame of the box, in [m]."""
+
+
+class UprightFit(NamedTuple):
+    """An upright box."""
+
+    base_T_box: Transform
+    """(4, 4)."""
+    covariance: FloatArray
+    """(4, 4) of x, y, z in [m] and the heading in [rad]."""
+    rms_px: float
+    """Root mean square of the corners' residuals: large if the box is not upright."""
+
+
+def fit_upright(views: Sequence[TagView], start: Transform, height: float, height_sigma: float) -> UprightFit:
+    """Fit x, y, z and heading of an upright box to all corners at once (Gauss and Newton).
+
+    Args:
+        views: at least one.
+        start: (4, 4) first guess; its tilt is ignored.
+        height: expected height of the foot, in [m].
+        height_sigma: its standard deviation, in [m].
+    """
+    state = np.array([*start[:3, 3], np.arctan2(start[1, 0], start[0, 0])])
+    J = np.zeros((1, 4))
+    residuals = np.zeros(1)
+    for _ in range(STEPS):
+        residuals = _residuals(views, state, height, height_sigma)
+        columns = [
+            (_residuals(views, state + step, height, height_sigma) - residuals) / step[number]
+            for number, step in enumerate(np.diag(STEP))
+        ]
+        J = np.column_stack(columns)
+        change = np.linalg.lstsq(J, -residuals, rcond=None)[0]
+        state = state + change
+        if float(np.abs(change).max()) < ENOUGH:
+            break
+    covariance = np.asarray(np.linalg.pinv(J.T @ J))
+    rms = CORNER_SIGMA_PX * float(np.sqrt(np.mean(residuals[:-1] ** 2)))
+    return UprightFit(_pose(state), covariance, rms)
+
+
+def _pose(state: FloatArray) -> Transform:
+    return transform(state[:3].tolist(), (0.0, 0.0, float(state[3])))
+
+
+def _residuals(views: Sequence[TagView], state: FloatArray, height: float, height_sigma: float) -> FloatArray:
+    """Residuals (8 n + 1,) in standard deviations: the corners', and last that of the height."""
+    base_T_box = _pose(state)
+    found = [
+        (view.camera.project(apply(inverse(view.base_T_camera) @ base_T_box, view.on_box)) - view.corners)
+        / CORNER_SIGMA_PX
+        for view in views
+    ]
+    off = np.nan_to_num(np.concatenate([each.ravel() for each in found]), nan=1e3)
+    return np.append(off, (state[2] - height) / height_sigma)
