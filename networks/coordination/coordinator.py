@@ -224,7 +224,12 @@ class Coordinator:
         self._supervision.begins(log.started + 1)
         log.start(action, primitive, self.planner.fails(action), at)
         periods = attempt(
-            primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=log
+            primitive,
+            self._robot,
+            self._model,
+            lambda why: self._restore(action, why),
+            log,
+            self.network.restoring,
         )
         outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
         if isinstance(outcome, NotStarted):

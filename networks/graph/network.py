@@ -17,6 +17,7 @@ from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.world_model import UnknownFact, WorldModel
+from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 
 from .attempts import MAX_ATTEMPTS as MAX_ATTEMPTS
 from .attempts import Attempts
@@ -240,6 +241,8 @@ class ActionNetwork:
     """How actions are chosen: `rule`, `expected_cost` or `goal_probability`."""
     person_s: float = 600.0
     """Price of each end short of the goal, in [s]."""
+    restoring: Patience = NO_PATIENCE
+    """How often restoring is tried where a fault breaks it off."""
 
     @classmethod
     def build(
@@ -326,6 +329,8 @@ class ActionNetwork:
             digest.update(repr(("otherwise", self.otherwise)).encode())
         if self.policy != "rule":
             digest.update(repr((self.policy, self.person_s)).encode())
+        if self.restoring != NO_PATIENCE:
+            digest.update(repr(("restoring", *self.restoring)).encode())
         return digest.hexdigest()
 
 

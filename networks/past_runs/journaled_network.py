@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, FailEnding, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,9 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
     otherwise = tuple(fields.get("otherwise", ()))
     network = ActionNetwork.build(situations, actions, fields["start"], fields["goal"], otherwise)
     network = replace(
-        network, policy=fields.get("policy", "rule"), person_s=float(fields.get("person_s", 600.0))
+        network,
+        policy=fields.get("policy", "rule"),
+        person_s=float(fields.get("person_s", 600.0)),
+        restoring=Patience(*fields.get("restoring", NO_PATIENCE)),
     )
     return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))

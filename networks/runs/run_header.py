@@ -17,6 +17,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.journal.journal import JOURNAL_SCHEMA
 from handcart.networks.journal.retracing import has_fingerprint
 from handcart.networks.task.preparing import Prepared
+from handcart.primitives.restoring.patience import NO_PATIENCE
 
 _KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses", "permit", "time_out_s", "with")
 _CHANCE_KEYS = ("p", "p_give_up", "others", "unlimited", "renewals", "fresh_after", "budget", "fails")
@@ -120,10 +121,14 @@ def _chance_fields(action: Action) -> tuple[Any, ...]:
 
 
 def _aims(network: ActionNetwork) -> dict[str, Any]:
-    """Return the fields of a network that is not decided by the rule, or has further goals."""
+    """Return the fields of a network that is not decided by the rule, restores again, or has further
+    goals.
+    """
     aims: dict[str, Any] = {}
     if network.policy != "rule":
         aims = {"policy": network.policy, "person_s": network.person_s}
+    if network.restoring != NO_PATIENCE:
+        aims["restoring"] = list(network.restoring)
     return {**aims, "otherwise": network.otherwise} if network.otherwise else aims
 
 

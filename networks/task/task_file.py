@@ -35,6 +35,7 @@ from handcart.networks.graph.network import (
 from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
+from handcart.primitives.restoring.patience import Patience
 
 from .entry_actions import action_of, chance_faults, entry_faults, limit_faults
 from .named_files import SPEED_MASK_KEYS, named_robot, no_file, resolved, with_set
@@ -363,7 +364,8 @@ class _Reader:
             parts = with_locate(parts, self._primitives(LOCATE_NAME))
             entries += (None,) * (len(parts.actions) - len(every))
         network = ActionNetwork.build(*parts, goal, otherwise)
-        network = replace(network, policy=file.policy, person_s=file.person_s)
+        patience = Patience(file.restoring.attempts, file.restoring.wait_s)
+        network = replace(network, policy=file.policy, person_s=file.person_s, restoring=patience)
         if file.policy != "rule":
             for path, fault in chance_faults(file):
                 self._add(path, fault)

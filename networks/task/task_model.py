@@ -13,6 +13,7 @@ from handcart.networks.graph.network import MAX_ATTEMPTS, Fact
 from handcart.primitives.knowledge.map_masks import SpeedMask
 from handcart.tasks.domain import domains
 
+MAX_RESTORINGS = 10
 MAX_TASK_BYTES = 1 << 24
 MAX_TASK_NODES = 1_000_000
 """Limits of a task's file, which may be generated: some 50,000 actions."""
@@ -47,6 +48,15 @@ if TYPE_CHECKING:
     KnowledgeFiles = GeneralFiles
 else:
     KnowledgeFiles = _with_domains()
+
+
+class RestoringEntry(FileModel):
+    """How often restoring is tried where a fault breaks it off."""
+
+    attempts: Annotated[int, Field(ge=1, le=MAX_RESTORINGS)] = 1
+    """Maximum number of tries before a person is called."""
+    wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
+    """Time at rest before it is tried again."""
 
 
 class Each(FileModel):
@@ -104,6 +114,8 @@ class TaskHead(FileModel):
     """Price of each end short of the goal, in seconds of a person's time."""
     budgets: Annotated[dict[str, Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)]], Field(default_factory=dict)]
     """Attempts that several actions share, by name; `attempts: {budget: NAME}` refers to them."""
+    restoring: Annotated[RestoringEntry, Field(default_factory=RestoringEntry)]
+    """How often an action is undone again where a fault breaks that off, before it ends in GiveUp."""
 
 
 class TaskFile(TaskHead):

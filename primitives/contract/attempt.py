@@ -5,7 +5,7 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Generator
 from dataclasses import replace
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import keep_off_bumps, note_bump
@@ -16,7 +16,9 @@ from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from handcart.primitives.outcomes.residual import UNMOVED
+from handcart.primitives.restoring.arm_command import rejoin
 from handcart.primitives.restoring.back_off import back_off
+from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 from handcart.primitives.restoring.retrace import reach_again, retrace
 from handcart.primitives.restoring.snapshot import (
     Seen,
@@ -28,6 +30,7 @@ from handcart.primitives.restoring.snapshot import (
 )
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.navigation.following.blocked_motion import Blocked
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .action_primitive import ActionPrimitive, Periods
 from .halt import halt
@@ -41,6 +44,7 @@ FRAMEWORK_MODULES.add(__name__)
 
 RESTORE_MAX_TRIES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
+STUCK_TRAVEL_M = 0.01  # less travel of a restoring base is none
 RESTLESS_REASON = "the robot doesn't come to rest before the start"
 PUSHED_REASON = "the base was moved while it stood"
 NOT_ALONE = "another primitive moves the robot at the same time"
@@ -52,6 +56,7 @@ def attempt(
     model: WorldModel,
     on_restore: Callable[[str], None] = lambda reason: None,
     intents: Intents = UNRECORDED_INTENTS,
+    patience: Patience = NO_PATIENCE,
 ) -> Generator[None, None, Outcome]:
     """Run a primitive to its outcome; one `yield` is one period, after which the caller steps the robot.
 
@@ -65,6 +70,7 @@ def attempt(
         model: world model; the primitive sees the entries that it declared.
         on_restore: called with the reason when restoring begins.
         intents: receives the primitive's announcements; no command is sent before they are stored.
+        patience: how often restoring is tried where a fault breaks it off.
     """
     view = model.view(primitive)
     if primitive.only_knowledge:
@@ -86,7 +92,7 @@ def attempt(
     if not rests or robot.localization.displacements > displaced:
         robot.stop()
         return _not_begun(primitive, robot, rests)
-    trace = Trace(robot)
+    trace, known = Trace(robot), (model.bumps, model.arm_bumps)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
         yield from _watched(primitive, primitive.motion(robot, view), robot, model, trace)
@@ -106,16 +112,16 @@ def attempt(
         return GiveUp(need.reason, cause=need.cause)
     except Discrepancy as discrepancy:
         primitive.evidence.blame(discrepancy)
-        reason, permanent, cause = discrepancy.reason, discrepancy.permanent, discrepancy.cause
+        failure = _Failure(discrepancy.reason, discrepancy.permanent, discrepancy.cause, known)
     except Exception as error:  # a fault of the primitive's own code is restored from like any other
         primitive.evidence.blame(error)
-        reason, permanent, cause = _words(error), False, kind_of(error)
+        failure = _Failure(_words(error), False, kind_of(error), known)
         primitive.found(traceback=traceback.format_exc())
     robot.stop()
-    on_restore(reason)
+    on_restore(failure.reason)
     if primitive._no_return is not None:
-        return (yield from _finish(primitive, robot, view, reason, cause))
-    return (yield from _restore(primitive, robot, model, start, trace, reason, permanent, cause))
+        return (yield from _finish(primitive, robot, view, failure.reason, failure.cause))
+    return (yield from _restore(primitive, robot, model, start, trace, failure, patience))
 
 
 def _begun(robot: Robot) -> Snapshot:
@@ -206,34 +212,75 @@ def _finish(
     return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})", cause=cause)
 
 
+class _Failure(NamedTuple):
+    """Why a motion was broken off."""
+
+    reason: str
+    permanent: bool
+    cause: CauseKind
+    bumps_before: tuple[FloatArray, FloatArray]
+    """`bumps` and `arm_bumps` of the world model when it began."""
+
+
 def _restore(
     primitive: ActionPrimitive,
     robot: Robot,
     model: WorldModel,
     start: Snapshot,
     trace: Trace,
-    reason: str,
-    permanent: bool,
-    cause: CauseKind,
+    failure: _Failure,
+    patience: Patience,
 ) -> Generator[None, None, Fail | GiveUp]:
-    """Restore, wait for rest, measure, compare with the absolute snapshot."""
-    verdict: Fail | GiveUp = GiveUp(reason, cause=cause)
+    """Restore until nothing breaks it off, as often as `patience` allows, and judge what was reached.
+
+    The robot holds in between. The next try begins where the last one ended: nothing is moved towards the
+    goal of the motion, and nothing that was put back is touched. Where the base was stopped on its way back,
+    it tries to pass again: a drive that refuses to move looks like an obstacle. A base that could move
+    neither on nor back was held by its drives: nothing is remembered to stand there.
+    """
+    for left in range(patience.attempts - 1, -1, -1):
+        back, known, place = Trace(robot), (model.bumps, model.arm_bumps), robot.localization.odometry_pose
+        try:
+            return (yield from _restore_once(primitive, robot, model, start, trace, failure, back))
+        except Exception as error:
+            primitive.evidence.blame(error, restoring=True)
+            yield from halt(robot)
+            if not left or isinstance(error, NeedsPerson) or getattr(error, "permanent", False):
+                return GiveUp(f"{failure.reason}; and restoring failed: {_words(error)}", cause=failure.cause)
+        yield from robot.wait(patience.wait_s)
+        trace = trace.left_after(back)
+        is_stuck = robot.localization.odometry_pose.distance(place) < STUCK_TRAVEL_M
+        model.bumps, model.arm_bumps = failure.bumps_before if is_stuck else known
+        keep_off_bumps(robot, model, returns=True)
+    raise AssertionError("restoring is tried at least once")
+
+
+def _restore_once(
+    primitive: ActionPrimitive,
+    robot: Robot,
+    model: WorldModel,
+    start: Snapshot,
+    trace: Trace,
+    failure: _Failure,
+    back: Trace,
+) -> Generator[None, None, Fail | GiveUp]:
+    """Restore, wait for rest, measure, compare with the absolute snapshot; record the motion in `back`.
+
+    Raises:
+        Exception: a fault broke it off. No second restore is tried on top of it here.
+    """
+    verdict: Fail | GiveUp = GiveUp(failure.reason, cause=failure.cause)
     view, blocked = model.view(primitive), robot.blocked
     for again in range(RESTORE_MAX_TRIES):
         room = primitive.base_room(robot, view)
-        back = _way_back(primitive.restore(robot, view, start, trace), robot, blocked, trace)
-        way_back = reach_again(robot, start, room) if again else back
-        try:
-            yield from _within_time(way_back, robot, primitive, model)
-            yield from settle(robot)
-            seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
-            now = take_snapshot_since_start(robot, seen)
-        except Exception as error:  # no second restore on top of a fault in restoring
-            primitive.evidence.blame(error, restoring=True)
-            yield from halt(robot)
-            return GiveUp(f"{reason}; and restoring failed: {_words(error)}", cause=cause)
+        restore = _way_back(primitive.restore(robot, view, start, trace), robot, blocked, trace)
+        way_back = reach_again(robot, start, room) if again else restore
+        yield from _recorded(_within_time(way_back, robot, primitive, model), back)
+        yield from settle(robot)
+        seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
+        now = take_snapshot_since_start(robot, seen)
         found = residuals(start, now, robot.spec, room)
-        verdict = fail_if_restored(reason, permanent, found, cause)
+        verdict = fail_if_restored(failure.reason, failure.permanent, found, failure.cause)
         if isinstance(verdict, Fail):
             robot.failed_from = start.pose
             robot.stop()
@@ -244,6 +291,8 @@ def _restore(
 
 def _way_back(restore: Periods, robot: Robot, blocked: Blocked | None, trace: Trace) -> Periods:
     """Restore as the primitive does; a base that was stopped by an obstacle first leaves it."""
+    if trace.is_rest:
+        yield from rejoin(robot, trace.moments[-1])
     if blocked is not None:
         yield from back_off(robot, blocked, trace)
         trace.cut_to(robot)

@@ -10,6 +10,7 @@ import numpy as np
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .trace import Moment
 
@@ -28,9 +29,22 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
 
 def hold_measured(robot: Robot) -> Generator[None, None, None]:
     """Command the arm to its measured joints, so that it no longer presses."""
-    arm, model = robot.arm, robot.arm_model
-    start = arm.command()
-    goal = model.clipped(arm.joints())
+    yield from _step_evenly(robot, robot.arm_model.clipped(robot.arm.joints()))
+
+
+def rejoin(robot: Robot, moment: Moment) -> Generator[None, None, None]:
+    """Command the arm evenly, no faster than it may, to its command of a moment; nothing if it has that.
+
+    An arm that was held has another command than the one at which its way was broken off.
+    """
+    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+    if arm is None or np.array_equal(arm.command(), moment.joints):
+        return
+    yield from _step_evenly(robot, robot.arm_model.nearest(moment.joints, arm.command()))
+
+
+def _step_evenly(robot: Robot, goal: FloatArray) -> Generator[None, None, None]:
+    arm, start = robot.arm, robot.arm.command()
     periods = float(np.nan_to_num(np.abs(goal - start) / (robot.joint_speeds * robot.period)).max())
     for share in np.linspace(1.0, 0.0, max(1, math.ceil(periods - PERIOD_ROUNDING)), endpoint=False)[::-1]:
         arm.move(goal if share == 1.0 else start + share * (goal - start))

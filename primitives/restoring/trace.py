@@ -28,6 +28,8 @@ class Moment(NamedTuple):
 
 NEAR_PERIODS = 200  # the last ones, in which a place is looked for
 RAD_M = 0.3  # that a turn of a radian counts as, in [m]
+JOINT_M = 0.5  # that a radian of a joint counts as, in [m]
+GRIP_WEIGHT = 100.0  # of the fingers' opening: a motion of theirs is never skipped
 
 
 class Trace:
@@ -36,6 +38,8 @@ class Trace:
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self.moments: list[Moment] = []
+        self.is_rest = False
+        """True if it is what is left of another trace, along which a motion back was broken off."""
 
     def nearest(self, pose: Pose2) -> int:
         """Return the number of the moment whose base was nearest to a pose, among the last ones."""
@@ -53,6 +57,23 @@ class Trace:
         for number in range(self.nearest(odometry_pose) + 1, len(self.moments)):
             self.moments[number] = self.moments[number]._replace(pose=pose, odometry_pose=odometry_pose)
 
+    def left_after(self, back: Trace) -> Trace:
+        """Return the way that is left if a motion along this trace, backwards, was broken off.
+
+        Args:
+            back: record of that motion. What it did beside this trace belongs to the way that is left.
+        """
+        last, begin = len(self.moments) - 1, 0
+        for number, moment in enumerate(back.moments):
+            before = last
+            while last > 0 and _apart(self.moments[last - 1], moment) <= _apart(self.moments[last], moment):
+                last -= 1
+            begin = number if last < before else begin
+        left = Trace(self._robot)
+        left.moments = [*self.moments[: last + 1], *back.moments[begin:]]
+        left.is_rest = bool(left.moments)
+        return left
+
     def record(self) -> None:
         """Record the robot's state in this period."""
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
@@ -60,3 +81,11 @@ class Trace:
         joints = arm.command().copy() if arm else np.empty(0)
         grip = gripper.command() if gripper else 0.0
         self.moments.append(Moment(self._robot.pose, joints, grip, self._robot.localization.odometry_pose))
+
+
+def _apart(one: Moment, other: Moment) -> float:
+    """Return the distance between the commands and poses of two moments, weighted, in [m]."""
+    here, there = one.odometry_pose or one.pose, other.odometry_pose or other.pose
+    joints = float(np.abs(one.joints - other.joints).max(initial=0.0))
+    fingers = GRIP_WEIGHT * abs(one.grip - other.grip)
+    return here.distance(there) + RAD_M * here.turn(there) + JOINT_M * joints + fingers

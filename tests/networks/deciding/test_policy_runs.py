@@ -184,6 +184,7 @@ CHANGES = [
     ("policy: expected_cost\n", ""),
     ("policy: expected_cost\nperson_s: 50\n", ""),
     ("otherwise: b\n", ""),
+    ("restoring: {attempts: 3, wait_s: 2}\n", ""),
     ("", "attempts: unlimited"),
     ("", "attempts: {fresh_after: THINK}"),
     ("budgets: {tries: 3}\n", "attempts: {budget: tries}"),
@@ -203,10 +204,11 @@ def test_each_new_key_changes_the_fingerprint(load: Load) -> None:
 def test_a_journal_holds_the_network_it_was_decided_in(load: Load, head: str, row: str) -> None:
     network = load(HEAD + head + changed("p: 0.5", f"p: 0.5, {row}".rstrip(", "))).network
     read = network_of(network_fields(network)).network
-    assert (read.policy, read.person_s, read.otherwise) == (
+    assert (read.policy, read.person_s, read.otherwise, read.restoring) == (
         network.policy,
         network.person_s,
         network.otherwise,
+        network.restoring,
     )
     for ours, its in zip(network.actions, read.actions, strict=True):
         assert ours.further(network.policy != "rule") == its.further(read.policy != "rule")
