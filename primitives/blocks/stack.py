@@ -13,7 +13,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.blocks.blocks import Blocks, Fixed, Placed
+from handcart.primitives.blocks.blocks import Blocks, Placed
 from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.level_pose import LevelPose
@@ -26,21 +26,17 @@ from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import LETS_GO
-from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
-from handcart.robotics.manipulation.suspension.suspension_model import base_motion
-from handcart.robotics.numerics.arrays import FloatArray
 
-from .base_lean import felt_beside, unmodelled_leans
-from .base_turn import fused, turn_by_gyros, turn_by_model
+from .base_correction import CORRECTIONS, FixOnce, Method, OnRobot, fixation
 from .block_view import see_block
 from .building import Building, LandmarkPlan
-from .building_site import VIEW_DISTANCE_M, building, standing, surroundings
+from .building_site import VIEW_DISTANCE_M, building, surroundings
 from .fixate import landmark_of
-from .fixating import Rule, fixate, fixed_by, planned_view, sought, upright
+from .fixating import Rule, fixate, fixed_by, planned_view, sought
 from .pick_up_block import OPENING_CLEARANCE_M, WAIT_HEIGHT_M, unlike_block
 from .supports import TRAY_NAME, held_on
 
@@ -49,15 +45,7 @@ CONTACT_OVERTRAVEL_M = 0.012  # below it, where there should have been contact
 FAST, SLOW = 0.10, 0.02  # [m/s]
 TOUCHDOWN_FORCE_N = 4.0
 DESCENT_MAX_FORCE_N = 12.0  # on the way down
-SERVO_LOOKS = 2  # at a landmark beside the goal: after each move the arm errs anew
 MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
-
-Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu", "servo"]
-FIX_AGAIN = ("fix_again", "fix_again_model", "fix_again_imu")
-IMU_METHODS = ("imu", "fix_again_imu")
-FUSING_METHODS = ("fix_again_model", "fix_again_imu")
-LEAN_BY_MODEL = ("model", *FUSING_METHODS)
-FEEL_LEAN = "fix_again_imu"
 
 
 class Stack(ActionPrimitive):
@@ -90,10 +78,8 @@ class Stack(ActionPrimitive):
     hand: ClassVar = LETS_GO
 
     _placed: Placed | None = PrivateAttr(default=None)
-    _felt_then: FloatArray = PrivateAttr()
-    """Roll and pitch beside the model, when the base was fixed."""
-    _leans: tuple[Transform, Transform] = PrivateAttr(default_factory=lambda: (np.eye(4), np.eye(4)))
-    """Tilts of the base beyond the model at the fixation and now, as motions (4, 4)."""
+    _correction: FixOnce = PrivateAttr(default_factory=FixOnce)
+    """Correction of the base's turn and tilt in this attempt."""
 
     @override
     def thing(self, model: ModelView) -> str:
@@ -106,22 +92,17 @@ class Stack(ActionPrimitive):
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
-        if self.method in IMU_METHODS and robot.spec.imu is None:
-            raise Discrepancy(
-                f"the method {self.method} needs inertial sensors", permanent=True, cause=causes.UNSUITABLE
-            )
+        correction = self._correction = self._begun(robot)
         held = gripped(robot, plan.block)
         goal = self._goal(plan)
         around = surroundings(robot, model)
-        if self.onto == "goal" and self.method in FIX_AGAIN:
-            yield from self._fix_again(robot, model)
-        grip = yield from self._over(robot, model, plan, goal, around)
+        if correction.views_landmark:
+            yield from self._view(robot, model, fixation(model).landmark, None)
+        over = self._over_viewed if correction.views_goal else self._over
+        grip = yield from over(robot, model, goal, around)
         yield from move_straight(robot, _raised(grip, WAIT_HEIGHT_M), held)
-        if self.onto == "goal" and self.method in IMU_METHODS:
-            yield from settle(robot)
-            if self.method == FEEL_LEAN:
-                self._leans = unmodelled_leans(robot, self._felt_then, (yield from felt_beside(robot)))
-            grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal))
+        if (yield from correction.measure_over_goal(robot)):
+            grip = gripping(robot, plan.block, correction.base_T_block(robot, model, goal, 0))
         yield from self._lower(robot, grip)
         yield from self.intend("the fingers let the block go")
         yield from open_to(robot, plan.block[0] + OPENING_CLEARANCE_M)
@@ -151,68 +132,45 @@ class Stack(ActionPrimitive):
             )
         return plan.goals[self.number - 1]
 
+    def _begun(self, robot: Robot) -> FixOnce:
+        """Return the correction of an attempt; raise `Discrepancy` if the robot lacks a sensor for it."""
+        chosen = CORRECTIONS[self.method]
+        if chosen.needs_imu and robot.spec.imu is None:
+            raise Discrepancy(
+                f"the method {self.method} needs inertial sensors", permanent=True, cause=causes.UNSUITABLE
+            )
+        return chosen() if self.onto == "goal" else OnRobot()
+
     def _over(
-        self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose, around: Sequence[Box]
+        self, robot: Robot, model: ModelView, goal: LevelPose, around: Sequence[Box]
     ) -> Generator[None, None, Transform]:
-        """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
-        blocks = model.of(Blocks)
-        held = gripped(robot, plan.block)
-        if self.onto == "goal" and self.method == "servo":
-            return (yield from self._servo(robot, model, plan))
-        swing = _is_swing(robot, gripping(robot, plan.block, self._corrected(robot, model, plan, goal)))
-        grip = gripping(robot, plan.block, self._corrected(robot, model, plan, goal, swing))
-        yield from move_to_pose(robot, _raised(grip, WAIT_HEIGHT_M), held, around)
+        """Bring the block over its goal; return base_T_hand (4, 4) where it will touch down."""
+        blocks, size, correction = model.of(Blocks), building(model).block, self._correction
+        swing = _is_swing(robot, gripping(robot, size, correction.base_T_block(robot, model, goal, 0)))
+        grip = gripping(robot, size, correction.base_T_block(robot, model, goal, swing))
+        yield from move_to_pose(robot, _raised(grip, WAIT_HEIGHT_M), gripped(robot, size), around)
         if self.onto == "goal" and blocks.fixed is not None:
             blocks.fixed = blocks.fixed._replace(swings=blocks.fixed.swings + swing)
         return grip
 
-    def _corrected(
-        self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose, swings_to_come: int = 0
-    ) -> Transform:
-        """base_T_block (4, 4) at the goal; on the way there the base is still to turn by `swings_to_come`."""
-        if self.onto == "robot":
-            return goal.pose
-        base_T_block = np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)
-        fixed = model.of(Blocks).fixed
-        if fixed is None:
-            raise Discrepancy("no landmark was seen from here", permanent=True, cause=causes.NOT_KNOWN)
-        if self.method in LEAN_BY_MODEL:
-            known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
-            height = landmark_of(model, fixed.landmark).height_m
-            then, now = self._leans
-            turned = upright(fixed, known, height, then).compose(Pose2(0.0, 0.0, turn)).lift() @ now
-            return known.corrected(inverse(turned) @ goal.pose, np.eye(4), 0)
-        if self.method == "imu" and swings_to_come == 0:
-            return inverse(_felt(robot, fixed)) @ base_T_block
-        return base_T_block
-
-    def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
-        """Return the base's turn since the fixation including the swings to come, in [rad]."""
-        if self.method in IMU_METHODS:
-            return turn_by_gyros(robot, fixed).yaw + turn_by_model(robot, swings_to_come).yaw
-        return turn_by_model(robot, fixed.swings + swings_to_come).yaw
-
-    def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
-        blocks = model.of(Blocks)
-        if blocks.fixed is None:
-            raise Discrepancy("no landmark was seen from here", permanent=True, cause=causes.NOT_KNOWN)
-        name = blocks.fixed.landmark
-        yield from self._fix(robot, model, name, None)
-
-    def _servo(self, robot: Robot, model: ModelView, plan: Building) -> Generator[None, None, Transform]:
-        goal = plan.goals[self.number - 1]
-        if goal.landmark is None:
+    def _over_viewed(
+        self, robot: Robot, model: ModelView, goal: LevelPose, around: Sequence[Box]
+    ) -> Generator[None, None, Transform]:
+        """View the landmark beside the goal; return base_T_hand (4, 4) where the block will touch down."""
+        plan = building(model)
+        name = plan.goals[self.number - 1].landmark
+        if name is None:
             raise Discrepancy(
                 f"the plan has no landmark beside the goal of block {self.number}",
                 permanent=True,
                 cause=causes.NOT_KNOWN,
             )
-        mark = landmark_of(model, goal.landmark)
+        mark = landmark_of(model, name)
         planned = model.places[self._place(model, mark)].pose
         planned_T_block = split_goal(goal.pose, planned.lift())
         hover = gripping(robot, plan.block, planned_T_block)
         hover[2, 3] = self._view_height(robot, mark.height_m)
-        error = yield from self._fix(robot, model, goal.landmark, hover)
+        error = yield from self._view(robot, model, name, hover)
         return gripping(robot, plan.block, placing_posture(error, planned_T_block))
 
     def _place(self, model: ModelView, mark: LandmarkPlan) -> str:
@@ -225,40 +183,32 @@ class Stack(ActionPrimitive):
         level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
         return surface + VIEW_DISTANCE_M - float((level @ robot.camera.hand_T_camera)[2, 3])
 
-    def _fix(
+    def _view(
         self, robot: Robot, model: ModelView, name: str, hand: Transform | None
     ) -> Generator[None, None, Transform]:
-        blocks = model.of(Blocks)
-        plan, mark = building(model), landmark_of(model, name)
+        """View a landmark with the block in the hand; return the travelling error planned_T_base (4, 4)."""
+        blocks, plan, mark = model.of(Blocks), building(model), landmark_of(model, name)
         place = self._place(model, mark)
-        planned = model.places[place].pose
+        planned, before = model.places[place].pose, blocks.fixed
         view = planned_view(robot, mark, planned, hand)
-        held, around = gripped(robot, plan.block), surroundings(robot, model)
-        before = blocks.fixed
-        known = None if before is None else before.pose.relative_to(planned)
         swing = _is_swing(robot, view.base_T_hand)
-        stands = (
-            (robot.pose, robot.localization.covariance)
-            if before is None
-            else (before.pose, before.covariance)
-        )
-        wanted, looks = (
-            sought(name, plan.landmarks, planned, *stands),
-            SERVO_LOOKS if self.method == "servo" else 1,
-        )
+        stands, covariance, known = robot.pose, robot.localization.covariance, None
+        if before is not None:
+            stands, covariance, known = before.pose, before.covariance, before.pose.relative_to(planned)
         found = yield from fixate(
-            robot, view, wanted, self.rule, self.evidence, held, around, looks=looks, known=known
+            robot,
+            view,
+            sought(name, plan.landmarks, planned, stands, covariance),
+            self.rule,
+            self.evidence,
+            gripped(robot, plan.block),
+            surroundings(robot, model),
+            looks=self._correction.looks,
+            known=known,
         )
         self.found(frames=found.frames)
         blocks.fixed = fixed_by(robot, name, place, planned, found)
-        if self.method == FEEL_LEAN:
-            self._felt_then = yield from felt_beside(robot)
-        if self.method in FUSING_METHODS and before is not None:
-            if self.method in IMU_METHODS:
-                turned = turn_by_gyros(robot, before, blocks.fixed)
-            else:
-                turned = turn_by_model(robot, before.swings + swing)
-            blocks.fixed = fused(before, turned, blocks.fixed)
+        blocks.fixed = yield from self._correction.take_view(robot, before, blocks.fixed, swing)
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
@@ -282,7 +232,7 @@ class Stack(ActionPrimitive):
     def _check(self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose) -> Periods:
         """Measure the placed block with the camera; raise `Discrepancy` if it is off its goal."""
         blocks = model.of(Blocks)
-        expected = self._corrected(robot, model, plan, goal)
+        expected = self._correction.base_T_block(robot, model, goal, 0)
         seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))
         if seen is None:
             raise Discrepancy(f"block {self.number} isn't seen where it was put", cause=causes.NOT_SEEN)
@@ -309,11 +259,3 @@ def _raised(base_T_hand: Transform, by: float) -> Transform:
     result = base_T_hand.copy()
     result[2, 3] += by
     return result
-
-
-def _felt(robot: Robot, fixed: Fixed) -> Transform:
-    """fixed_T_base by the inertial sensors: how the base turned and leans against when it was fixed."""
-    roll, pitch = robot.attitude.tilt
-    before = fixed.attitude
-    yaw = robot.attitude.yaw - before[2]
-    return base_motion(yaw, roll - before[0], pitch - before[1], robot.spec.suspension.pivot_m)

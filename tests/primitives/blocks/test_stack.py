@@ -11,6 +11,7 @@ import pytest
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.blocks.base_correction import ByModel
 from handcart.primitives.blocks.base_turn import turn_by_gyros
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.building import Building
@@ -249,9 +250,9 @@ def test_block_put_back_at_another_place_is_a_give_up() -> None:
 def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing() -> None:
     """The suspension's model predicts the same turn for each past and each coming swing."""
     with with_block(at_the_wall()) as rig:
-        fixed, stack = rig.model.of(Blocks).fixed, Stack(number=1, onto="goal", method="model")
+        fixed, correction = rig.model.of(Blocks).fixed, ByModel()
         assert fixed is not None
         swing = rig.robot.spec.suspension.model.yaw_per_swing
-        turned = [stack._turned(rig.robot, fixed._replace(swings=3), more) for more in (0, 1, 2)]
+        turned = [correction.turned(rig.robot, fixed._replace(swings=3), more) for more in (0, 1, 2)]
         assert turned == pytest.approx([3 * swing, 4 * swing, 5 * swing])
         assert swing != 0.0
