@@ -130,7 +130,7 @@ class MoveTo(ActionPrimitive):
         yield from self._follow(robot, model, tracker)
         if robot.localization.dead_reckoned and robot.spec.drive.kind != "ackermann":
             yield from self._follow_again(robot, model, goal)
-        self._ahead = np.empty((0, 2))
+        self._ahead, self._blocked_since = np.empty((0, 2)), None
         if model.places[self.place].docks:
             yield from dock(robot, self.place, model.places[self.place], self._need(robot, model), self.found)
         elif robot.spec.drive.kind != "ackermann":

@@ -76,7 +76,7 @@ class PeopleWatch:
         tracks = self._tracks.tracks
         self.people = People.of(tracks)
         robot.people.show(robot.time, tracks, robot.localization)
-        robot.base.keep_off_people(self.people)
+        robot.base.keep_off_people(People.of([*tracks, *self._tracks.suspects]))
         return TrackedScan(moving, tracked.left)
 
     def _ordered(self, angles: FloatArray) -> BeamOrder:

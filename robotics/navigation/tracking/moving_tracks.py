@@ -25,6 +25,8 @@ MOVING_D2 = 9.2  # squared Mahalanobis distance of its velocity from zero: 99 %
 MOVED_M = 0.25  # that it has left its first place by
 EVIDENCE_COUNT = 4  # scans that show it where ground was free before, until it counts as moving
 EVIDENCE_SHARE = 0.5  # of its points
+ENTERED_COUNT = 2  # scans in a row that show a body where ground was free, from which it may be a person
+SUSPECT_S = 0.5  # that it may be one, after the last such scan
 STOOD_S = 1.0  # that a person has stood, until it is an obstacle like any other
 LOST_S = 0.5  # without a measurement, until a body that never moved is forgotten
 PERSON_LOST_S = 1.2  # the same of a person who may be hidden
@@ -65,6 +67,10 @@ class _Body:
     born: float
     seen: float
     evidence: int = 0
+    entered: int = 0
+    """Scans in a row that showed it on ground that was free before."""
+    entered_at: float = -np.inf
+    """Time at which `ENTERED_COUNT` was reached last, in [s]."""
     seen_through: int = 0
     is_person: bool = False
     is_moving: bool = False
@@ -99,19 +105,26 @@ class MovingTracks:
     @property
     def tracks(self) -> list[BodyTrack]:
         """Return the people and carts: bodies that move, or have moved before they stood."""
+        return [self._track_of(each) for each in self._bodies if each.is_person]
+
+    @property
+    def suspects(self) -> list[BodyTrack]:
+        """Return bodies that may be people: they came where ground was free, how fast is not known."""
+        since = self._time - SUSPECT_S
         return [
-            BodyTrack(
-                each.number,
-                each.mean[:2].copy(),
-                each.mean[2:].copy() if each.is_moving else np.zeros(2),
-                each.covariance.copy(),
-                each.radius,
-                each.is_moving,
-                0.0 if each.is_moving else self._time - each.stands_since,
-            )
-            for each in self._bodies
-            if each.is_person
+            self._track_of(each) for each in self._bodies if not each.is_person and each.entered_at >= since
         ]
+
+    def _track_of(self, body: _Body) -> BodyTrack:
+        return BodyTrack(
+            body.number,
+            body.mean[:2].copy(),
+            body.mean[2:].copy() if body.is_moving else np.zeros(2),
+            body.covariance.copy(),
+            body.radius,
+            body.is_moving,
+            self._time - body.stands_since if body.is_person and not body.is_moving else 0.0,
+        )
 
     def take(self, points: FloatArray, scan: PastScan, pose_covariance: FloatArray) -> TrackedScan:
         """Take in a scan.
@@ -129,7 +142,7 @@ class MovingTracks:
         labels[near] = clusters.labels
         self._predict(scan.time)
         owners = self._match(clusters, _noises(clusters.centres, sensor, pose_covariance), scan.time)
-        shares = self._shares_seen_free(points, labels, len(clusters.centres))
+        shares = self._shares_seen_free(points, labels, owners)
         left = self._judge(owners, shares, scan)
         self._forget(scan)
         self._remember(scan)
@@ -181,12 +194,17 @@ class MovingTracks:
         self._bodies.append(body)
         return body
 
-    def _shares_seen_free(self, points: FloatArray, labels: IntArray, count: int) -> FloatArray:
-        """Return the share (k,) of each cluster's points that lie where an earlier scan saw free ground."""
-        owned = labels >= 0
+    def _shares_seen_free(self, points: FloatArray, labels: IntArray, owners: list[_Body]) -> FloatArray:
+        """Return the share (k,) of each cluster's points that lie where an earlier scan saw free ground.
+
+        Of a person who stands, scans count from when it stood.
+        """
+        owned, count = labels >= 0, len(owners)
         free = np.zeros(int(owned.sum()), dtype=np.bool_)
+        stands = [each.stands_since if each.is_person and not each.is_moving else -np.inf for each in owners]
+        since = np.array(stands)[labels[owned]]
         for past in self._past:
-            free |= seen_free(points[owned], past, self._reach)
+            free |= seen_free(points[owned], past, self._reach) & (past.time >= since)
         sizes = np.bincount(labels[owned], minlength=count)
         return np.asarray(np.bincount(labels[owned], free, minlength=count) / np.maximum(sizes, 1))
 
@@ -197,6 +215,7 @@ class MovingTracks:
         for body, share, is_vacated in zip(owners, shares.tolist(), vacated.tolist(), strict=True):
             shows = share >= EVIDENCE_SHARE or is_vacated
             body.evidence = min(body.evidence + 1, 2 * EVIDENCE_COUNT) if shows else max(0, body.evidence - 1)
+            self._note_entered(body, share, scan.time)
             body.history.append(body.mean[:2].copy())
             speed = float(np.hypot(*body.mean[2:]))
             if body.is_moving:
@@ -211,6 +230,16 @@ class MovingTracks:
                 size = max(body.radius, MIN_BODY_M) + BODY_MARGIN_M
                 left += [np.append(place, size) for place in (body.anchor, *body.history)]
         return np.array(left).reshape(-1, 3)
+
+    @staticmethod
+    def _note_entered(body: _Body, share: float, now: float) -> None:
+        """Note whether a body is on ground that was free; a person who stood there has left its place."""
+        body.entered = body.entered + 1 if share >= EVIDENCE_SHARE else 0
+        if body.entered < ENTERED_COUNT:
+            return
+        body.entered_at = now
+        if body.is_person and not body.is_moving:
+            body.stands_since = now
 
     def _forget(self, scan: PastScan) -> None:
         """Drop bodies that were not seen for long, or that beams pass through."""

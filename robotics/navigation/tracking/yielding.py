@@ -17,7 +17,8 @@ REACTION_S = 0.3  # added to the time to stop
 MOVING_GAP_M = 0.15  # to a moving person, that motion leaves until the base stands
 STANDING_GAP_M = 0.05  # the same to one who stands
 TURN_BACK_SPEED_M_S = 1.2  # with which somebody near may turn back towards the base
-STEP_OUT_SPEED_M_S = 0.4  # the same of somebody who has stood for a while
+STEP_OUT_SPEED_M_S = 0.4  # the same of somebody who has stood for `SETTLED_S`
+SETTLED_S = 5.0  # that somebody has stood, from which it is expected that the person stays
 TURN_BACK_S = 0.25  # added to the time to stop, for that: a track follows a turn so much later
 CREEPING_M_S = 0.15  # with which the base may leave somebody who stands
 AWAY_GAP_M = 0.03  # down to which the base may move away from a person
@@ -31,7 +32,7 @@ def safe_share(
 ) -> float:
     """Return the share of a command that leads into nobody's predicted path before the base stands.
 
-    Besides, the base stands before somebody near who turns back at once reaches it.
+    Besides, the base stands before somebody near who turns back at once reaches where it comes to stand.
 
     Args:
         pose: map_T_base.
@@ -48,7 +49,7 @@ def safe_share(
     if speed == 0.0 or not len(people.radii):
         return 1.0
     needed = np.where(people.moving, MOVING_GAP_M, STANDING_GAP_M)
-    sudden = np.where(people.stood_s < STOOD_S, TURN_BACK_SPEED_M_S, STEP_OUT_SPEED_M_S)
+    sudden = np.where(people.stood_s < SETTLED_S, TURN_BACK_SPEED_M_S, STEP_OUT_SPEED_M_S)
     for share in SPEED_SHARES[:-1]:
         to_stop = share * abs(speed) / braking
         lasts = period + to_stop + REACTION_S
@@ -58,8 +59,8 @@ def safe_share(
         paths = np.stack([_on_arc(pose, turn / speed, along), stands])
         gaps, standing = least_gaps(paths, times, people, radius)
         leaves = (gaps >= standing - 1e-3) & ((gaps >= AWAY_GAP_M) | (people.stood_s >= STOOD_S))
-        near = least_gaps(paths[1:, :1], times[:1], people, radius)[0]
-        creeps = leaves & (people.stood_s >= STOOD_S) & (share * abs(speed) <= CREEPING_M_S)
+        near = least_gaps(paths[:1], np.zeros(len(times)), people, radius)[0]
+        creeps = leaves & (people.stood_s >= SETTLED_S) & (share * abs(speed) <= CREEPING_M_S)
         in_time = near >= sudden * (to_stop + TURN_BACK_S)
         if (((gaps >= needed) | leaves) & (in_time | creeps)).all():
             return share

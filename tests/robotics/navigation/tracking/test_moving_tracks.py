@@ -2,52 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import pytest
 
-from handcart.backends.simulation.passers.passer_spec import PasserSpec
 from handcart.backends.simulation.passers.passers import Passers
-from handcart.backends.simulation.sensors.disc_ranges import cast_at_discs
-from handcart.backends.simulation.sensors.ranges import cast_rays
-from handcart.backends.simulation.world.solids import FloorPlan, of_furniture
-from handcart.backends.simulation.world.world_file import Furniture
-from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.tracking.moving_tracks import MovingTracks
-from handcart.robotics.navigation.tracking.seen_free import PastScan
 
-ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
-Boxes = tuple[tuple[float, ...], ...]
-PERIOD_S, REACH_M = 0.05, 6.0
-POSE_COVARIANCE = np.diag([1e-4, 1e-4, 1e-5])
+from .walkers import PERIOD_S, REACH_M, Boxes, scans
 
-
-def scans(
-    passers: list[dict[str, Any]],
-    seconds: float,
-    boxes: Boxes = (),
-    speed: float = 0.0,
-) -> Iterator[tuple[Passers, MovingTracks, Any]]:
-    """Track what a lidar sees that drives along x; boxes are x, y, length, width."""
-    rng = np.random.default_rng(5)
-    walkers = Passers([PasserSpec.model_validate(each) for each in passers], 0)
-    pieces = [
-        Furniture(name="box", x_m=x, y_m=y, size_m=(length, width, 1.0)) for x, y, length, width in boxes
-    ]
-    plan, tracks = FloorPlan([of_furniture(each) for each in pieces], 0.3, 0.3), MovingTracks(REACH_M)
-    for period in range(1, round(seconds / PERIOD_S) + 1):
-        time = period * PERIOD_S
-        sensor = Pose2(speed * time, 0.0, 0.0)
-        walkers.advance(time, PERIOD_S, Pose2(50.0, 50.0, 0.0), 0.2)
-        ranges = cast_rays(plan, sensor, ANGLES, time, 12.0)
-        ranges = np.minimum(ranges, cast_at_discs(walkers.discs(0.3), sensor, ANGLES, 12.0))
-        ranges = ranges + 0.01 * rng.standard_normal(len(ranges))
-        hit = np.isfinite(ranges)
-        rays = np.column_stack([np.cos(ANGLES[hit]), np.sin(ANGLES[hit])])
-        points = sensor.apply(ranges[hit, None] * rays)
-        found = tracks.take(points, PastScan(time, sensor, ANGLES, ranges), POSE_COVARIANCE)
-        yield walkers, tracks, (time, points, found)
+PAUSES: dict[str, Any] = {
+    "name": "anna",
+    "waypoints_m": [[2.2, -1.5], [2.2, 0.0], [2.2, 1.5]],
+    "pauses_s": [0.0, 2.5, 0.0],
+}
+TURNS_BACK: dict[str, Any] = {"name": "bert", "waypoints_m": [[3.0, 0.2], [1.4, 0.2]]}
+GROUP: dict[str, Any] = {"name": "trio", "waypoints_m": [[1.5, -2.0], [1.5, 2.0]], "group_m": [0.7, -0.7]}
+CROSSES: dict[str, Any] = {"name": "dora", "waypoints_m": [[2.6, 1.6], [2.6, -1.6]]}
 
 
 def test_walking_person_is_tracked_as_well_as_claimed() -> None:
@@ -97,6 +69,7 @@ def test_things_that_stand_are_no_people_as_the_robot_passes() -> None:
     stand += ((4.5, -1.2, 0.4, 0.4), (4.9, 1.1, 0.2, 0.6), (5.5, -1.6, 0.3, 0.3), (6.0, 1.2, 0.3, 0.3))
     for _, tracks, _ in scans([], 6.0, stand, speed=1.0):
         assert tracks.tracks == []
+        assert tracks.suspects == []
 
 
 def test_points_of_a_walker_are_moving_and_what_it_left_is_reported() -> None:
@@ -124,3 +97,29 @@ def test_who_left_is_forgotten_and_who_is_hidden_is_remembered() -> None:
             hidden.append(np.hypot(*(track.position - step.position)))
     assert 3 < len(hidden) < 20
     assert max(hidden) < 0.4
+
+
+@pytest.mark.parametrize("walks", [[PAUSES], [TURNS_BACK], [GROUP], [PAUSES, CROSSES], [TURNS_BACK, CROSSES]])
+def test_somebody_in_view_is_never_unknown_for_long(walks: list[dict[str, Any]]) -> None:
+    """Whoever walks, stops, turns back or passes others has a track, or is a suspect."""
+    unknown: dict[str, int] = {}
+    for walkers, tracks, (time, points, _) in scans(walks, 9.0):
+        known = [each.position for each in (*tracks.tracks, *tracks.suspects)]
+        for name, _, step in walkers.steps():
+            seen = (np.hypot(*(points - step.position).T) < 0.35).sum() >= 4
+            near = any(np.hypot(*(at - step.position)) < 0.4 for at in known)
+            unknown[name] = 0 if near or not seen or time < 0.7 else unknown.get(name, 0) + 1
+            assert unknown[name] * PERIOD_S <= 0.25, (name, time)
+
+
+def test_person_who_starts_again_after_a_rest_is_noticed_at_once() -> None:
+    seen_at = None
+    for walkers, tracks, (time, _, _) in scans([PAUSES], 4.5):
+        step = walkers.steps()[0][2]
+        walked = step.position[1] if time > 2.0 else -1.0
+        (track,) = tracks.tracks if time > 1.0 else (None,)
+        if track is not None and walked > 0.0 and track.stood_s < 0.2:
+            seen_at = walked
+            break
+    assert seen_at is not None
+    assert seen_at < 0.3  # a quarter of a second at 1.2 m/s
