@@ -22,16 +22,24 @@ class SeenPeople:
         """Begin with nobody seen."""
         self._at, self._tracks = -np.inf, list[BodyTrack]()
 
-    def show(self, time: float, tracks: Sequence[BodyTrack], localization: Localization) -> None:
+    def show(
+        self,
+        time: float,
+        tracks: Sequence[BodyTrack],
+        localization: Localization,
+        suspects: Sequence[BodyTrack] = (),
+    ) -> None:
         """Keep the tracks of a scan; the next scan is matched with the map without them.
 
         Args:
             time: of the scan, in [s].
             tracks: all people and carts.
             localization: estimate of the base's pose.
+            suspects: bodies that may be people; left out of the match, too.
         """
         self._at, self._tracks = time, list(tracks)
-        discs = [(*each.position, max(each.radius, MIN_BODY_M) + BODY_MARGIN_M) for each in tracks]
+        bodies = [*tracks, *suspects]
+        discs = [(*each.position, max(each.radius, MIN_BODY_M) + BODY_MARGIN_M) for each in bodies]
         localization.crowd.put(np.array(discs).reshape(-1, 3))
 
     def now(self, time: float) -> Sequence[BodyTrack]:

@@ -73,10 +73,10 @@ class PeopleWatch:
         past = PastScan(robot.time, sensor, beams.angles, ranges[beams.order])
         tracked = self._tracks.take(points, past, robot.localization.covariance)
         moving[chosen] = tracked.moving
-        tracks = self._tracks.tracks
+        tracks, suspects = self._tracks.tracks, self._tracks.suspects
         self.people = People.of(tracks)
-        robot.people.show(robot.time, tracks, robot.localization)
-        robot.base.keep_off_people(People.of([*tracks, *self._tracks.suspects]))
+        robot.people.show(robot.time, tracks, robot.localization, suspects)
+        robot.base.keep_off_people(People.of([*tracks, *suspects]))
         return TrackedScan(moving, tracked.left)
 
     def _ordered(self, angles: FloatArray) -> BeamOrder:

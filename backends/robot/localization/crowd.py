@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 import numpy as np
@@ -15,13 +16,15 @@ from handcart.robotics.navigation.localization.localizer import (
     NUDGE_COVARIANCE,
     SEARCH_COVARIANCE,
 )
-from handcart.robotics.navigation.localization.rest_comparison import disagreement
+from handcart.robotics.navigation.localization.rest_comparison import disagreement, share_moved
 from handcart.robotics.navigation.localization.scan_matching import match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 MIN_KEPT_SHARE = 0.3  # of a scan's points that must be left beside people
 MIN_INLIER_SHARE = 0.7  # of points that the map explains, below which the pose is looked for farther away
 CLEAR_DIFFERENCE = 0.02  # of two disagreements, from which a motion explains the scan better
+SMALL_MOTION_M, SMALL_TURN_RAD = 0.04, 0.02  # up to which beams still see the same surfaces
+RANGE_SIGMA_M = 0.01  # of a range; only sets how many beams are needed
 NOBODY = np.empty((0, 3))
 
 
@@ -73,22 +76,49 @@ class Crowd:
         kept = (np.hypot(there[..., 0], there[..., 1]) > self._discs[None, :, 2]).all(axis=1)
         return points[kept] if kept.sum() > MIN_KEPT_SHARE * len(points) else points
 
-    def hides_walls(self, scan: Scan, pose: Pose2, field: LikelihoodField | None) -> bool:
+    def hides_walls(self, scan: Scan, pose: Pose2, field: LikelihoodField | None, rolled: Pose2) -> bool:
         """Return whether people alone explain that a base at rest seems to be elsewhere.
 
         The scan agrees better with the one of coming to rest if the base has not moved than if it had moved
-        to where the map says: walls seen between people merely have other errors on the map.
+        to where the map says: walls seen between people merely have other errors on the map. A small motion
+        is looked for in the ranges of the same beams.
 
         Args:
             scan: this period's.
             pose: map_T_base.
             field: of the map; None if there is none.
+            rolled: motion by the wheels since the base came to rest; none while it rests.
         """
         if not self._is_near or field is None or self._ranges.shape != scan.ranges.shape:
             return False
-        now, then = self.without(scan.points(), pose), scan._replace(ranges=self._ranges).points()
+        now = self.without(scan.points(), pose)
+        then = rolled.inverse().apply(scan._replace(ranges=self._ranges).points())
         match = match_scan(field, now, pose, NUDGE_COVARIANCE)
         if match.inliers < MIN_INLIER_SHARE:
             match = match_scan(field, now, pose, SEARCH_COVARIANCE, anneal=True)
-        there = match.pose.relative_to(pose).apply(now)
+        motion = match.pose.relative_to(pose)
+        if math.hypot(motion.x, motion.y) < SMALL_MOTION_M and abs(motion.theta) < SMALL_TURN_RAD:
+            before = _beam_ends(scan, self._ranges, pose, self._discs)
+            after, sensor = _beam_ends(scan, scan.ranges, pose, self._discs), np.array(scan.base_T_sensor[:2])
+            share = share_moved(before, after, sensor, rolled, motion, RANGE_SIGMA_M)
+            if share is not None:
+                return share < 0.5
+        there = motion.apply(now)
         return disagreement(then, now) <= disagreement(then, there) + CLEAR_DIFFERENCE
+
+
+def _beam_ends(scan: Scan, ranges: FloatArray, pose: Pose2, discs: FloatArray) -> FloatArray:
+    """Return the ends of all beams (n, 2) in the base frame, in [m]; NaN without an echo, or on people.
+
+    Args:
+        scan: this period's.
+        ranges: (n,) of the same beams at any time, in [m].
+        pose: map_T_base.
+        discs: (k, 3) people as x, y on the map and radius, in [m].
+    """
+    lengths = np.where(np.isfinite(ranges), ranges, np.nan)
+    rays = np.column_stack([np.cos(scan.angles), np.sin(scan.angles)])
+    ends = scan.base_T_sensor.apply(lengths[:, None] * rays)
+    off = pose.apply(ends)[:, None] - discs[None, :, :2]
+    on_people = np.any(np.hypot(off[..., 0], off[..., 1]) <= discs[None, :, 2], axis=1)
+    return np.asarray(np.where(np.reshape(on_people, (-1, 1)), np.nan, ends))

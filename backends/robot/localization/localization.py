@@ -217,7 +217,7 @@ class Localization(ABC):
             travel = self.travel  # the next sound reading has it all
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
         sideways = travel.sideways - self.travel.sideways
-        self.travel = travel
+        self.travel, before = travel, self.pose
         self._predict(left, right, sideways)
         self._watch_lifting(left, right, sideways)
         self._extend_local_map()
@@ -229,18 +229,18 @@ class Localization(ABC):
                     self.crowd.came_to_rest(self._range_sensor.scan())
         else:
             self._stood = travel
-            self.look_again()  # a roll must not hide that the base no longer stood where it stood
+            self.look_again(self.pose.relative_to(before))  # a roll must not hide a push before it
             self.still = 0
             self.crowd.moved()
         self._correct()
         self.crowd.passed()
 
-    def look_again(self) -> None:
-        """Check at rest whether the base is still at its pose; if not, find the new pose."""
+    def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
+        """Check whether the base, but for `rolled` since it rested, is still at its pose; if not, find it."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
-        if self.crowd.hides_walls(scan, self.pose, self._map_field):
+        if self.crowd.hides_walls(scan, self.pose, self._map_field, rolled):
             return
         if self._wheels.find_again(points):
             self._displaced()

@@ -11,6 +11,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 
@@ -76,11 +77,11 @@ class WheelLocalization(Localization):
     def added_sigma(self) -> float:
         return self._reckoning.added_sigma
 
-    def look_again(self) -> None:
+    def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
         """See `Localization`; after a drive, first compare the wheels' pose with a scan."""
         if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
             self._reckoning.check_drive(self._fresh_points())
-        super().look_again()
+        super().look_again(rolled)
 
     def _correct(self) -> None:
         if self.still == REST_PERIODS:

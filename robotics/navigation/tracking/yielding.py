@@ -18,7 +18,7 @@ MOVING_GAP_M = 0.15  # to a moving person, that motion leaves until the base sta
 STANDING_GAP_M = 0.05  # the same to one who stands
 TURN_BACK_SPEED_M_S = 1.2  # with which somebody near may turn back towards the base
 STEP_OUT_SPEED_M_S = 0.4  # the same of somebody who has stood for `SETTLED_S`
-SETTLED_S = 5.0  # that somebody has stood, from which it is expected that the person stays
+SETTLED_S = 3.5  # that somebody has stood, from which it is expected that the person stays
 TURN_BACK_S = 0.25  # added to the time to stop, for that: a track follows a turn so much later
 CREEPING_M_S = 0.15  # with which the base may leave somebody who stands
 AWAY_GAP_M = 0.03  # down to which the base may move away from a person
@@ -60,7 +60,7 @@ def safe_share(
         gaps, standing = least_gaps(paths, times, people, radius)
         leaves = (gaps >= standing - 1e-3) & ((gaps >= AWAY_GAP_M) | (people.stood_s >= STOOD_S))
         near = least_gaps(paths[:1], np.zeros(len(times)), people, radius)[0]
-        creeps = leaves & (people.stood_s >= SETTLED_S) & (share * abs(speed) <= CREEPING_M_S)
+        creeps = leaves & (people.stood_s >= STOOD_S) & (share * abs(speed) <= CREEPING_M_S)
         in_time = near >= sudden * (to_stop + TURN_BACK_S)
         if (((gaps >= needed) | leaves) & (in_time | creeps)).all():
             return share
