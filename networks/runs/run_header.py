@@ -140,8 +140,12 @@ def _uses(action: Action) -> list[str]:
 
 
 def robot_fingerprint(spec: RobotFile) -> str:
-    """Return a checksum of a robot's file, limits, tolerances and all, in hexadecimal."""
-    return hashlib.sha256(spec.model_dump_json().encode()).hexdigest()
+    """Return a checksum of a robot's file, limits, tolerances and all, in hexadecimal.
+
+    What has its default value doesn't count: a key that a later version adds changes no robot, and runs of
+    before can be resumed.
+    """
+    return hashlib.sha256(spec.model_dump_json(exclude_defaults=True).encode()).hexdigest()
 
 
 def process_facts() -> dict[str, Any]:
