@@ -118,7 +118,7 @@ class Asked:
             self.tell(f"eaten: the run ended with {end.outcome}")
         if self.meant is not None and isinstance(self.outcome(), Success):
             self.tell("eaten: the action that was cancelled succeeded")
-        self.tell("give up" if end.outcome == "GiveUp" else "")
+        self.tell(f"give up: {end.reason}" if end.outcome == "GiveUp" else "")
 
     def _restore(self, _robot: Any, end: RunEnd | None) -> None:
         if self.meant is None:
@@ -132,7 +132,8 @@ class Asked:
         found = self.outcome()
         if found is not None or end is not None:
             word = type(found).__name__
-            self.tell({"Fail": "", "GiveUp": "give up"}.get(word, f"eaten: the action ended with {word}"))
+            gave_up = f"give up: {found or end}"
+            self.tell({"Fail": "", "GiveUp": gave_up}.get(word, f"eaten: the action ended with {word}"))
         if self.others_failed():
             self.tell("misapplied: another action failed by a restore")
 
@@ -233,8 +234,12 @@ class Campaign:
             os.waitpid(child, 0)
             verdict = json.loads(answer) if answer else "died"
             self.found[verdict.split(":")[0] or "right"] += 1
-            if verdict not in ("", "give up"):
-                words = f"{what.value} at {where}, action {self._run.acting}: {verdict}"
+            if not verdict:
+                continue
+            words = f"{what.value} at {where}, action {self._run.acting}: {verdict}"
+            if verdict.startswith("give up"):
+                print(f"    {words}", flush=True)
+            else:
                 self.wrong.append(words)
                 print(f"    WRONG {words}", flush=True)
 
