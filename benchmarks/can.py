@@ -24,11 +24,11 @@ from typing_extensions import override
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.injected_faults import injected_fault
 from handcart.backends.can.bus.errors import CanFault
-from handcart.backends.can.bus.pace import Pace
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.live.pace import Pace
 from handcart.backends.loading.robot_loading import load_robot
 
 BUS_FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")

@@ -19,14 +19,14 @@ from handcart.backends.can.bus.frame_log import FrameLog
 from handcart.backends.can.bus.frame_names import names_of
 from handcart.backends.can.bus.heartbeat import Heartbeat
 from handcart.backends.can.bus.open_bus import open_bus
-from handcart.backends.can.bus.pace import Pace
 from handcart.backends.can.drives.axes import Axes
-from handcart.backends.can.sensors.live_sensor import LiveSensor
 from handcart.backends.can.sensors.live_sensors import await_first, open_sensors
 from handcart.backends.can.watches.bus_guard import BusGuard
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.can_spec import VIRTUAL_INTERFACE, CanSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.live.live_sensor import LiveSensor
+from handcart.backends.live.pace import Pace
 from handcart.backends.plain_values import attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.numerics.arrays import ByteArray

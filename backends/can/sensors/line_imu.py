@@ -8,10 +8,10 @@ import numpy as np
 
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.can_sensor_spec import LineSource
+from handcart.backends.live.live_sensor import Clock
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_sensor import LineSensor
-from .live_sensor import Clock
 
 _MOST = 100.0  # [rad/s], [m/s²]: no robot turns or falls like that
 

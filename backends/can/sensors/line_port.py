@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import serial
 
-from .errors import NoSensor
+from handcart.backends.live.sensor_errors import NoSensor
 
 _MOST = 1 << 16  # bytes that are taken in at once at most
 _LONGEST = 1 << 14  # bytes of a line

@@ -10,12 +10,12 @@ import numpy as np
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.can_sensor_spec import LineSource
 from handcart.backends.description.sensor_specs import RangeSpec
+from handcart.backends.live.live_sensor import Clock
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_sensor import LineSensor
-from .live_sensor import Clock
 
 
 class LineRangeSensor(LineSensor, RangeSensor):

@@ -8,10 +8,10 @@ from abc import abstractmethod
 from typing_extensions import override
 
 from handcart.backends.description.can_sensor_spec import LineSource
+from handcart.backends.live.live_sensor import Clock, LiveSensor
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .line_port import LinePort
-from .live_sensor import Clock, LiveSensor
 from .sensor_lines import SensorLine, read_line
 
 

@@ -11,11 +11,10 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.can_sensor_spec import SensorsSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.live.live_sensor import Clock, LiveSensor
+from handcart.backends.live.sensor_errors import NoSensor
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
-
-from .errors import NoSensor
-from .live_sensor import Clock, LiveSensor
 
 _FIRST = 3.0  # [s] in which the first reading is to come
 _PAUSE = 0.01

@@ -11,9 +11,9 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.can_sensor_spec import GpsSource
+from handcart.backends.live.live_sensor import Clock, LiveSensor
 
 from .line_port import LinePort
-from .live_sensor import Clock, LiveSensor
 from .nmea_sentence import NO_SATELLITE_FIXES, SATELLITE_FIXES, Accuracy, Position, read_sentence
 from .utc_order import UtcOrder
 

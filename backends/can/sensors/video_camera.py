@@ -12,13 +12,12 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.can_sensor_spec import CameraSource
+from handcart.backends.live.live_sensor import Clock, LiveSensor
+from handcart.backends.live.sensor_errors import NoSensor
 from handcart.backends.robot.mounted_camera import MountedCamera
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
-
-from .errors import NoSensor
-from .live_sensor import Clock, LiveSensor
 
 _RETRY = 0.05  # [s] after a picture that didn't come
 

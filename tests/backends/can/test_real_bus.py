@@ -25,8 +25,8 @@ BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms
 @pytest.fixture
 def robot(cart: RobotFile, monkeypatch: pytest.MonkeyPatch) -> RobotFile:
     """Machines that tests run on may be busy."""
-    monkeypatch.setattr("handcart.backends.can.bus.pace.MAX_PERIOD_EXCESS_S", 30.0)
-    monkeypatch.setattr("handcart.backends.can.bus.pace.MAX_MISSED_PERIODS", 10_000)
+    monkeypatch.setattr("handcart.backends.live.pace.MAX_PERIOD_EXCESS_S", 30.0)
+    monkeypatch.setattr("handcart.backends.live.pace.MAX_MISSED_PERIODS", 10_000)
     assert cart.can is not None
     spec = cart.can.model_copy(update=BUS)
     return cart.model_copy(update={"can": spec, "period_s": PERIOD})

@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 
 from benchmarks.damage.fuzzed_sentences import fuzzed_sentences
-from handcart.backends.can.sensors.errors import NoSensor, StaleSensor
 from handcart.backends.can.sensors.line_imu import LineImu
 from handcart.backends.can.sensors.line_range_sensor import LineRangeSensor
 from handcart.backends.can.sensors.live_sensors import await_first, open_sensors, sensor_kinds
@@ -31,6 +30,7 @@ from handcart.backends.can.sensors.video_camera import VideoCamera
 from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.description.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
 from handcart.backends.description.sensor_specs import CameraSpec, RangeSpec
+from handcart.backends.live.sensor_errors import NoSensor, StaleSensor
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import MountedCamera, camera_model
 from handcart.robotics.geometry.pose2 import Pose2

@@ -6,7 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from .errors import StaleSensor
+from .sensor_errors import StaleSensor
 
 Clock = Callable[[], float]
 

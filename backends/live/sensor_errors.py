@@ -1,4 +1,4 @@
-"""Errors of sensors.
+"""Errors of the sensors of real robots.
 
 HandcartError ├── InputError │   └── NoSensor        it can't be opened, or differs from the robot's file
 └── RobotFault

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.backends.can.bus.pace import Pace
+from handcart.backends.live.pace import Pace
 
 
 class Clock:
