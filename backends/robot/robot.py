@@ -90,10 +90,10 @@ class Robot:
         Raises:
             UnknownStart: the start is unknown, and the robot cannot find its pose by scans.
         """
-        self.backend = backend
-        self.spec = spec
-        self.period = backend.period
-        self.time = 0.0
+        self.backend, self.spec = backend, spec
+        self.own_start = start if is_start_exact else None
+        """Pose that is given to the start because there is no map; None with a map."""
+        self.period, self.time = backend.period, 0.0
         sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
         self.lidar = None if sensor is None else Lidar(sensor, spec)
         """Its first lidar, with scans that are read by the robot's file; None without one."""

@@ -223,6 +223,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
     every = (*room, *(solid for each in solids.values() for solid in each))
     scene = Scene(robot, arm, every, _start(robot, world, seed), joints, width, (*room, *boxes))
+    scene.start = scene.base
     scene.open_ground = world.ground is not None
     scene.passers = Passers(world.passers, seed)
     for name, kind in kinds.items():

@@ -20,7 +20,7 @@ STACK_NAME = "STACK"
 
 
 def _fixated(survey: Survey, _: Claim) -> list[str]:
-    fixed, base = survey.run.model.of(Blocks).fixed, survey.run.world.base
+    fixed, base = survey.run.model.of(Blocks).fixed, survey.run.base_on_map
     if fixed is None:
         return ["it isn't known where the base stands"]
     off, turned = fixed.pose.distance(base), math.degrees(fixed.pose.turn(base))

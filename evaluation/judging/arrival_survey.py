@@ -61,7 +61,7 @@ def _far(run: SurveyedRun, place: str, claimed: float, needed: PoseNeed) -> list
         far = 1e3 * (claimed + LIMIT_SIGMAS * run.robot.localization.sigma[0])
         return at_most("the base is {:.1f} mm from its place", off, far, 1e3 * needed.position)
     axes, limits = needed.axes(run.robot.localization.covariance)
-    away = np.abs(np.array(difference(run.world.base, run.model.places[place].pose)[:2]) @ axes)
+    away = np.abs(np.array(difference(run.base_on_map, run.model.places[place].pose)[:2]) @ axes)
     sigmas = sigmas_along(run.robot.localization.covariance, axes)
     named = zip(("along", "across"), away.tolist(), sigmas.tolist(), limits.tolist(), strict=True)
     return [
@@ -93,14 +93,14 @@ def _oriented(survey: Survey, claim: Claim) -> list[str]:
     robot = survey.run.robot
     if not robot.localization.heading_known:
         return ["it isn't known which way the base heads"]
-    off = math.degrees(robot.pose.turn(survey.run.world.base))
+    off = math.degrees(robot.pose.turn(survey.run.base_on_map))
     most = STOOD_DEG + math.degrees(LIMIT_SIGMAS * robot.localization.sigma[1])
     return at_most("the base heads {:.2f} deg beside what is believed", off, most, ORIENTED_DEG)
 
 
 def _located(survey: Survey, claim: Claim) -> list[str]:
     """Compare the true pose with the one found, its uncertainty and a fixed limit."""
-    robot, base = survey.run.robot, survey.run.world.base
+    robot, base = survey.run.robot, survey.run.base_on_map
     if not robot.localization.is_located or robot.localization.lost is not None:
         return ["it isn't known where the base is"]
     sigma, heading_sigma = worst_sigmas(robot.localization.covariance)
@@ -141,7 +141,7 @@ class ArrivalSurvey(FiguresSurvey):
 
 def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
     """Return the true distance in [mm] and turn in [deg] between the base and a place."""
-    goal, base = run.model.places[place].pose, run.world.base
+    goal, base = run.model.places[place].pose, run.base_on_map
     return 1e3 * goal.distance(base), math.degrees(goal.turn(base))
 
 

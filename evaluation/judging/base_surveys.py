@@ -38,7 +38,7 @@ class LocalisationSurvey(Survey):
         """Add the error of this period, if the pose on the map is known."""
         if not robot.localization.is_located:
             return
-        pose, truth = robot.pose, self.run.world.base
+        pose, truth = robot.pose, self.run.base_on_map
         off = pose.distance(truth)
         self.periods += 1
         self.squares += off * off

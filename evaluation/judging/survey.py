@@ -18,6 +18,7 @@ from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.outcome import Outcome
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.tasks.domain import Domain
 
 if TYPE_CHECKING:
@@ -51,6 +52,18 @@ class SurveyedRun:
         """The simulated scene; callers have checked that there is one."""
         assert self.scene is not None, "nothing is simulated"
         return self.scene
+
+    @property
+    def world_T_map(self) -> Pose2:
+        """Pose of the robot's map in the world: by its start if it has no map, otherwise the same frame."""
+        start = self.robot.own_start
+        return Pose2(0.0, 0.0, 0.0) if start is None else self.world.start.compose(start.inverse())
+
+    @property
+    def base_on_map(self) -> Pose2:
+        """True map_T_base."""
+        base = self.world.base
+        return base if self.robot.own_start is None else base.relative_to(self.world_T_map)
 
     @classmethod
     def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:

@@ -24,12 +24,13 @@ from .arrival_survey import ArrivalSurvey
 from .base_surveys import LocalisationSurvey, PathSurvey
 from .contact_survey import ContactSurvey
 from .hand_claims import HAND_NAME, false_hold, things_held
+from .map_survey import MapSurvey
 from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM
 from .survey import Claim, Survey, SurveyedRun
 from .survey_notes import as_noted
 from .true_changes import disturbed, not_restored
 
-GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
+GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey, MapSurvey)
 MOST_DISTURBED_MM = 10.0  # largest allowed motion of a body that a primitive does not move
 SurveyT = TypeVar("SurveyT", bound=Survey)
 T = TypeVar("T")

@@ -18,7 +18,7 @@ def _divided(survey: Survey, _: Claim) -> list[str]:
 
 
 def _tracked(survey: Survey, _: Claim) -> list[str]:
-    model, base = survey.run.model, survey.run.world.base
+    model, base = survey.run.model, survey.run.base_on_map
     stood = [place.pose for name, place in model.places.items() if name.startswith("place_")]
     far = min((base.distance(pose) for pose in stood), default=math.inf)
     wrong = [] if model.of(Seam).seam_work.tracked > 0 else ["no part of the seam counts as tracked"]

@@ -19,6 +19,7 @@ from handcart.files.yaml.yaml_node import Node
 from handcart.networks.task.preparing import nowhere
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_knowledge import MAP_ORIGIN, TaskKnowledge, domain_keys, read_sections
+from handcart.networks.task.without_map import is_without_map, open_floor, started_exactly
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.knowledge.place import load_map, load_places
@@ -45,6 +46,13 @@ class RigFiles:
     """Further files, by their keys under `knowledge:` of a task file."""
     start: str = "home"
     """Name of the robot's start place."""
+    is_without_map: bool = False
+    """True if the robot has no map on purpose: its frame is that of its start (`map: none`)."""
+
+    @classmethod
+    def without_map(cls, world: Path) -> RigFiles:
+        """Return the files of a robot that knows nothing of a world."""
+        return cls(world, None, None, {}, "", is_without_map=True)
 
     @classmethod
     def of(cls, task: Task) -> RigFiles:
@@ -59,7 +67,9 @@ class RigFiles:
         is_named = task.file.knowledge is not None and task.knowledge.is_start_known
         start = (task.file.knowledge.start if is_named and task.file.knowledge else None) or ""
         others = {key: path for key, path in named.items() if path is not None}
-        return cls(world, task.path("knowledge", "map"), task.path("knowledge", "places"), others, start)
+        is_without = is_without_map(task.document)
+        map_, places = task.path("knowledge", "map"), task.path("knowledge", "places")
+        return cls(world, map_, places, others, start, is_without)
 
 
 @dataclass
@@ -109,6 +119,7 @@ def build_rig(
 ) -> Rig:
     """Build a robot on a backend, with files for a test, without a task."""
     spec, findings = load_robot(robot), Findings()
+    spec = started_exactly(spec) if files.is_without_map else spec
     places = load_places(files.places) if files.places else None
     known = places.value.places if places else {}
     if files.start and files.start not in known:
@@ -117,9 +128,12 @@ def build_rig(
     where = Document(str(files.world), b"", Node({}, str(files.world), 1, 1, 1, 1))
     knowledge = TaskKnowledge(places, read_sections(files.knowledge, start, where, findings), start)
     findings.raise_all()
-    grid = load_map(files.map)[0] if files.map else nowhere()
+    poses = [place.pose for place in knowledge.all_places().values()]
+    floor = open_floor(poses) if files.is_without_map else nowhere()
+    grid = load_map(files.map)[0] if files.map else floor
     model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
     findings.add(*model.fit(spec))
     findings.raise_all()
     made = make_backend(backend, spec, files.world, seed, start, put_at_start=put_at_start)
-    return Rig(Robot(made, spec, start if is_start_known else None, grid), model, made, knowledge)
+    made_robot = Robot(made, spec, start if is_start_known else None, grid, files.is_without_map)
+    return Rig(made_robot, model, made, knowledge)

@@ -11,14 +11,16 @@ from typing import Any
 import cv2
 import numpy as np
 
+from handcart.files.maps.map_writing import MAP_FILE, TRAJECTORY_FILE, trajectory_csv, write_grid
 from handcart.files.whole_file import write_whole
 from handcart.networks.events.events import Ended, Event
 from handcart.networks.events.run_observer import RunObserver
 from handcart.primitives.outcomes.calibrated import Calibrated
+from handcart.primitives.outcomes.drawn_map import DrawnMap
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.outcomes.outcome import Outcome, Success
 
-EVIDENCE_FOLDER = "evidence"
+EVIDENCE_FOLDER, MAPS_FOLDER = "evidence", "maps"
 
 
 def stem(number: int, do: str, outcome: Outcome) -> str:
@@ -30,8 +32,9 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
 class EvidenceFiles(RunObserver):
     """Observer that keeps the pictures and points which decided how each action ended.
 
-    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Calibration values that a
-    successful action found for the robot are kept as well.
+    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Maps that it drew are in
+    `maps/`, in a folder of their name. Calibration values that a successful action found for the robot are
+    kept as well.
     """
 
     def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
@@ -53,14 +56,38 @@ class EvidenceFiles(RunObserver):
                     self._keep_calibrated(evidence.calibrated)
 
     def _write(self, name: str, evidence: Evidence) -> None:
-        if self.lost is not None or not (evidence.pictures or evidence.points):
+        if self.lost is not None:
             return
-        self._folder.mkdir(exist_ok=True)
-        for key, picture in evidence.pictures.items():
-            _, png = cv2.imencode(".png", picture)
-            write_whole(self._folder / f"{name}_{key}.png", png.tobytes(), sync=False)
-        if evidence.points:
-            points: dict[str, Any] = dict(evidence.points)
-            packed = BytesIO()
-            np.savez_compressed(packed, **points)
-            write_whole(self._folder / f"{name}.npz", packed.getvalue(), sync=False)
+        if evidence.pictures or evidence.points:
+            self._folder.mkdir(exist_ok=True)
+            write_evidence(self._folder, name, evidence)
+        for key, drawn in evidence.maps.items():
+            write_map(self._folder.with_name(MAPS_FOLDER) / key, drawn)
+
+
+def write_evidence(folder: Path, name: str, evidence: Evidence) -> None:
+    """Write pictures and points of an attempt into an existing folder; `name` begins their names.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    for key, picture in evidence.pictures.items():
+        _, png = cv2.imencode(".png", picture)
+        write_whole(folder / f"{name}_{key}.png", png.tobytes(), sync=False)
+    if evidence.points:
+        points: dict[str, Any] = dict(evidence.points)
+        packed = BytesIO()
+        np.savez_compressed(packed, **points)
+        write_whole(folder / f"{name}.npz", packed.getvalue(), sync=False)
+
+
+def write_map(folder: Path, drawn: DrawnMap) -> None:
+    """Write a map into a folder: `map.yaml`, `map.pgm` and `trajectory.csv`.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_grid(folder / MAP_FILE, drawn.grid)
+    table = trajectory_csv(drawn.times, drawn.built.poses, drawn.built.covariances)
+    write_whole(folder / TRAJECTORY_FILE, table.encode())

@@ -53,6 +53,8 @@ class ActionPrimitive(FileModel, ABC):
     """
     needs_pose: ClassVar[bool] = True
     """The pose of the base on the map must be known before it starts."""
+    draws_map: ClassVar[bool] = False
+    """It draws a map, so that it may begin without one."""
     arm_inside: ClassVar[bool] = False
     """The hand must be within the robot's footprint before it starts, because the base drives."""
 

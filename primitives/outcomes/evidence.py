@@ -8,6 +8,7 @@ from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .calibrated import Calibrated
 from .cause import Cause, cause_of
+from .drawn_map import DrawnMap
 
 
 @dataclass
@@ -24,6 +25,8 @@ class Evidence:
     """Name of the picture that decided the outcome; empty for the last one."""
     calibrated: dict[str, Calibrated] = field(default_factory=dict)
     """Proposed changes of the robot's file, by key: `camera.calibrated.focal_px`."""
+    maps: dict[str, DrawnMap] = field(default_factory=dict)
+    """Maps that were drawn, by name."""
     result: str = ""
     """Which of the primitive's `results` was measured; empty for the usual one."""
     causes: list[Cause] = field(default_factory=list)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 DEFAULT_ROBOT = "librarian"
+NO_MAP_PATH = Path("none")
 OUTCOME_STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
 
 
@@ -30,10 +32,16 @@ def do(
     robot: Annotated[str | None, typer.Option(help="a shipped robot, or the path of a robot's file")] = None,
     backend: Annotated[str, typer.Option(help="the backend of the robot")] = "kinematic",
     world: Annotated[Path | None, typer.Option(help="default: the library of return_book")] = None,
-    map: Annotated[Path | None, typer.Option(help="a map in ROS format")] = None,
+    map: Annotated[
+        Path | None, typer.Option(help="a map in ROS format; none: the frame is that of the start")
+    ] = None,
     places: Annotated[Path | None, typer.Option(help="the map's named places")] = None,
     start: Annotated[str | None, typer.Option(help="the place where the robot is put at first")] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="folder for pictures and maps (default: a new one for a map)"),
+    ] = None,
 ) -> None:
     """Run one primitive alone and print its outcome (default: in the library of return_book)."""
     from dataclasses import replace
@@ -46,6 +54,8 @@ def do(
     made = _made(primitive, parameters or [])
     task = _task(knowledge, settings or [])
     own = RigFiles() if task is None else RigFiles.of(task)
+    if map == NO_MAP_PATH or (made.draws_map and map is None and task is None):
+        own, map = RigFiles.without_map(own.world), None
     given = {"world": world, "map": map, "places": places, "start": start}
     files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     whose = robot or (DEFAULT_ROBOT if task is None else task.robot)
@@ -56,12 +66,41 @@ def do(
     ):
         _check_names(made, rig.knowledge)
         outcome = rig.do(made)
+    _write_evidence(made, output)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
     facts = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}
     for name, value in facts.items():
         print(f"  {name}: {value:.4g}" if isinstance(value, float) else f"  {name}: {value}")
     sys.exit(OUTCOME_STATUS[word])
+
+
+def _write_evidence(made: ActionPrimitive, output: Path | None) -> None:
+    """Write what a primitive has drawn into a folder, and print its name.
+
+    Without a folder a map goes into a new one, which is named after it.
+    """
+    from handcart.networks.runs.evidence_files import write_evidence, write_map
+    from handcart.tools.terminal.writing import NotWritable
+
+    maps = made.evidence.maps
+    if output is None and not maps:
+        return
+    folder = output or _new_folder(Path(next(iter(maps))))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_evidence(folder, made.label(), made.evidence)
+        for name, drawn in maps.items():
+            write_map(folder if len(maps) == 1 else folder / name, drawn)
+    except OSError as error:
+        raise NotWritable(folder, error.strerror, "a folder that exists or can be made") from None
+    print(f"saved in {folder}", file=sys.stderr)
+
+
+def _new_folder(folder: Path) -> Path:
+    """Return a folder's name, with a number if there is one of that name."""
+    names = (folder.with_name(f"{folder.name}-{number}") for number in count(2))
+    return folder if not folder.exists() else next(name for name in names if not name.exists())
 
 
 def _task(knowledge: Path | None, settings: list[str]) -> Task | None:

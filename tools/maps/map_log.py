@@ -30,19 +30,12 @@ def map_log(
     """Build a map from a log of scans and odometry, with its loop closures and its uncertainty."""
     import orjson
 
-    from handcart.evaluation.mapping.map_files import (
-        LOOPS_FILE,
-        MAP_FILE,
-        TRAJECTORY_FILE,
-        figures,
-        loops_csv,
-        trajectory_csv,
-        write_grid,
-    )
+    from handcart.evaluation.mapping.map_files import LOOPS_FILE, figures, loops_csv
     from handcart.evaluation.mapping.map_picture import draw_map
     from handcart.evaluation.mapping.map_words import in_words
     from handcart.evaluation.mapping.read_scans import read_scans
     from handcart.files.errors import FileError, Finding
+    from handcart.files.maps.map_writing import MAP_FILE, TRAJECTORY_FILE, trajectory_csv, write_grid
     from handcart.robotics.navigation.mapping.map_building import build_map
     from handcart.robotics.navigation.mapping.ray_counts import MapTooLarge
     from handcart.tools.terminal.first_use import announced
@@ -67,7 +60,8 @@ def map_log(
         draw_map(built, output / "map.svg", log.resolve().name)
     except OSError as error:
         raise NotWritable(output, error.strerror, "a folder that exists or can be made") from None
-    write_text(output / TRAJECTORY_FILE, trajectory_csv(scans, built))
+    times = scans.times[built.rows]
+    write_text(output / TRAJECTORY_FILE, trajectory_csv(times, built.poses, built.covariances))
     write_text(output / LOOPS_FILE, loops_csv(scans, built))
     write_text(output / SUMMARY_FILE, orjson.dumps(found, option=orjson.OPT_INDENT_2))
     if as_json:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import typer
 
-from handcart.evaluation.mapping.map_files import write_grid
 from handcart.files.csv_table import number_in
 from handcart.files.maps.map_file import load_map
+from handcart.files.maps.map_writing import write_grid
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.tools.terminal.writing import NotWritable, check_folder
 

@@ -11,11 +11,10 @@ import numpy as np
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes, to_plain
+from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.bent_way import BentWay
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
@@ -26,6 +25,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .crowd import Crowd
 from .lidar import Lidar, beams_of
 from .lost import Lost, lifted_by
+from .older_states import completed
 from .pose_covariance import SCAN_REPEATABILITY, worst_sigmas
 from .sensed import Sensed
 
@@ -270,6 +270,18 @@ class Localization(ABC):
         self.still = 0
         self.set_origin()
 
+    def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
+        """Compare scans with a map that was drawn of them from now on; `pose` and `covariance` are there."""
+        self._map_field = field
+        self._wheels.change_map(field, pose, covariance)
+        self._wheels.surface_error = DRAWN_SURFACE_M
+        self.still = 0
+
+    def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
+        """Correct the pose at rest by a measured motion since `set_origin`; scans then show a push alone."""
+        self._wheels.odometry.measure_displacement(displacement, covariance)
+        self.still = STILL_SCANS + 1
+
     def _watch_lifting(self, left: float, right: float, sideways: float) -> None:
         """Compare this period's scan with the one before; the wheels travelled this far, in [m]."""
         lidar = self._range_sensor
@@ -352,13 +364,11 @@ class Localization(ABC):
             NotAState: the data belong to another kind of localization.
         """
         self.crowd = Crowd()
-        parts = self._parts()
-        if isinstance(state, dict) and "crowd" not in state:  # older checkpoints have none
-            state = {**state, "crowd": attributes(Crowd(), Crowd.STATE)}
+        parts, state = self._parts(), completed(state)
         if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY, LIFTED_KEY} != parts.keys():
             raise NotAState(f"no state of this localization; needed: {', '.join(parts)}")
         for name, (part, kinds) in parts.items():
-            set_attributes(part, kinds, _complete(state[name]) if name == "odometry" else state[name])
+            set_attributes(part, kinds, state[name])
         self._set_local_map(state.get(LOCAL_MAP_KEY))
         share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
         self.lifted = lifted_by(share) if share else None
@@ -389,10 +399,3 @@ class Localization(ABC):
             "wheels": (self._wheels, self._wheels.STATE),
             "odometry": (self._wheels.odometry, self._wheels.odometry.STATE),
         }
-
-
-def _complete(odometry: object) -> object:
-    """Return the state of an odometry with what older checkpoints lack."""
-    if isinstance(odometry, dict) and "_bent" not in odometry:
-        return {**odometry, "_bent": to_plain(BentWay.straight(), BentWay)}
-    return odometry

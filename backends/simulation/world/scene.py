@@ -97,6 +97,8 @@ class Scene:
     """Height of the ground at a place, all in [m]."""
     tilted_base: Transform | None = None
     """world_T_base (4, 4) if physics lets the base tilt; None: it is level."""
+    start: Pose2 = field(default_factory=lambda: Pose2(0.0, 0.0, 0.0))
+    """world_T_base where the robot was put at first."""
     changes: int = 0
     """Number of times that a thing was moved, for caches of values derived from poses."""
     _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)

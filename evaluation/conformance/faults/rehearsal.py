@@ -22,6 +22,7 @@ from .underway import Underway
 TASKS_FOLDER = Path(__file__).parents[3] / "tasks"
 DRIVE_MAP = TASKS_FOLDER / "drive_map" / "task.yaml"
 LOCATE_TASK = TASKS_FOLDER / "drive_map" / "locate.yaml"
+EXPLORE_TASK = TASKS_FOLDER / "drive_map" / "explore.yaml"
 
 
 class NoRehearsal(Exception):

@@ -11,13 +11,13 @@ from handcart.networks.task.preparing import check
 from handcart.networks.task.task_file import Task, load_task
 from handcart.tasks.domain import domains
 
-from .rehearsal import DRIVE_MAP, LOCATE_TASK
+from .rehearsal import DRIVE_MAP, EXPLORE_TASK, LOCATE_TASK
 
 
 def declared() -> dict[Path, Mapping[str, str]]:
     """Return the task files, with settings, that domains declare for the kit, and those that only drive."""
     every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
-    return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}}
+    return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}, EXPLORE_TASK: {}}
 
 
 def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:

@@ -135,6 +135,22 @@ class Odometry:
         if covariance is not None:
             self._state[:3, :3] = covariance
 
+    def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
+        """Set the pose by a measurement of the motion since `set_origin`; keep the calibration of the wheels.
+
+        Args:
+            displacement: origin_T_base.
+            covariance: (3, 3) of x, y in [m] and heading in [rad], in the frame of the origin.
+        """
+        then, spread = self.origin, self._origin.belief.covariance[:3, :3]
+        self.reset(then.compose(displacement))
+        cos, sin = math.cos(then.theta), math.sin(then.theta)
+        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        x, y = self.pose.x - then.x, self.pose.y - then.y
+        carry = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
+        self._state[:3, :3] = carry @ spread @ carry.T + turn @ covariance @ turn.T
+        self._origin.shared[:, :3] = spread @ carry.T
+
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
         """Move by the travel of both wheels since the last call, in [m].
 

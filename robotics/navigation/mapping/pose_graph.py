@@ -166,11 +166,11 @@ def relative_covariances(factor: Any, poses: FloatArray, node: int, diagonal: Fl
 
 def _arrays(edges: list[Edge]) -> _Edges:
     return _Edges(
-        np.array([edge.first for edge in edges]),
-        np.array([edge.second for edge in edges]),
-        np.array([edge.pose for edge in edges]),
-        np.array([edge.information for edge in edges]),
-        np.array([edge.is_loop for edge in edges]),
+        np.array([edge.first for edge in edges], dtype=np.int64),
+        np.array([edge.second for edge in edges], dtype=np.int64),
+        np.array([edge.pose for edge in edges]).reshape(-1, 3),
+        np.array([edge.information for edge in edges]).reshape(-1, 3, 3),
+        np.array([edge.is_loop for edge in edges], dtype=np.bool_),
     )
 
 

@@ -72,9 +72,26 @@ def keyframe_rows(log: ScanLog) -> list[int]:
 
 def keyframe(log: ScanLog, row: int) -> Keyframe:
     """Return one row of a log as a keyframe."""
-    ranges, rays = log.ranges[row], np.column_stack([np.cos(log.angles), np.sin(log.angles)])
+    odometry = Pose2(*log.odometry[row])
+    return keyframe_of(row, odometry, (log.angles, log.ranges[row]), log.mount, log.reach)
+
+
+def keyframe_of(
+    row: int, odometry: Pose2, beams: tuple[FloatArray, FloatArray], mount: Pose2, reach: float
+) -> Keyframe:
+    """Return a scan as a keyframe.
+
+    Args:
+        row: its number.
+        odometry: odom_T_base.
+        beams: angles (b,) in the sensor frame in [rad], and ranges (b,) in [m], as in `ScanLog`.
+        mount: base_T_sensor.
+        reach: maximum range, in [m].
+    """
+    angles, ranges = beams
+    rays = np.column_stack([np.cos(angles), np.sin(angles)])
     hit, is_open = np.isfinite(ranges), np.isinf(ranges)
-    hits = log.mount.apply(ranges[hit, None] * rays[hit])
-    open_ends = log.mount.apply(log.reach * rays[is_open]) if math.isfinite(log.reach) else np.empty((0, 2))
-    origin = np.array([log.mount.x, log.mount.y])
-    return Keyframe(row, Pose2(*log.odometry[row]), fit_surface(hits, origin), hits, open_ends, origin)
+    hits = mount.apply(ranges[hit, None] * rays[hit])
+    open_ends = mount.apply(reach * rays[is_open]) if math.isfinite(reach) else np.empty((0, 2))
+    origin = np.array([mount.x, mount.y])
+    return Keyframe(row, odometry, fit_surface(hits, origin), hits, open_ends, origin)

@@ -189,8 +189,9 @@ def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
 def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
     with_arm, without = KitSetting("kinematic"), KitSetting("kinematic", robot="cart")
     assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())
-    assert without.tried() == ["LOCATE", "MODIFY", "MOVE_TO", "REACH"]
-    assert [found.task for found in without.rehearsals] == [DRIVE_MAP, DRIVE_MAP.with_name("locate.yaml")]
+    assert without.tried() == ["EXPLORE", "LOCATE", "MODIFY", "MOVE_TO", "REACH"]
+    others = [DRIVE_MAP.with_name(name) for name in ("locate.yaml", "explore.yaml")]
+    assert [found.task for found in without.rehearsals] == [DRIVE_MAP, *others]
 
 
 def test_full_mode_injects_over_2500_faults_on_kinematic() -> None:

@@ -16,7 +16,7 @@ from handcart.tools.main import main
 
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
 TRIED = {
-    "librarian": "APPROACH INSERT LOCATE MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
+    "librarian": "APPROACH EXPLORE INSERT LOCATE MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
     "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE MOVE_TO PICK_UP_BLOCK STACK",
     "atrv": "DIVIDE MOVE_TO TRACK",
     "el_verde": "DEPLOY MODIFY MOVE_TO ORIENT STAND",
@@ -43,6 +43,7 @@ def test_unknown_robot_is_tried_in_all_its_capabilities() -> None:
     assert [f"{path.parent.name}/{path.name}" for path in tasks] == [
         "drive_map/task.yaml",
         "drive_map/locate.yaml",
+        "drive_map/explore.yaml",
     ]
 
 
@@ -51,7 +52,7 @@ def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
     librarian = str(robot_path("librarian"))
     tasks = repertoire(librarian, {"robot": librarian}, "kinematic")
     names = [path.parent.name for path in tasks]
-    assert sorted(names) == ["drive_map", "drive_map", "return_book", "return_books"]
+    assert sorted(names) == ["drive_map"] * 3 + ["return_book", "return_books"]
 
 
 def test_checks_are_made_where_the_first_task_is_done() -> None:

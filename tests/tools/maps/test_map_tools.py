@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.evaluation.mapping.map_files import write_grid
 from handcart.files.maps.map_file import load_map
+from handcart.files.maps.map_writing import write_grid
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.map_comparison import compare_maps
 from handcart.robotics.navigation.mapping.map_editing import straightening_angle, turn

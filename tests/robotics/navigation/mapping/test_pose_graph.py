@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.mapping.map_building import _in_frame_of
+from handcart.robotics.navigation.mapping.keyframe_graph import _in_frame_of
 from handcart.robotics.navigation.mapping.pose_graph import (
     Edge,
     covariances,

@@ -1,0 +1,50 @@
+"""Files of a map: cells in ROS format, and the trajectory as a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from handcart.files.whole_file import write_whole
+from handcart.robotics.navigation.maps.grid_map import UNKNOWN_GREY, GridMap
+from handcart.robotics.numerics.arrays import FloatArray
+
+MAP_FILE, TRAJECTORY_FILE = "map.yaml", "trajectory.csv"
+OCCUPIED_GREY, FREE_GREY = 0, 254
+TRAJECTORY_COLUMNS = "time_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_m_rad,yh_m_rad,hh_rad2"
+
+
+def write_grid(path: Path, grid: GridMap) -> None:
+    """Write a map as a YAML file and, beside it, a PGM picture of the same name.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    grey = np.where(grid.occupied, OCCUPIED_GREY, np.where(grid.unknown, UNKNOWN_GREY, FREE_GREY))
+    _, pgm = cv2.imencode(".pgm", grey.astype(np.uint8)[::-1])
+    picture = path.with_suffix(".pgm")
+    write_whole(picture, pgm.tobytes())
+    write_whole(
+        path,
+        f"image: {picture.name}\nresolution: {grid.resolution:.6g}\n"
+        f"origin: [{grid.origin_x:.6f}, {grid.origin_y:.6f}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+    )
+
+
+def trajectory_csv(times: FloatArray, poses: FloatArray, covariances: FloatArray) -> str:
+    """Return the pose of each keyframe with its covariance, one row each.
+
+    Args:
+        times: (n,) in [s].
+        poses: (n, 3) x, y in [m], heading in [rad].
+        covariances: (n, 3, 3) of the poses, in [m, m, rad].
+    """
+    lines = [TRAJECTORY_COLUMNS]
+    for time, pose, spread in zip(times, poses, covariances, strict=True):
+        upper = spread[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+        cells = [f"{time:.3f}", *(f"{value:.4f}" for value in pose)]
+        lines.append(",".join([*cells, *(f"{value:.6g}" for value in upper)]))
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,281 @@
+"""EXPLORE: draw the map of a building by driving to where the known ground ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+from typing_extensions import override
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcomes.drawn_map import DrawnMap
+from handcart.primitives.restoring.snapshot import Snapshot, settle
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .explored_picture import explored_picture
+from .exploring_drive import GOAL_NAME, ExploringDrive, looking_at
+from .exploring_look import ExploringLook, FrontierLook, FrontierGoal
+from .exploring_return import drive_to_start
+from .lidar_watch import LidarWatch
+from .scan_collector import ScanCollector
+
+LOOK_DISTANCE_M = 1.5  # driven, after which the map is drawn again
+LOOK_PERIOD_S = 3.0  # the same in time
+LOOK_S = 0.2  # of the robot's time, for drawing and planning
+FINISH_S = 2.0  # of the robot's time, for the last search for loops
+SAME_FRAME_M, SAME_FRAME_RAD = 0.03, math.radians(1.0)  # by which two poses agree, so that a drive goes on
+NEAR_FRONTIER_M = 0.8  # beside the footprint, up to where a frontier is looked at from nearby
+MAX_DRIVES = 3  # that may fail to one frontier
+MAX_BLIND_SHARE = 0.1  # of the motions that only the wheels measured, from which a map is doubtful
+MIN_EXPLAINED = 0.5  # share of the last scan that the map must explain
+TRIED_AGAIN = (causes.BLOCKED, causes.NO_ROUTE, causes.OFF_GOAL, causes.UNDETERMINED)
+
+
+class Explore(ActionPrimitive):
+    """Draw a map: drive to the frontiers of the known ground until none is left that the robot could cross.
+
+    The map begins empty (`map: none`), or with the given one. Scans and wheels make it, as `handcart map`
+    does: chain of keyframes, loop closures, pose graph. Success means that the map has no reachable frontier
+    larger than the robot; the findings say how much of the border stays unknown, and why. The map is saved
+    in the run's folder. After a Fail the base is back at its start, by a scan there; what was drawn is saved
+    too.
+    """
+
+    radius_m: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
+    """Distance from the start beyond which frontiers are left, in a straight line."""
+    longest_m: Annotated[float, Field(gt=0.0, le=1e5)] = 2000.0
+    """Maximum distance to drive."""
+    resolution_m: Annotated[float, Field(ge=0.01, le=0.2)] = 0.03
+    """Side of a cell of the saved map."""
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,40}$")] = "explored"
+    """Name of the saved map."""
+    wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
+    """Time to wait for a passer-by to leave the path."""
+
+    needs: ClassVar = (Base, RangeSensor)
+    reads: ClassVar = ("map", "obstacles", "bumps", "arm_bumps")
+    writes: ClassVar = ("sensed_cells",)
+    arm_inside: ClassVar = True
+    draws_map: ClassVar = True
+
+    _scans: ScanCollector | None = PrivateAttr(default=None)
+    _look: ExploringLook | None = PrivateAttr(default=None)
+    _last: FrontierLook | None = PrivateAttr(default=None)
+    _failed: dict[tuple[float, float], int] = PrivateAttr(default_factory=dict)
+    _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return a message if the robot cannot compare scans with a map, or cannot turn on the spot."""
+        if robot.spec.drive.kind == "ackermann":
+            return "a car-like base does not explore: it cannot turn on the spot"
+        if not robot.localization.can_relocate:
+            source = robot.localization.source
+            return f"EXPLORE needs a lidar, and the localizer scan or odometry; the pose is by {source}"
+        return ""
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        assert robot.lidar is not None
+        known = model.map if model.map.occupied.any() else None
+        self._scans = ScanCollector(robot, robot.lidar, known)
+        self._look = ExploringLook(robot, self._scans.map, self.radius_m)
+        target = yield from self._next_target(robot, model)
+        while target is not None:
+            target = yield from self._drive(robot, model, target)
+        yield from settle(robot)
+        yield from self._finish(robot, model)
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Compare a scan at rest with the map; look once more whether a frontier is left."""
+        assert self._scans is not None and self._look is not None and self._last is not None
+        yield
+        points = self._scans.look().hits
+        off = self._last.field.read(robot.pose.apply(points))
+        share = float((off < 2.0 * self._last.grid.resolution).mean()) if len(points) else 0.0
+        self.found(last_scan_explained=round(share, 3))
+        return share >= MIN_EXPLAINED and self._last.target is None
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Take in the scan; raise `NeedsPerson` if the lidar is covered, or the base is lost."""
+        self._lidar_watch.watch(robot, None)
+        lost = robot.localization.lost
+        if lost is not None:
+            raise NeedsPerson(
+                f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]), cause=causes.LOST
+            )
+        if self._scans is not None:
+            self._scans.take(robot)
+
+    @override
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        if self._scans is None or self._look is None:
+            return
+        self._scans.is_busy = False
+        self._scans.flush()
+        self._save(robot)
+        yield from drive_to_start(robot, model, start, self._scans, self._look)
+
+    # Driving
+
+    def _next_target(self, robot: Robot, model: ModelView) -> Generator[None, None, FrontierGoal | None]:
+        """FrontierLook from where the base stands."""
+        assert self._scans is not None and self._look is not None
+        self._scans.is_busy = True
+        look = yield from robot.compute(self._look.take, self._scans.pose, None, takes=LOOK_S)
+        self._adopt(robot, look)
+        return look.target
+
+    def _drive(
+        self, robot: Robot, model: ModelView, target: FrontierGoal
+    ) -> Generator[None, None, FrontierGoal | None]:
+        """Drive to a frontier, until it is gone or the base is there; return the next target."""
+        assert self._scans is not None and self._look is not None and self._last is not None
+        goal = looking_at(target.view, target.middle)
+        drive = ExploringDrive(model, self._last.grid, goal, self.wait_s, GOAL_NAME)
+        periods, job = drive.periods(robot), None
+        looked_at, looked = self._scans.rolled, robot.time
+        while not drive.is_near(robot.pose):
+            self._check_distance()
+            if job is None and (
+                self._scans.rolled > looked_at + LOOK_DISTANCE_M or robot.time > looked + LOOK_PERIOD_S
+            ):
+                looked_at, looked, self._scans.is_busy = self._scans.rolled, robot.time, True
+                job = robot.compute(self._look.take, self._scans.pose, target, takes=LOOK_S)
+            if job is not None:
+                try:
+                    next(job)
+                except StopIteration as end:
+                    job, self._scans.is_busy = None, False
+                    self._scans.flush()
+                    if not self._goes_on(robot, end.value, target):
+                        self._adopt(robot, end.value)
+                        return end.value.target  # type: ignore[no-any-return]
+            try:
+                next(periods)
+            except StopIteration:
+                break
+            except Discrepancy as wrong:
+                self._note_failure(target, wrong)
+                break
+            yield
+        while job is not None:
+            try:
+                next(job)
+            except StopIteration:
+                break
+            yield
+        self._scans.is_busy = False
+        return (yield from self._arrived(robot, model, target))
+
+    def _arrived(
+        self, robot: Robot, model: ModelView, target: FrontierGoal
+    ) -> Generator[None, None, FrontierGoal | None]:
+        """FrontierLook from a frontier; one that stays although the base has come near is left."""
+        assert self._scans is not None and self._look is not None
+        yield from settle(robot)
+        self._scans.add_here(robot)
+        found = yield from self._next_target(robot, model)
+        if found is not None and found.is_same(target) and target.middle not in self._failed:
+            is_near = robot.pose.distance(Pose2(*found.middle, 0.0)) < NEAR_FRONTIER_M + self._radius(robot)
+            self._look.leave(found.middle, "seen" if is_near else "unreachable")
+            found = yield from self._next_target(robot, model)
+        return found
+
+    def _radius(self, robot: Robot) -> float:
+        return robot.spec.footprint_shape.inscribed
+
+    def _goes_on(self, robot: Robot, look: FrontierLook, target: FrontierGoal) -> bool:
+        """Return whether the drive still leads to a frontier, in the same frame."""
+        assert self._scans is not None
+        here = self._scans.pose
+        same = robot.pose.distance(here) < SAME_FRAME_M and robot.pose.turn(here) < SAME_FRAME_RAD
+        return same and look.target is not None and look.target.is_same(target)
+
+    def _adopt(self, robot: Robot, look: FrontierLook) -> None:
+        """Compare scans with the map as it is now."""
+        assert self._scans is not None
+        self._scans.is_busy = False
+        self._scans.flush()
+        self._last = look
+        robot.localization.follow_map(look.field, self._scans.pose, look.covariance)
+        self.found(**look.facts, driven_m=round(self._scans.rolled, 1))
+
+    def _note_failure(self, target: FrontierGoal, wrong: Discrepancy) -> None:
+        """Count a drive that did not get to its frontier; another one is tried first.
+
+        Raises:
+            Discrepancy: the base itself does not get on.
+        """
+        assert self._look is not None
+        if wrong.cause not in TRIED_AGAIN:
+            raise wrong
+        count = self._failed[target.middle] = self._failed.get(target.middle, 0) + 1
+        if wrong.permanent:
+            self._look.leave(target.middle, "no_route")
+        elif count >= MAX_DRIVES:
+            raise wrong
+        else:
+            self._look.postpone(target.middle)
+
+    def _check_distance(self) -> None:
+        assert self._scans is not None
+        if self._scans.rolled <= self.longest_m:
+            return
+        far = Measured("Base", "distance driven", self._scans.rolled, self.longest_m, "m")
+        raise Discrepancy(
+            f"frontiers are left after {self.longest_m:g} m",
+            permanent=True,
+            measured=far,
+            cause=causes.TIME_OUT,
+        )
+
+    # The end
+
+    def _finish(self, robot: Robot, model: ModelView) -> Periods:
+        """Search all loops once more, draw the map, and drive on if that shows another frontier."""
+        assert self._scans is not None and self._look is not None
+        self._scans.is_busy = True
+        yield from robot.compute(self._scans.map.finish, takes=FINISH_S)
+        target = yield from self._next_target(robot, model)
+        while target is not None:
+            target = yield from self._drive(robot, model, target)
+        yield from settle(robot)
+        self._save(robot)
+        blind, motions = self._scans.map.blind, len(self._scans.map.poses) - 1
+        if blind > MAX_BLIND_SHARE * max(10, motions):
+            share = Measured(
+                "RangeSensor", "share of motions without a match", blind / motions, MAX_BLIND_SHARE
+            )
+            raise Discrepancy(
+                "the map is doubtful: scans do not fit each other", measured=share, cause=causes.UNDETERMINED
+            )
+        model.sensed_cells = self._cells(model.sensed_cells, robot.time)
+
+    def _cells(self, before: FloatArray, now: float) -> FloatArray:
+        """Return what the map shows as rows of `sensed_cells`, for drives on the given map."""
+        assert self._last is not None
+        points = self._last.grid.to_point(np.argwhere(self._last.grid.occupied))
+        rows = np.column_stack([points, np.full((len(points), 2), [12.0, now])])
+        return np.vstack([before, rows])
+
+    def _save(self, robot: Robot) -> None:
+        """Hand the map to the run's folder, with a picture."""
+        assert self._scans is not None and self._look is not None
+        times = np.array(self._scans.times[: len(self._scans.map.poses)])
+        built = self._scans.map.built(self.resolution_m)
+        grid = self._look.draw(self.resolution_m)
+        self.evidence.maps[self.name] = DrawnMap(grid, built, times)
+        border = None if self._last is None else self._last.border
+        self.evidence.pictures["map"] = explored_picture(grid, built, border)
+        self.found(keyframes=len(built.rows), loop_closures=len(built.accepted))

@@ -1,0 +1,137 @@
+"""Decision of EXPLORE: the map so far, what is left of its border, and where to drive next."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.exploring.free_ground import with_driven, with_gaps_closed
+from handcart.robotics.navigation.exploring.frontiers import Border, Frontier, find_border
+from handcart.robotics.navigation.exploring.growing_map import GrowingMap
+from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import FloatArray
+
+PLANNING_CELL_M = 0.05
+LEFT_M = 1.0  # around a point at which the border stays unknown, in which it is left alone
+SAME_M = 1.0  # between two frontiers that are one
+SIZE_WEIGHT, MAX_SIZE_M = (
+    0.3,
+    5.0,
+)  # way in [m] that a metre of frontier is worth, and largest size that counts
+KEPT_M = 2.0  # by which another frontier must be nearer than the current one
+MIN_SIGMA = np.diag([0.01, 0.01, 0.005]) ** 2  # [m², rad²] of a pose on a map of cells
+LEFT_WORDS = {
+    "narrow": "narrower than the robot",
+    "small": "shorter than the radius of the robot",
+    "unreachable": "out of reach of any place where it fits",
+    "far": "beyond radius_m",
+    "seen": "looked at from nearby, and nothing is measured there",
+    "no_route": "without a route",
+}
+
+
+class FrontierGoal(NamedTuple):
+    """A frontier that is driven to."""
+
+    view: tuple[float, float]
+    """Place to look from, in [m]."""
+    middle: tuple[float, float]
+    """Middle of the frontier, in [m]."""
+
+    def is_same(self, other: FrontierGoal) -> bool:
+        """Return whether both are about the same frontier."""
+        return math.dist(self.middle, other.middle) < SAME_M
+
+
+class FrontierLook(NamedTuple):
+    """Result of a look at the map so far."""
+
+    grid: GridMap
+    field: LikelihoodField
+    covariance: FloatArray
+    """(3, 3) of the pose, in [m, m, rad]."""
+    border: Border
+    target: FrontierGoal | None
+    """Next frontier; None if none is left that the robot can reach."""
+    facts: dict[str, float | str]
+
+
+class ExploringLook:
+    """Chooses frontiers, and remembers which ones are left and why."""
+
+    def __init__(self, robot: Robot, grown: GrowingMap, radius_m: float) -> None:
+        """Begin at a robot's start, on a map that grows; `radius_m` limits the region around it."""
+        self._map, self._start, self._reach = grown, grown.poses[0], radius_m
+        self._shape = robot.spec.footprint_shape
+        self._left = list[tuple[float, float, str]]()
+        self._postponed = list[tuple[float, float]]()
+
+    def leave(self, point: tuple[float, float], reason: str) -> None:
+        """Leave the border around a point in [m] for a reason of `LEFT_WORDS`."""
+        self._left.append((*point, reason))
+
+    def postpone(self, point: tuple[float, float]) -> None:
+        """FrontierLook for other frontiers first than one at a point, in [m]."""
+        self._postponed.append(point)
+
+    def take(self, here: Pose2, current: FrontierGoal | None) -> FrontierLook:
+        """Draw the map, and choose the next frontier from map_T_base."""
+        if self._map.is_search_due:
+            self._map.search()
+        grid = self.draw()
+        left = np.array([point[:2] for point in self._left]).reshape(-1, 2)
+        border = find_border(grid, self._shape.inscribed, (here.x, here.y), left, LEFT_M)
+        field = LikelihoodField(grid, is_drawn=True)
+        _ = field.facing
+        target = self._chosen(border, current)
+        covariance = self._map.covariance() + MIN_SIGMA
+        return FrontierLook(grid, field, covariance, border, target, self._facts(border))
+
+    def draw(self, resolution: float = PLANNING_CELL_M) -> GridMap:
+        """Draw the map with cells of a size in [m], free where the base was and between beams."""
+        drawn = with_gaps_closed(self._map.grid(resolution))
+        return with_driven(drawn, self._map.poses, self._shape.inscribed)
+
+    def _chosen(self, border: Border, current: FrontierGoal | None) -> FrontierGoal | None:
+        open_ = [each for each in border.frontiers if each.view is not None and not self._is_far(each)]
+        ready = [each for each in open_ if not self._is_postponed(each)]
+        if not ready:
+            self._postponed.clear()
+        best = min(ready or open_, key=lambda each: self._cost(each, current), default=None)
+        return None if best is None or best.view is None else FrontierGoal(best.view, best.middle)
+
+    def _cost(self, frontier: Frontier, current: FrontierGoal | None) -> float:
+        cost = frontier.distance - SIZE_WEIGHT * min(frontier.size, MAX_SIZE_M)
+        if current is not None and math.dist(current.middle, frontier.middle) < SAME_M:
+            cost -= KEPT_M
+        return cost
+
+    def _is_far(self, frontier: Frontier) -> bool:
+        return math.dist(frontier.middle, self._start[:2]) > self._reach
+
+    def _is_postponed(self, frontier: Frontier) -> bool:
+        return any(math.dist(frontier.middle, point) < SAME_M for point in self._postponed)
+
+    def _facts(self, border: Border) -> dict[str, float | str]:
+        """Return area and border, with the share of each reason why a part of it stays unknown."""
+        counts = {"narrow": border.cells - border.passable, "small": border.small}
+        for frontier in border.frontiers:
+            reason = "unreachable" if frontier.view is None else "far" if self._is_far(frontier) else ""
+            counts[reason] = counts.get(reason, 0) + len(frontier.cells)
+        for point, count in zip(self._left, border.left, strict=True):
+            counts[point[2]] = counts.get(point[2], 0) + count
+        shares = sorted(
+            ((count, reason) for reason, count in counts.items() if reason and count), reverse=True
+        )
+        total = max(1, border.cells)
+        words = ", ".join(f"{100.0 * count / total:.0f} % {LEFT_WORDS[reason]}" for count, reason in shares)
+        return {
+            "free_m2": round(border.free_m2, 1),
+            "unknown_border_m": round(border.cells * PLANNING_CELL_M, 1),
+            "unknown_border": words or "none",
+        }

@@ -1,0 +1,1 @@
+"""Exploration: a map that grows while a robot drives, and where it ends."""

@@ -1,0 +1,40 @@
+"""Ground that is free although no beam crosses its cells: below a robot, and between neighbouring beams."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+GAP_M = 0.1
+"""Width of gaps between beams that count as free: beams a degree apart leave them 6 m away."""
+NEIGHBOURS = np.ones((3, 3), np.uint8)
+
+
+def with_driven(grid: GridMap, poses: Sequence[Pose2], radius: float) -> GridMap:
+    """Return a map whose unknown cells within a radius in [m] of a pose are free."""
+    driven = np.zeros(grid.occupied.shape, np.uint8)
+    cells = grid.to_cell(np.array([pose[:2] for pose in poses]))
+    size = max(0, int(radius / grid.resolution))
+    for row, column in cells.tolist():
+        cv2.circle(driven, (column, row), size, 1, cv2.FILLED)
+    return grid._replace(unknown=grid.unknown & (driven == 0))
+
+
+def with_gaps_closed(grid: GridMap) -> GridMap:
+    """Return a map without unknown spots narrower than `GAP_M` with free cells around.
+
+    Spots beside occupied cells stay: they may be inside a wall.
+    """
+    steps = math.ceil(0.5 * GAP_M / grid.resolution)
+    open_ = (~grid.occupied).astype(np.uint8)
+    grown = (~grid.blocked).astype(np.uint8)
+    for _ in range(steps):
+        grown = np.asarray(cv2.dilate(grown, NEIGHBOURS)) & open_
+    closed = cv2.erode(grown, NEIGHBOURS, iterations=steps)
+    return grid._replace(unknown=grid.unknown & (closed == 0))

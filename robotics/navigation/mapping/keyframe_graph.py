@@ -1,0 +1,189 @@
+"""Graph of keyframes: motions between neighbours, and loop closures between places that are the same."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .loop_closure import KeyframeView, Loop, close_loop, place_at, track_loop
+from .loop_search import Candidate, candidates, supported
+from .pose_graph import (
+    SCALING_CHI2,
+    Edge,
+    covariances,
+    edge_errors,
+    factorized,
+    optimize,
+    relative_covariances,
+)
+from .scan_log import Keyframe
+
+Heard = Callable[[str, float], None]
+"""Receives what is being done, and its finished share."""
+MAX_ROUNDS = 6
+"""Searches for loops, each from better poses than the one before."""
+REFINING_ROUNDS = 2
+REFINING_VIEW_M = 2.0
+SEARCH_STRIDE = 2
+"""Each second keyframe is searched for loops."""
+CHI2_LIMIT = 3.0 * SCALING_CHI2
+"""Squared error in sigmas from which a closure contradicts the others."""
+
+
+def ignore_stage(words: str, share: float) -> None:
+    """Ignore a report."""
+
+
+class KeyframeGraph:
+    """Keyframes, the edges between neighbours and the loop closures found so far."""
+
+    def __init__(self, frames: list[Keyframe], poses: list[Pose2], edges: list[Edge]) -> None:
+        """Begin with keyframes, at least one, their poses and the edges between neighbours."""
+        self.frames, self.poses, self._edges = frames, poses, edges
+        self.accepted = list[Loop]()
+        self.rejected = Counter[str]()
+        self._unsupported = list[Loop]()
+        self._tried = dict[tuple[int, int], Pose2]()
+        self._last_reason = dict[tuple[int, int], str]()
+        places = np.array(poses)[:, :2]
+        self._travel = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
+
+    @property
+    def loop_edges(self) -> list[Edge]:
+        """The accepted loop closures as edges."""
+        return [_edge(loop) for loop in self.accepted]
+
+    @property
+    def edges(self) -> list[Edge]:
+        """All edges."""
+        return [*self._edges, *self.loop_edges]
+
+    def append(self, frame: Keyframe, pose: Pose2, edge: Edge) -> None:
+        """Add a keyframe at its pose, with the edge from the one before it."""
+        self._travel = np.append(self._travel, self._travel[-1] + pose.distance(self.poses[-1]))
+        self.frames.append(frame)
+        self.poses.append(pose)
+        self._edges.append(edge)
+
+    def measure(self, number: int, pose: Pose2, information: FloatArray) -> None:
+        """Add the measured pose of a keyframe in the graph's frame, with its information (3, 3).
+
+        The frame is that of the first keyframe's pose, which stays where it is.
+        """
+        cos, sin = math.cos(self.poses[0].theta), math.sin(self.poses[0].theta)
+        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        self._edges.append(Edge(0, number, pose.relative_to(self.poses[0]), turn @ information @ turn.T))
+
+    def search(self, heard: Heard = ignore_stage, since: int = 0) -> None:
+        """Look for loops that keyframes from the number `since` on close, until no new one is found."""
+        for number in range(MAX_ROUNDS):
+            found = list(self._close(_stage(heard, f"closing loops, round {number + 1}"), since))
+            for loop in found:
+                self._last_reason[loop.first, loop.second] = loop.reason
+            fitting = (loop for loop in found if not loop.reason and loop.match is not None)
+            good = [*self.accepted, *self._unsupported, *fitting]
+            support = supported(good, self.poses)
+            for loop, has_support in zip(good, support, strict=True):
+                self._last_reason[loop.first, loop.second] = "" if has_support else "no other closure agrees"
+            kept = [loop for loop, has_support in zip(good, support, strict=True) if has_support]
+            self._unsupported = [loop for loop, there in zip(good, support, strict=True) if not there]
+            if len(kept) == len(self.accepted):
+                break
+            self.accepted = kept
+            self.optimize()
+        self.rejected = Counter(reason for reason in self._last_reason.values() if reason)
+
+    def refine(self, heard: Heard = ignore_stage) -> None:
+        """Replace the closures by ones between all keyframes that see the same place."""
+        if not self.accepted:
+            return
+        for number in range(REFINING_ROUNDS):
+            found = list(self._track(_stage(heard, f"refining, round {number + 1}")))
+            good = [loop for loop in found if not loop.reason]
+            self.accepted = good or self.accepted
+            self.optimize()
+
+    def optimize(self) -> None:
+        """Move the poses to the optimum, without the closures that contradict the others."""
+        for _ in range(2):
+            poses = optimize(np.array(self.poses), self.edges)
+            errors = edge_errors(poses, self.loop_edges)
+            for loop, error in zip(self.accepted, errors, strict=True):
+                if error > CHI2_LIMIT:
+                    self._last_reason[loop.first, loop.second] = "contradicts the others"
+            self.accepted = [loop for loop, e in zip(self.accepted, errors, strict=True) if e <= CHI2_LIMIT]
+        self.poses = [Pose2(*pose) for pose in poses.tolist()]
+
+    def _close(self, heard: Callable[[float], None], since: int) -> Iterable[Loop]:
+        """Yield the result of each loop that is worth a try from the present poses."""
+        poses, places = np.array(self.poses), dict[int, KeyframeView]()
+        factor, diagonal = factorized(poses, self.edges), covariances(poses, self.edges)
+        for second in range(since + since % SEARCH_STRIDE, len(poses), SEARCH_STRIDE):
+            heard(second / len(poses))
+            spreads = relative_covariances(factor, poses, second, diagonal)
+            sigmas = np.sqrt(np.linalg.eigvalsh(spreads[:, :2, :2])[:, -1])
+            for candidate in candidates(poses, self._travel, second, sigmas):
+                predicted = self.poses[second].relative_to(self.poses[candidate.first])
+                if not self._is_new(candidate, predicted):
+                    continue
+                both = self._place(places, candidate.first), self._place(places, second)
+                spread = _in_frame_of(spreads[candidate.first], poses[second], poses[candidate.first])
+                yield close_loop(both, (candidate.first, second), predicted, spread)
+
+    def _is_new(self, candidate: Candidate, predicted: Pose2) -> bool:
+        """Return whether a pair was not tried yet from about this prediction, and remember it."""
+        pair = candidate.first, candidate.second
+        if any((loop.first, loop.second) == pair for loop in self.accepted):
+            return False
+        last = self._tried.get(pair)
+        if last is not None and last.distance(predicted) < 0.3 and last.turn(predicted) < 0.05:
+            return False
+        self._tried[pair] = predicted
+        return True
+
+    def _track(self, heard: Callable[[float], None]) -> Iterable[Loop]:
+        poses, places = np.array(self.poses), dict[int, KeyframeView]()
+        sigmas = np.zeros(len(poses))
+        for second in range(len(poses)):
+            heard(second / len(poses))
+            for candidate in candidates(poses, self._travel, second, sigmas, REFINING_VIEW_M):
+                predicted = self.poses[second].relative_to(self.poses[candidate.first])
+                both = self._place(places, candidate.first), self._place(places, second)
+                yield track_loop(both, (candidate.first, second), predicted)
+
+    def _place(self, places: dict[int, KeyframeView], number: int) -> KeyframeView:
+        if number not in places:
+            places[number] = place_at(self.frames, self.poses, number)
+        return places[number]
+
+
+def _stage(heard: Heard, words: str) -> Callable[[float], None]:
+    return lambda share: heard(words, share)
+
+
+def _edge(loop: Loop) -> Edge:
+    assert loop.match is not None
+    return Edge(loop.first, loop.second, loop.match.pose, loop.match.information, is_loop=True)
+
+
+def _in_frame_of(spread: FloatArray, second: FloatArray, first: FloatArray) -> FloatArray:
+    """Return the covariance (3, 3) of first_T_second in the first frame, with a lower limit.
+
+    Args:
+        spread: (3, 3) of the first pose relative to the second, in the graph's frame.
+        second: (3,) pose of the second keyframe.
+        first: (3,) pose of the first keyframe.
+    """
+    turn = np.eye(3)  # seen from the first, a turn of it moves the second the other way
+    turn[0, 2], turn[1, 2] = first[1] - second[1], second[0] - first[0]
+    moved = turn @ spread @ turn.T
+    cos, sin = np.cos(first[2]), np.sin(first[2])
+    rotation = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    found: FloatArray = rotation @ moved @ rotation.T + np.diag([0.05, 0.05, 0.02]) ** 2
+    return found
