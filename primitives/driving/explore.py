@@ -25,7 +25,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .explored_picture import explored_picture
 from .exploring_drive import GOAL_NAME, ExploringDrive, looking_at
-from .exploring_look import ExploringLook, FrontierLook, FrontierGoal
+from .exploring_look import ExploringLook, FrontierGoal, FrontierLook
 from .exploring_return import drive_to_start
 from .lidar_watch import LidarWatch
 from .scan_collector import ScanCollector
