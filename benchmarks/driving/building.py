@@ -82,7 +82,7 @@ def _doors(rng: np.random.Generator, rows: int, columns: int) -> set[tuple[Room,
     tree = {tuple(sorted(edge)) for edge in nx.minimum_spanning_tree(graph).edges}
     others = [tuple(sorted(edge)) for edge in graph.edges if tuple(sorted(edge)) not in tree]
     more = rng.permutation(len(others))[: math.ceil(EXTRA_DOORS * len(others))]
-    return tree | {others[number] for number in more}  # type: ignore[return-value]
+    return tree | {others[number] for number in more}
 
 
 def _gap(rng: np.random.Generator, low: float, high: float) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
@@ -50,7 +50,8 @@ class ExploringDrive:
             arm_bumps=model.arm_bumps.copy(),
         )
         self._move = MoveTo(place=name, wait_s=wait_s)
-        self._view = inner.view(self._move)
+        declares: ActionPrimitive = self._move
+        self._view = inner.view(declares)
 
     def periods(self, robot: Robot) -> Periods:
         """Drive there, one period at a time.

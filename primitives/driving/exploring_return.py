@@ -78,7 +78,7 @@ def _measure_start(robot: Robot, scans: ScanCollector) -> Periods:
             measured=Measured("RangeSensor", "share of the scan that fits", best.inliers, MIN_INLIERS),
             cause=causes.LOST,
         )
-    covariance = np.linalg.inv(best.information + 1e-6 * np.eye(3))
+    covariance = np.asarray(np.linalg.inv(best.information + 1e-6 * np.eye(3)), dtype=np.float64)
     robot.localization.follow_map(_field(first, reference), first.compose(best.pose), covariance)
     robot.localization.measure_displacement(best.pose, covariance)
     scans.found_at(best.pose)

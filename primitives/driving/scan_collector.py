@@ -19,7 +19,7 @@ from handcart.robotics.navigation.mapping.scan_log import (
     keyframe_of,
 )
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 STALE_TRAVEL_M = 0.3  # of the wheels, in which a lidar repeats its scan: it does not measure any more
 
@@ -107,7 +107,7 @@ class ScanCollector:
         )
 
 
-def _known(ranges: FloatArray, blind: FloatArray) -> FloatArray:
+def _known(ranges: FloatArray, blind: BoolArray) -> FloatArray:
     return np.where(blind, np.nan, ranges) if len(blind) else ranges
 
 

@@ -274,8 +274,7 @@ class Localization(ABC):
         """Compare scans with a map that was drawn of them from now on; `pose` and `covariance` are there."""
         self._map_field = field
         self._wheels.change_map(field, pose, covariance)
-        self._wheels.surface_error = DRAWN_SURFACE_M
-        self.still = 0
+        self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
         """Correct the pose at rest by a measured motion since `set_origin`; scans then show a push alone."""

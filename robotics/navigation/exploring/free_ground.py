@@ -35,6 +35,6 @@ def with_gaps_closed(grid: GridMap) -> GridMap:
     open_ = (~grid.occupied).astype(np.uint8)
     grown = (~grid.blocked).astype(np.uint8)
     for _ in range(steps):
-        grown = np.asarray(cv2.dilate(grown, NEIGHBOURS)) & open_
+        grown = np.asarray(cv2.dilate(grown, NEIGHBOURS), dtype=np.uint8) & open_
     closed = cv2.erode(grown, NEIGHBOURS, iterations=steps)
     return grid._replace(unknown=grid.unknown & (closed == 0))

@@ -172,7 +172,7 @@ def _view(
             at = found[np.argmin(lengths[window][there])] + low
             x, y = grid.to_point(at[None])[0].tolist()
             return (x, y), float(lengths[tuple(at)]) * grid.resolution
-        near = cv2.dilate(near, ALL_AROUND) & ground
+        near = np.asarray(cv2.dilate(near, ALL_AROUND), dtype=np.uint8) & ground
     return None, math.inf
 
 

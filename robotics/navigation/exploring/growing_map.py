@@ -94,10 +94,12 @@ class GrowingMap:
         if self._field is None:
             return
         frame, pose = self.graph.frames[number], self.poses[number]
-        prior = np.linalg.inv(odometry_information(pose.relative_to(self.poses[number - 1])))
+        moved = pose.relative_to(self.poses[number - 1])
+        prior = np.asarray(np.linalg.inv(odometry_information(moved)), dtype=np.float64)
         match = match_scan(self._field, frame.hits, pose, prior, self._sigma)
         if match.inliers >= MIN_KNOWN_SHARE:
-            self.graph.measure(number, match.pose, np.linalg.inv(match.covariance))
+            information = np.asarray(np.linalg.inv(match.covariance), dtype=np.float64)
+            self.graph.measure(number, match.pose, information)
 
     @property
     def is_search_due(self) -> bool:
