@@ -52,7 +52,7 @@ def _dead_ends(task: Task) -> list[Finding]:
     failed_into = {to for action in network.actions if action.source in on for to in action.leads_to[1:]}
     found: dict[str, Finding] = {}
     for name in network.situations:
-        if name not in reached or name in leads_on:
+        if name not in reached or name in leads_on or name in network.otherwise:
             continue
         way = " to ".join(nx.shortest_path(graph, network.start, name))
         if name in failed_into:

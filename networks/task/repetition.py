@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -108,8 +108,16 @@ class Repetition:
         return f"{name}[{number + 1}]"
 
 
-def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -> list[Repetition]:
-    """Return the repeated parts of a task, by their numbers in its list."""
+def repetitions(
+    repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry], outside: Collection[str] = ()
+) -> list[Repetition]:
+    """Return the repeated parts of a task, by their numbers in its list.
+
+    Args:
+        repeats: the parts, by number.
+        entries: the task's actions.
+        outside: situations that belong to no part, though actions in it may lead there: those of `otherwise`.
+    """
     actions = list(entries)
     alike = Counter(repeat.name for repeat in repeats.values())
     return [
@@ -118,7 +126,7 @@ def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -
             repeat,
             repeat.start,
             repeat.goal,
-            _reached(repeat, actions),
+            _reached(repeat, actions, outside),
             f" from {repeat.start}" if alike[repeat.name] > 1 else "",
         )
         for number, repeat in repeats.items()
@@ -150,14 +158,14 @@ def _shown(value: object) -> str:
     return f" ({value})" if isinstance(value, str | int | float) else ""
 
 
-def _reached(repeat: Repeat, entries: Iterable[ActionEntry]) -> frozenset[str]:
+def _reached(repeat: Repeat, entries: Iterable[ActionEntry], outside: Collection[str]) -> frozenset[str]:
     ways: dict[str, list[str]] = {}
     for entry in entries:
         ways.setdefault(entry.source, []).extend(entry.leads_to)
     found, ahead = {repeat.start}, [repeat.start]
     while ahead:
         for name in ways.get(ahead.pop(), ()):
-            if name not in found and name != repeat.goal:
+            if name not in found and name != repeat.goal and name not in outside:
                 found.add(name)
                 ahead.append(name)
     return frozenset(found)

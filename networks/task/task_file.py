@@ -228,8 +228,11 @@ class _Reader:
             self._add((key,), f"unknown situation {name!r}{suggest(name, situations)}")
         return name
 
+    def _otherwise(self) -> tuple[str, ...]:
+        return listed_names(self._silently(("otherwise",), str | list[str]))
+
     def _check_otherwise(self, situations: Mapping[str, object]) -> None:
-        for name in listed_names(self._silently(("otherwise",), str | list[str])):
+        for name in self._otherwise():
             if situations and name not in situations:
                 self._add(("otherwise",), f"unknown situation {name!r}{suggest(name, situations)}")
 
@@ -253,7 +256,8 @@ class _Reader:
         repeats = self._listed("repeat", Repeat)
         if len(repeats) < repeat_count(self._document):  # every use of its element would be reported too
             self._findings.raise_all()
-        parts = repetitions(repeats, entries.values())
+        ends = {name for each in repeats.values() for name in (each.start, each.goal)}
+        parts = repetitions(repeats, entries.values(), set(self._otherwise()) - ends)
         faults = list(repeat_faults(parts, situations, entries, start, goal))
         for path, fault in faults:
             self._add(path, fault)

@@ -113,6 +113,16 @@ def test_otherwise_is_reached_where_no_route_is_left(load: Load, stand: Stand) -
     assert started(load(HEAD + "otherwise: b\n" + rows), stand) == (["try"], "z", 0)
 
 
+def test_otherwise_of_a_repeat_is_one_situation_outside(load: Load, stand: Stand) -> None:
+    rows = lines(
+        think("try", "from: a, to: z, cost_s: 5, attempts: 1"), think("back", "from: a, to: b, cost_s: 5")
+    )
+    task = load(HEAD + "otherwise: b\nrepeat: {over: [1, 2], as: cup, start: a, goal: z}\n" + rows)
+    assert {"a[1]", "a[2]", "b"} <= set(task.network.situations)
+    stand.script["try"] = deque("SF")
+    assert started(task, stand) == (["try", "try", "back"], "b", 3)
+
+
 def test_attempts_of_a_budget_are_shared(load: Load, stand: Stand) -> None:
     rows = lines(
         think("left", "from: a, to: z, cost_s: 5, attempts: {budget: grasps}"),
