@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from .domain import Domain, Knowledge
+
+_HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "objects",
@@ -12,5 +16,14 @@ DOMAIN = Domain(
     ),
     props="handcart.backends.simulation.objects.object_props:ObjectProps",
     physics="handcart.backends.physics.objects.bodies:PROP_BODIES",
+    primitives={
+        "LOOK_FOR": "handcart.primitives.objects.look_for:LookFor",
+        "PICK": "handcart.primitives.objects.pick:Pick",
+        "PLACE": "handcart.primitives.objects.place_object:PlaceObject",
+        "STOW": "handcart.primitives.objects.stow:Stow",
+        "MOVE_ARM": "handcart.primitives.objects.move_arm:MoveArm",
+    },
+    survey="handcart.evaluation.objects.object_survey:ObjectSurvey",
     files={"objects": "handcart.primitives.objects.objects_file:ObjectsFile"},
+    rehearsals={_HERE / "fetch_and_carry" / "task.yaml": {}},
 )

@@ -46,7 +46,7 @@ def _unreached(task: Task) -> list[Finding]:
 
 def _dead_ends(task: Task) -> list[Finding]:
     network, graph = task.network, ways_of(task.network)
-    leads_on = nx.ancestors(graph, network.goal) | {network.goal}
+    leads_on = _leading_to(graph, (network.goal, *network.otherwise))
     reached = nx.descendants(graph, network.start) | {network.start}
     on = reached & leads_on
     failed_into = {to for action in network.actions if action.source in on for to in action.leads_to[1:]}
@@ -67,8 +67,15 @@ def _dead_ends(task: Task) -> list[Finding]:
     return list(found.values())
 
 
+def _leading_to(graph: nx.MultiDiGraph, goals: Collection[str]) -> set[str]:
+    """Return the situations from which actions lead to one of some goals, and these goals."""
+    return {name for goal in goals for name in (goal, *nx.ancestors(graph, goal))}
+
+
 def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None = None) -> list[Finding]:
     """Return findings on actions that no run ever plans, though they can be reached and lead on.
+
+    Actions that also lead to where a run goes otherwise, once no route to the goal is left, are exempt.
 
     Args:
         task: the task.
@@ -76,7 +83,7 @@ def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None 
         best: numbers of the actions that the best policy does; None if it is not known.
     """
     network, graph = task.network, ways_of(task.network)
-    leads_on = nx.ancestors(graph, network.goal) | {network.goal}
+    leads_on = _leading_to(graph, (network.goal,)) - _leading_to(graph, network.otherwise)
     reached = nx.descendants(graph, network.start) | {network.start}
     unused = {action.index for action in cases.unused}
     found = []

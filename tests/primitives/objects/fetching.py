@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.outcomes.outcome import Success
 
 TASK = Path(__file__).parents[3] / "tasks" / "fetch_and_carry"
 
@@ -36,3 +38,12 @@ def changed(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def at_table_a(
+    world: Path = TASK / "world.yaml", objects: Path = TASK / "objects.yaml", seed: int = 0
+) -> Rig:
+    """Return a rig with the robot at its place before table A."""
+    rig = rig_with(objects, world, seed=seed)
+    assert isinstance(rig.do(MoveTo(place="table_a")), Success)
+    return rig

@@ -1,0 +1,1 @@
+"""Ground truth of fetching and carrying objects."""

@@ -1,0 +1,106 @@
+"""Effects that a Success of primitives for objects promises."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.evaluation.judging.at_most import at_most
+from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
+from handcart.evaluation.judging.survey import Claim, Effect, Survey
+from handcart.primitives.objects.object_names import name_in_world
+from handcart.primitives.objects.objects import Objects, ObjectSighting
+from handcart.robotics.geometry.transform import apply, inverse
+
+LOOK_MM, LOOK_DEG = 25.0, 3.0  # fixed limits of where LOOK_FOR and PLACE see an object
+LOOK_TOLERANCE_MM, LOOK_TOLERANCE_DEG = 3.0, 0.3  # beside the claimed uncertainty
+SPOT_MM = 30.0  # fixed limit of an object from its spot: PLACE's own limit, and the base's pose
+HEIGHT_MM = 6.0  # of a foot over the surface
+UPRIGHT_DEG = 3.0
+OUTLINE_MM = 10.0  # that the hand may be outside of the robot's outline
+
+
+def thing_of(survey: Survey, name: str) -> Thing | None:
+    """Return an object of the simulated world; None if there is none of that name."""
+    wanted = name_in_world(name)
+    return next((each for each in survey.run.world.things() if each.name == wanted), None)
+
+
+def sighting_errors(thing: Thing, seen: ObjectSighting) -> tuple[float, float]:
+    """Return how far a sighting is from the truth, in [mm] and [deg]."""
+    x, y = thing.pose[:2, 3].tolist()
+    yaw = math.atan2(thing.pose[1, 0], thing.pose[0, 0])
+    turned = abs(math.remainder(seen.pose.theta - yaw, 2.0 * math.pi))
+    return 1e3 * math.hypot(seen.pose.x - x, seen.pose.y - y), math.degrees(turned)
+
+
+def _false_sighting(survey: Survey, name: str) -> list[str]:
+    thing, seen = thing_of(survey, name), survey.run.model.of(Objects).seen(name)
+    if thing is None or seen is None:
+        return [f"{name} is nowhere" if thing is None else f"it isn't known where {name} is"]
+    off, turned = sighting_errors(thing, seen)
+    covariance = np.array(seen.covariance)
+    sigma = 1e3 * math.sqrt(max(np.linalg.eigvalsh(covariance[:2, :2]).max(), 0.0))
+    heading = math.degrees(math.sqrt(max(covariance[2, 2], 0.0)))
+    return [
+        *at_most(
+            "it is {:.1f} mm from where it was seen", off, LOOK_TOLERANCE_MM + LIMIT_SIGMAS * sigma, LOOK_MM
+        ),
+        *at_most(
+            "it is turned {:.2f} deg against how it was seen",
+            turned,
+            LOOK_TOLERANCE_DEG + LIMIT_SIGMAS * heading,
+            LOOK_DEG,
+        ),
+    ]
+
+
+def _found(survey: Survey, claim: Claim) -> list[str]:
+    return _false_sighting(survey, claim.primitive.object)
+
+
+def _picked(survey: Survey, claim: Claim) -> list[str]:
+    held, wanted = survey.run.world.held, name_in_world(claim.primitive.object)
+    name = held.name if held else None
+    return [] if name == wanted else [f"the hand holds {name}, not {wanted}"]
+
+
+def _placed(survey: Survey, claim: Claim) -> list[str]:
+    """Check that the object stands on its surface, upright, near its spot, where it was seen."""
+    objects = survey.run.model.of(Objects)
+    name = claim.primitive.thing(survey.run.model.view(claim.primitive)).removeprefix(name_in_world(""))
+    thing, surface = thing_of(survey, name), objects.objects.surfaces[claim.primitive.surface]
+    if thing is None or thing.rest is not Rest.TABLE:
+        return [f"{name or 'the object'} doesn't stand on anything"]
+    x, y, z = thing.pose[:3, 3].tolist()
+    wrong = _false_sighting(survey, name)
+    if surface.margin(x, y) < 0.0:
+        wrong.append(f"{name} doesn't stand on {claim.primitive.surface}")
+    wrong += at_most(
+        "its foot is {:.1f} mm off the surface", 1e3 * abs(z - surface.height_m), HEIGHT_MM, HEIGHT_MM
+    )
+    wrong += at_most("it is tilted by {:.1f} deg", math.degrees(thing.tilt()), UPRIGHT_DEG, UPRIGHT_DEG)
+    if claim.primitive.spot is not None:
+        spot = surface.spots[claim.primitive.spot]
+        away = 1e3 * math.hypot(x - spot.x_m, y - spot.y_m)
+        wrong += at_most("it is {:.1f} mm from its spot", away, SPOT_MM, SPOT_MM)
+    return wrong
+
+
+def _stowed(survey: Survey, _: Claim) -> list[str]:
+    scene = survey.run.world
+    hand = apply(inverse(scene.world_T_base), scene.world_T("hand")[None, :3, 3])
+    away = 1e3 * float(scene.robot.footprint_shape.distances(hand[:, :2])[0])
+    return at_most("the hand is {:.1f} mm outside of the robot's outline", away, OUTLINE_MM, OUTLINE_MM)
+
+
+OBJECT_EFFECTS: Mapping[str, Effect] = {
+    "LOOK_FOR": _found,
+    "PICK": _picked,
+    "PLACE": _placed,
+    "STOW": _stowed,
+}
+"""Effects by the primitive's name."""

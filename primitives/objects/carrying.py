@@ -1,0 +1,104 @@
+"""Postures in which the arm carries an object: upright, within the robot's outline."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.motions.arm_motion import collision_model, move_to_joints, move_to_posture
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.kinematics.shapes import Box, corners
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .object_kind import ObjectKind
+from .object_site import held_box
+
+OUTLINE_MARGIN_M = 0.02  # within the robot's outline
+GOOD_CLEARANCE_M = 0.015
+STEP_M = 0.06  # between tried places of the hand
+HEIGHTS_M = (0.06, 0.12, 0.2)  # of the object's foot over the body
+TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
+IK_RESTARTS = 2
+
+
+def stow(
+    robot: Robot,
+    around: Sequence[Box],
+    kind: ObjectKind | None = None,
+    hand_T_object: Transform | None = None,
+) -> Periods:
+    """Bring the hand within the robot's outline; a held object that has to stays upright there.
+
+    Args:
+        robot: its arm may be anywhere.
+        around: what the arm must not touch, in the base frame.
+        kind: kind of the held object; None for an empty hand.
+        hand_T_object: (4, 4) of it.
+
+    Raises:
+        Discrepancy: no such posture is found, or no way leads there.
+    """
+    if kind is None or hand_T_object is None:
+        yield from move_to_posture(robot, "home", around=around)
+        return
+    held = held_box(kind, hand_T_object)
+    joints = yield from robot.compute(carrying_joints, robot, kind, hand_T_object, around)
+    if joints is None:
+        raise Discrepancy("the arm finds no posture to carry it in", cause=causes.NO_ARM_PATH)
+    yield from move_to_joints(robot, joints, held, around)
+
+
+def carrying_joints(
+    robot: Robot, kind: ObjectKind, hand_T_object: Transform, around: Sequence[Box] = ()
+) -> FloatArray | None:
+    """Return joints (n,) that carry an object within the outline, the first with good clearance.
+
+    None if there are none.
+    """
+    held = held_box(kind, hand_T_object)
+    collision, here = collision_model(robot, held, around), robot.arm.command()
+    best, most = None, 0.0
+    home = np.array(robot.spec.posture("home"))
+    if not kind.upright and _is_inside(robot, robot.arm_model.forward(home), held):
+        best, most = (home, collision.distance(home)) if not collision.in_collision(home) else (None, 0.0)
+    for base_T_hand in _hands(robot, hand_T_object):
+        if most >= GOOD_CLEARANCE_M:
+            break
+        if not _is_inside(robot, base_T_hand, held):
+            continue
+        joints = robot.arm_model.inverse(base_T_hand, here, restarts=IK_RESTARTS)
+        if joints is not None and not collision.in_collision(joints):
+            clearance = collision.distance(joints)
+            if clearance > most:
+                best, most = joints, clearance
+    return best
+
+
+def _hands(robot: Robot, hand_T_object: Transform) -> Iterator[Transform]:
+    """Yield base_T_hand (4, 4) with the object upright over the robot, those ahead in the middle first."""
+    object_T_hand = inverse(hand_T_object)
+    reach = robot.spec.footprint_shape.inscribed
+    steps = np.arange(-reach, reach + 1e-9, STEP_M)
+    spots = sorted(
+        ((float(x), float(y)) for x in steps for y in steps if math.hypot(x, y) < reach),
+        key=lambda each: math.hypot(each[0] - reach / 3, each[1]),
+    )
+    for height in HEIGHTS_M:
+        for x, y in spots:
+            for turn in TURNS_RAD:
+                pose = transform((x, y, robot.spec.body_height + height), (0.0, 0.0, turn))
+                yield np.asarray(pose @ object_T_hand)
+
+
+def _is_inside(robot: Robot, base_T_hand: Transform, held: Box) -> bool:
+    """Return whether the hand, its finger tips and the object are within the robot's outline."""
+    tips = apply(base_T_hand, np.array([[0.0, 0.0, 0.0], [robot.spec.finger_shape.tip, 0.0, 0.0]]))
+    body = corners(held.seen_from(base_T_hand))
+    away = robot.spec.footprint_shape.distances(np.vstack([tips, body])[:, :2])
+    return bool(away.max() <= -OUTLINE_MARGIN_M)

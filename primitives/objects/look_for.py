@@ -1,0 +1,172 @@
+"""LOOK_FOR: find an object on a surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.geometry.transform import apply
+from handcart.robotics.manipulation.grasping.camera_poses import points_in_view
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .object_look import ObjectLook, conclude, look_closely, look_from, sighting
+from .object_names import ObjectName, SurfaceName
+from .object_site import base_T_map, kind_of, surface_of
+from .objects import Objects, ObjectSighting
+from .tag_readings import Located, locate
+from .view_plan import Direction, directions, places_and_weights
+
+VIEW_DISTANCES_M = (0.42, 0.36, 0.48)
+"""From the camera to the tops of objects."""
+COVERED_SHARE = 0.97  # of the belief that views have shown when the search ends
+SEEN_COVERED_SHARE = 0.85  # likewise, once the object was seen
+VIEW_RADIUS_M = 0.11  # on the surface that a view surely shows
+EDGE_PX = 50.0  # of the picture in which a tag may be cut off
+MAX_HEADING_SIGMA_DEG = 50.0  # beyond, a tag on a side may be anywhere around
+
+
+class LookFor(ActionPrimitive):
+    """Look where an object is believed to be, then over the rest of the surface, until its tag is read.
+
+    The views that show most of the belief come first. A close view follows; the corners of the tags in
+    all pictures together give the pose, on a surface whose height is known. Other known objects that were
+    seen are noted too.
+    """
+
+    object: ObjectName
+    """Name of the object."""
+    surface: SurfaceName | None = None
+    """Surface to look at (default: the one that it is believed to be on)."""
+    direction: Direction = "any"
+    """From where to look."""
+    max_views: Annotated[int, Field(ge=1, le=30)] = 10
+    """Maximum number of views."""
+
+    needs: ClassVar = (Arm, Camera)
+    reads: ClassVar = ("objects", "held_object")
+    writes: ClassVar = ("sightings",)
+
+    _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
+    _seen: Located | None = PrivateAttr(default=None)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return that the object is in the hand."""
+        held = model.of(Objects).held_object
+        return f"{self.object} is in the hand" if held is not None and held.object == self.object else ""
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        kind_of(model, self.object)
+        objects, name = model.of(Objects), self._surface(model)
+        yield from self._search(robot, model, name)
+        first = conclude(model, self.object, name, self._look)
+        yield from look_closely(
+            robot, model, self.object, first.base_T_object, self._look, self.evidence, self.direction
+        )
+        self._seen = conclude(model, self.object, name, self._look)
+        seen = sighting(robot, model, self.object, name, self._seen)
+        others = self._others(robot, model, name)
+        kept = [each for each in objects.without(self.object) if each.object not in others]
+        objects.sightings = (*kept, seen, *others.values())
+        believed = objects.objects.objects[self.object]
+        if believed.x_m is not None and believed.y_m is not None:
+            off = math.hypot(seen.pose.x - believed.x_m, seen.pose.y - believed.y_m)
+            self.found(off_belief_mm=round(1e3 * off, 1))
+        self.found(
+            x_m=round(seen.pose.x, 4),
+            y_m=round(seen.pose.y, 4),
+            heading_deg=round(math.degrees(seen.pose.theta), 2),
+            sigma_mm=round(1e3 * math.sqrt(max(seen.covariance[0][0], seen.covariance[1][1])), 2),
+            views=self._look.views,
+        )
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Return whether the object was located."""
+        return self._seen is not None
+        yield
+
+    def _surface(self, model: ModelView) -> str:
+        name = self.surface or model.of(Objects).objects.objects[self.object].on
+        surface_of(model, name)
+        return name
+
+    def _search(self, robot: Robot, model: ModelView, name: str) -> Periods:
+        """Look from view to view until the object's tag is read and most of the belief was in view."""
+        file, surface = model.of(Objects).objects, surface_of(model, name)
+        known = file.objects[self.object]
+        here = known.on == name and known.x_m is not None and known.y_m is not None
+        believed = (known.x_m or 0.0, known.y_m or 0.0) if here else None
+        places, weights = places_and_weights(surface, believed, known.sigma_mm / 1e3)
+        height = surface.height_m + kind_of(model, self.object).size[2]
+        points = apply(base_T_map(robot), np.column_stack([places, np.full(len(places), height)]))
+        unsure = believed is None or known.sigma_deg > MAX_HEADING_SIGMA_DEG
+        heading = None if unsure else math.radians(known.heading_deg) - robot.pose.theta
+        towards = list(directions(file.tags_of(self.object), heading, self.direction))
+        tried = np.zeros(len(points), dtype=np.bool_)
+        total = float(weights.sum())
+        while self._look.views < self.max_views and weights.sum() > self._may_be_missed() * total:
+            aim = _best_aim(points, np.where(tried, 0.0, weights), weights)
+            if aim is None:
+                break
+            tried[aim] = True
+            if not (yield from look_from(robot, model, points[aim], towards, VIEW_DISTANCES_M)):
+                continue
+            yield from self._look.picture(robot, model, self.evidence, self.object)
+            base_T_camera = robot.base_T_camera(robot.camera)
+            weights = np.where(
+                points_in_view(robot.camera.model, base_T_camera, points, EDGE_PX), 0.0, weights
+            )
+        if self._look.views == 0:
+            raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
+
+    def _may_be_missed(self) -> float:
+        """Return the share of the belief that need not be in view: more once the object was seen.
+
+        Where most of the belief is in view, a second object with the same tag would have been seen.
+        """
+        return 1.0 - (SEEN_COVERED_SHARE if self._look.of(self.object) else COVERED_SHARE)
+
+    def _others(self, robot: Robot, model: ModelView, name: str) -> dict[str, ObjectSighting]:
+        """Return the sightings of other objects that stand upright on the same surface."""
+        found: dict[str, ObjectSighting] = {}
+        surface = surface_of(model, name)
+        for other in model.of(Objects).objects.objects:
+            reads = self._look.of(other)
+            if other == self.object or not reads:
+                continue
+            place = locate(reads, kind_of(model, other), surface)
+            if isinstance(place, Located):
+                try:
+                    found[other] = sighting(robot, model, other, name, place)
+                except Discrepancy:
+                    continue
+        return found
+
+
+def _best_aim(points: FloatArray, aims: FloatArray, weights: FloatArray) -> int | None:
+    """Return the index of the point around which a view shows most of the belief; None if none is left.
+
+    Args:
+        points: (n, 3) in the base frame, in [m].
+        aims: (n,) weights of points that may be aimed at; 0 for those that may not.
+        weights: (n,) weights of what is still to be shown.
+    """
+    candidates = np.flatnonzero(aims > 0.0)
+    if not len(candidates):
+        return None
+    away = np.hypot(*(points[candidates, None, :2] - points[None, :, :2]).transpose(2, 0, 1))
+    shown = (away < VIEW_RADIUS_M) @ weights
+    near = np.hypot(points[candidates, 0], points[candidates, 1])
+    return int(candidates[np.lexsort((near, -np.round(shown, 6)))[0]])

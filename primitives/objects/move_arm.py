@@ -1,0 +1,38 @@
+"""MOVE_ARM: move the arm to a posture of the robot's file."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import move_to_posture
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+
+from .object_site import held_shape, surroundings
+
+
+class MoveArm(ActionPrimitive):
+    """Move the arm to a named posture, clear of surfaces and seen objects; what it holds goes along."""
+
+    posture: str
+    """Name of a posture in the robot's file."""
+
+    needs: ClassVar = (Arm,)
+    reads: ClassVar = ("objects", "sightings", "held_object")
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        known = robot.spec.arm.postures if robot.spec.arm is not None else {}
+        if self.posture not in known:
+            raise Discrepancy(
+                f"the robot's file has no posture {self.posture!r}; allowed: {', '.join(known)}",
+                permanent=True,
+                cause=causes.NOT_KNOWN,
+            )
+        yield from move_to_posture(robot, self.posture, held_shape(model), surroundings(robot, model))

@@ -1,0 +1,168 @@
+"""Pictures of an object from planned views, and what they say together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import collision_model, move_to_joints
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.evidence import Evidence
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.perception.drawing.overlay import draw_overlay
+
+from .object_site import held_shape, kind_of, surface_of, surroundings
+from .objects import Objects, ObjectSighting
+from .tag_readings import Located, NotUpright, ReadTag, SeenTwice, locate, read_objects
+from .view_plan import Direction, directions, view_joints
+
+CLOSE_DISTANCES_M = (0.28, 0.34, 0.24)
+"""From the camera to the top of an object whose place is known."""
+PICTURES_PER_VIEW = 2  # at most, until something is read
+MAX_OFF_SURFACE_M = 0.02  # that the middle of a foot may be beyond an edge
+
+
+@dataclass
+class ObjectLook:
+    """Tags that were read from one stop of the base."""
+
+    reads: list[ReadTag] = field(default_factory=list)
+    views: int = 0
+
+    def of(self, name: str) -> list[ReadTag]:
+        """Return the readings of an object's tags."""
+        return [each for each in self.reads if each.object == name]
+
+    def others(self, name: str) -> str:
+        """Return the names of everything else that was read, in words; "nothing" for none."""
+        found = dict.fromkeys(each.object or each.label for each in self.reads if each.object != name)
+        return ", ".join(found) or "nothing"
+
+    def picture(
+        self, robot: Robot, model: ModelView, evidence: Evidence, name: str
+    ) -> Generator[None, None, None]:
+        """Wait for rest, take pictures from the current view, and read their tags."""
+        yield from settle(robot)
+        self.views += 1
+        for _ in range(PICTURES_PER_VIEW):
+            yield
+            image = robot.picture()
+            base_T_camera = robot.base_T_camera(robot.camera)
+            found = read_objects(image, robot.camera.model, base_T_camera, model.of(Objects).objects)
+            if found or not self.reads:
+                evidence.pictures["objects"] = draw_overlay(image, [each.tag for each in found])
+            self.reads += found
+            if any(each.object == name for each in found):
+                return
+
+
+def look_closely(
+    robot: Robot,
+    model: ModelView,
+    name: str,
+    base_T_object: Transform,
+    look: ObjectLook,
+    evidence: Evidence,
+    wanted: Direction = "any",
+) -> Periods:
+    """Move the camera near an object whose place is about known, and read its tags.
+
+    Raises:
+        Discrepancy: no view of it is free.
+    """
+    file = model.of(Objects).objects
+    top = base_T_object[:3, 3] + (0.0, 0.0, file.kind_of(name).size[2])
+    heading = math.atan2(base_T_object[1, 0], base_T_object[0, 0])
+    towards = list(directions(file.tags_of(name), heading, wanted))
+    if not (yield from look_from(robot, model, top, towards, CLOSE_DISTANCES_M)):
+        raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
+    yield from look.picture(robot, model, evidence, name)
+
+
+def look_from(
+    robot: Robot,
+    model: ModelView,
+    point: FloatArray,
+    towards: Sequence[FloatArray],
+    distances: Sequence[float],
+) -> Generator[None, None, bool]:
+    """Move the camera to a view of a point in the base frame; return False if no view is free."""
+    around, held = surroundings(robot, model), held_shape(model)
+    collision = collision_model(robot, held, around)
+    found = yield from robot.compute(view_joints, robot, collision, point, towards, distances)
+    if found is None:
+        return False
+    yield from move_to_joints(robot, found[0], held, around)
+    return True
+
+
+def conclude(model: ModelView, name: str, surface: str, look: ObjectLook) -> Located:
+    """Return where an object is by all pictures of a stop.
+
+    Raises:
+        Discrepancy: it was not seen, seen at two places, has fallen over or is not on the surface.
+    """
+    reads = look.of(name)
+    if not reads:
+        unread = Measured("Camera", f"of {look.views} views those that show {name}", 0, 1)
+        raise Discrepancy(
+            f"{name} isn't seen on {surface}; seen: {look.others(name)}",
+            measured=unread,
+            cause=causes.NOT_SEEN,
+        )
+    found = locate(reads, kind_of(model, name), surface_of(model, surface))
+    if isinstance(found, SeenTwice):
+        apart = Measured("Camera", "tags of one object apart", 1e3 * found.apart, 0.0, "mm")
+        raise Discrepancy(
+            f"{name} is seen at two places: two objects have its tag, or it was moved",
+            measured=apart,
+            cause=causes.AMBIGUOUS,
+        )
+    if isinstance(found, NotUpright):
+        raise Discrepancy(
+            f"{name} doesn't stand upright on {surface}: {found.reason}", cause=causes.MISPLACED
+        )
+    return found
+
+
+def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:
+    """Return what a look says on the map, with the uncertainty of the base's pose.
+
+    Raises:
+        Discrepancy: the object stands beside the surface.
+    """
+    x, y = found.base_T_object[:2, 3].tolist()
+    heading = math.atan2(found.base_T_object[1, 0], found.base_T_object[0, 0])
+    pose = robot.pose.compose(Pose2(x, y, heading))
+    outside = -surface_of(model, surface).margin(pose.x, pose.y)
+    if outside > MAX_OFF_SURFACE_M:
+        off = Measured("Camera", f"{name} beside the surface", 1e3 * outside, 1e3 * MAX_OFF_SURFACE_M, "mm")
+        raise Discrepancy(f"{name} isn't on {surface}", measured=off, cause=causes.MISPLACED)
+    covariance = on_map(robot.pose, robot.localization.covariance, Pose2(x, y, heading), found.covariance)
+    return ObjectSighting(name, surface, pose, tuple(tuple(row) for row in covariance.tolist()))
+
+
+def on_map(base: Pose2, base_covariance: FloatArray, seen: Pose2, covariance: FloatArray) -> FloatArray:
+    """Return the covariance (3, 3) of a pose on the map that was measured in the base frame.
+
+    Args:
+        base: map_T_base.
+        base_covariance: (3, 3) of it: x, y in [m], heading in [rad].
+        seen: base_T_object.
+        covariance: (3, 3) of it.
+    """
+    cos, sin = math.cos(base.theta), math.sin(base.theta)
+    by_base = np.eye(3)
+    by_base[0, 2], by_base[1, 2] = -sin * seen.x - cos * seen.y, cos * seen.x - sin * seen.y
+    by_look = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(by_base @ base_covariance @ by_base.T + by_look @ covariance @ by_look.T)

@@ -1,0 +1,70 @@
+"""What is around the robot at its place before a surface."""
+
+from __future__ import annotations
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
+
+from .object_kind import ObjectKind
+from .object_names import name_in_world
+from .objects import Objects
+from .surface import ObjectSurface
+
+OWN_TRAY_NAME = "own tray"
+
+
+def base_T_map(robot: Robot) -> Transform:
+    """Pose (4, 4) of the map in the base frame, by the estimated pose of the base."""
+    return robot.pose.inverse().lift()
+
+
+def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Box, ...]:
+    """Return the surfaces, the seen objects but one, and the robot's own tray, posed in the base frame."""
+    objects, to_base = model.of(Objects), base_T_map(robot)
+    boxes = [box for name, each in objects.objects.surfaces.items() for box in each.boxes(name)]
+    for seen in objects.sightings:
+        if seen.object != without:
+            kind, surface = objects.objects.kind_of(seen.object), objects.objects.surfaces[seen.surface]
+            body = kind.body(name_in_world(seen.object))
+            boxes.append(body.seen_from(seen.pose.lift(surface.height_m)))
+    around = tuple(box.seen_from(to_base) for box in boxes)
+    return (*around, _own_tray(robot)) if robot.spec.has_tray else around
+
+
+def _own_tray(robot: Robot) -> Box:
+    """Return the tray as something that a held object must not touch."""
+    tray = robot.spec.tray_shape
+    return Box(transform((*tray.middle, tray.top - tray.size[2] / 2)), tray.size, OWN_TRAY_NAME)
+
+
+def kind_of(model: ModelView, name: str) -> ObjectKind:
+    """Return the kind of an object; raises `Discrepancy` if the file has no such object."""
+    file = model.of(Objects).objects
+    if name not in file.objects:
+        raise Discrepancy(f"unknown object {name!r}", permanent=True, cause=causes.NOT_KNOWN)
+    return file.kind_of(name)
+
+
+def surface_of(model: ModelView, name: str) -> ObjectSurface:
+    """Return a surface; raises `Discrepancy` if the file has no such surface."""
+    file = model.of(Objects).objects
+    if name not in file.surfaces:
+        raise Discrepancy(f"unknown surface {name!r}", permanent=True, cause=causes.NOT_KNOWN)
+    return file.surfaces[name]
+
+
+def held_shape(model: ModelView) -> Box | None:
+    """Return the box in the hand, posed in the hand frame; None if nothing is known to be held."""
+    objects = model.of(Objects)
+    held = objects.held_object
+    return None if held is None else held_box(objects.objects.kind_of(held.object), held.hand_T_object)
+
+
+def held_box(kind: ObjectKind, hand_T_object: Transform) -> Box:
+    """Return the box of a held object, posed in the hand frame."""
+    return kind.body(HELD_NAME).seen_from(hand_T_object)

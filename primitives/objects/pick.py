@@ -1,0 +1,268 @@
+"""PICK: take a seen object off its surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.meant_contact import MeantContact
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.grip import close, holds, open_to, width_off
+from handcart.primitives.motions.pushing import push
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Seen, Snapshot, settle
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .carrying import stow
+from .grasp_plan import LIFT_M, OPENING_CLEARANCE_M, PlannedGrasp, gripped, plan_grasps
+from .object_kind import ObjectKind
+from .object_look import ObjectLook, conclude, look_closely
+from .object_names import ObjectName, name_in_world
+from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
+from .objects import HeldObject, Objects, ObjectSighting
+from .tag_readings import Located
+
+GRASP_SPEED_M_S = 0.10
+GRASP_TOUCH_FORCE_N = 6.0  # more means that a finger is on the object
+WIDTH_TOLERANCE_M = 0.003
+MAX_SHIFT_M = 0.06  # between where it was seen before and where it is now
+MIN_WEIGHT_ERROR_N = 1.0  # of the weight that is felt
+MAX_WEIGHT_ERROR_SHARE = 0.5  # of the weight in the file
+WEIGHING_PERIODS = 5
+GRAVITY_M_S2 = 9.81
+
+
+class Pick(ActionPrimitive):
+    """Take an object that was seen from here; keep it upright if its kind says so.
+
+    A close look comes first. Grasps are ranked by clearance: free ones, straight ones from above first. The
+    hand goes straight to the object and stops at a resistance; the fingers close, and their opening has to
+    be the object's width. The object is lifted and weighed; a picture shows that it has left its place.
+    """
+
+    object: ObjectName
+    """Name of the object."""
+    grasp: Literal["best", "next"] = "best"
+    """Which of the free grasps: the best one, or the best one from another side or with another turn."""
+    stow: bool = True
+    """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("objects",)
+    writes: ClassVar = ("sightings", "held_object")
+    hand: ClassVar = TAKES_OBJECT
+
+    _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
+    _start: Located | None = PrivateAttr(default=None)
+    _why_unseen: Discrepancy | None = PrivateAttr(default=None)
+    _held: bool = PrivateAttr(default=False)
+    _known: tuple[ObjectSighting, ...] = PrivateAttr(default=())
+
+    @override
+    def thing(self, model: ModelView) -> str:
+        return name_in_world(self.object)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return that the object wasn't seen, or is too far away."""
+        seen = model.of(Objects).seen(self.object)
+        return "" if seen is not None else f"{self.object} wasn't seen yet; LOOK_FOR finds it"
+
+    def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
+        """Measure where the object stands, in the base frame; empty if it isn't seen."""
+        objects = model.of(Objects)
+        seen = objects.seen(self.object) or next(
+            (each for each in self._known if each.object == self.object), None
+        )
+        if seen is None:
+            return {}
+        surface = surface_of(model, seen.surface)
+        expected = base_T_map(robot) @ seen.pose.lift(surface.height_m)
+        look = ObjectLook()
+        try:
+            yield from look_closely(robot, model, self.object, expected, look, self.evidence)
+            found = conclude(model, self.object, seen.surface, look)
+        except Discrepancy as why:
+            self._why_unseen = why
+            return {}
+        if self._start is None:
+            self._start, self._look = found, look
+        x, y, z = found.base_T_object[:3, 3].tolist()
+        return {self.object: (x, y, z)}
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        objects, kind = model.of(Objects), kind_of(model, self.object)
+        if self._start is None:
+            raise self._why_unseen or Discrepancy(f"{self.object} isn't seen", cause=causes.NOT_SEEN)
+        self._known = objects.sightings
+        base_T_object = self._start.base_T_object
+        self._check_shift(robot, model, base_T_object)
+        plan = yield from self._planned(robot, model, kind, base_T_object)
+        empty = yield from self._close_on(robot, model, kind, plan, base_T_object)
+        hand_T_object = gripped(robot.base_T("hand"), base_T_object)
+        held = held_box(kind, hand_T_object)
+        self._held = True
+        objects.sightings = objects.without(self.object)
+        objects.held_object = HeldObject(self.object, hand_T_object)
+        lifted = robot.arm_model.forward(robot.arm.command())
+        lifted[2, 3] += LIFT_M
+        yield from move_straight(robot, lifted, held)
+        yield from self._weigh(robot, kind, empty)
+        yield from self._check_gone(robot, model, base_T_object)
+        if self.stow:
+            yield from stow(robot, surroundings(robot, model), kind, hand_T_object)
+        self.found(
+            width_mm=round(1e3 * robot.gripper.width(), 2),
+            from_side=plan.grasp.face,
+            clearance_mm=round(1e3 * plan.clearance, 1),
+        )
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Raise a Discrepancy if the object slips out of the hand."""
+        if self._held and not robot.gripper.closed_on_something():
+            slipped = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
+            raise Discrepancy(
+                f"{self.object} slipped out of the hand", measured=slipped, cause=causes.SLIPPED
+            )
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Return whether the fingers press on something as wide as a side of the object."""
+        kind = kind_of(model, self.object)
+        return any(holds(robot, side, WIDTH_TOLERANCE_M) for side in kind.size)
+        yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Return the contacts with the object, and of the object with what it stands on."""
+        seen = model.of(Objects).seen(self.object)
+        on = [each.surface for each in (seen, *self._known) if each is not None]
+        return (
+            MeantContact("hand", name_in_world(self.object)),
+            *(MeantContact("held", name) for name in dict.fromkeys(on)),
+        )
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Play the motion backwards: the object is on its surface again before the fingers open."""
+        self._held = False
+        yield from retrace(robot, start, trace)
+        objects = model.of(Objects)
+        objects.held_object = None
+        if self._known:
+            objects.sightings = self._known
+
+    def _check_shift(self, robot: Robot, model: ModelView, base_T_object: Transform) -> None:
+        seen = model.of(Objects).seen(self.object)
+        if seen is None:
+            return
+        expected = base_T_map(robot) @ seen.pose.lift(surface_of(model, seen.surface).height_m)
+        off = float(np.linalg.norm(base_T_object[:2, 3] - expected[:2, 3]))
+        self.found(shift_mm=round(1e3 * off, 1))
+        if off > MAX_SHIFT_M:
+            moved = Measured("Camera", "object off its place", 1e3 * off, 1e3 * MAX_SHIFT_M, "mm")
+            raise Discrepancy(
+                f"{self.object} isn't where it was seen", measured=moved, cause=causes.MISPLACED
+            )
+
+    def _planned(
+        self, robot: Robot, model: ModelView, kind: ObjectKind, base_T_object: Transform
+    ) -> Generator[None, None, PlannedGrasp]:
+        around = surroundings(robot, model, self.object)
+        target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
+        choice = yield from robot.compute(plan_grasps, robot, kind, base_T_object, around, target)
+        self.found(grasps_tried=choice.tried, grasps_free=len(choice.planned))
+        if not choice.planned:
+            free = Measured("Arm", f"of {choice.reached} grasps within reach those that are free", 0, 1)
+            if not choice.reached:
+                raise Discrepancy(f"{self.object} is out of reach", measured=free, cause=causes.OUT_OF_REACH)
+            raise Discrepancy(f"no grasp of {self.object} is free", measured=free, cause=causes.NO_ARM_PATH)
+        first = choice.planned[0]
+        if self.grasp == "best":
+            return first
+        others = [each for each in choice.planned if not _alike(each, first)]
+        if not others:
+            raise Discrepancy(f"{self.object} has only one free grasp", cause=causes.NO_ARM_PATH)
+        return others[0]
+
+    def _close_on(
+        self, robot: Robot, model: ModelView, kind: ObjectKind, plan: PlannedGrasp, base_T_object: Transform
+    ) -> Generator[None, None, float]:
+        """Go to the object and close the fingers on it; return the weight of the empty hand, in [N]."""
+        target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
+        around = (*surroundings(robot, model, self.object), target)
+        yield from open_to(robot, plan.grasp.width + OPENING_CLEARANCE_M)
+        yield from move_to_joints(robot, plan.before, around=around)
+        pushed = yield from push(robot, plan.base_T_grip, GRASP_SPEED_M_S, GRASP_TOUCH_FORCE_N)
+        if pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, GRASP_TOUCH_FORCE_N, "N")
+            raise Discrepancy("the hand runs into something", measured=felt, cause=causes.ARM_BLOCKED)
+        empty = yield from _felt_weight(robot)
+        yield from self.intend(f"the fingers close on {self.object}")
+        yield from close(robot)
+        width = robot.gripper.width()
+        if width <= MIN_HELD_WIDTH_M or not holds(robot, plan.grasp.width, WIDTH_TOLERANCE_M):
+            nothing = width <= MIN_HELD_WIDTH_M
+            wrong = "the fingers closed on nothing" if nothing else f"the fingers don't hold {self.object}"
+            off = width_off(robot, plan.grasp.width, WIDTH_TOLERANCE_M, "the object's width")
+            raise Discrepancy(wrong, measured=off, cause=causes.NOT_HELD)
+        return empty
+
+    def _weigh(self, robot: Robot, kind: ObjectKind, empty: float) -> Periods:
+        """Compare the force on the hand before the fingers closed and after the lift with the weight."""
+        felt = (yield from _felt_weight(robot)) - empty
+        self.found(weight_n=round(felt, 2))
+        if kind.mass_kg is None:
+            return
+        weight = GRAVITY_M_S2 * kind.mass_kg
+        off, most = abs(felt - weight), max(MIN_WEIGHT_ERROR_N, MAX_WEIGHT_ERROR_SHARE * weight)
+        if off > most:
+            wrong = Measured("Arm", f"felt weight off that of {self.object}", off, most, "N")
+            raise Discrepancy(
+                f"what is in the hand doesn't weigh what {self.object} does",
+                measured=wrong,
+                cause=causes.NOT_HELD,
+            )
+
+    def _check_gone(self, robot: Robot, model: ModelView, base_T_object: Transform) -> Periods:
+        """Take a picture: the object must not be seen where it stood."""
+        yield from settle(robot)
+        yield
+        look = ObjectLook()
+        yield from look.picture(robot, model, self.evidence, self.object)
+        for read in look.of(self.object):
+            assert read.base_T_object is not None
+            off = float(np.linalg.norm(read.base_T_object[:3, 3] - base_T_object[:3, 3]))
+            if off < LIFT_M / 2:
+                left = Measured("Camera", "object off its old place", 1e3 * off, 500.0 * LIFT_M, "mm")
+                raise Discrepancy(f"{self.object} is still there", measured=left, cause=causes.NOT_HELD)
+
+
+def _alike(one: PlannedGrasp, other: PlannedGrasp) -> bool:
+    """Return whether two grasps come from one side and close in one direction."""
+    a, b = one.grasp, other.grasp
+    same_turn = math.isclose(a.tilt, b.tilt)
+    return a.face == b.face and same_turn and bool(abs(a.box_T_hand[:3, 1] @ b.box_T_hand[:3, 1]) > 0.9)
+
+
+def _felt_weight(robot: Robot) -> Generator[None, None, float]:
+    """Return the downward force on the hand at rest, in [N], the mean of some readings."""
+    yield from settle(robot)
+    forces: list[FloatArray] = []
+    for _ in range(WEIGHING_PERIODS):
+        forces.append(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())
+        yield
+    return -float(np.mean([force[2] for force in forces]))

@@ -1,0 +1,287 @@
+"""PLACE: put the held object down on a surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.files.suggest import suggest
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.meant_contact import MeantContact
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.preconditions.hand_use import LETS_GO
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import Snapshot, settle
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply, transform
+from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.perception.drawing.overlay import draw_overlay
+from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
+
+from .carrying import stow
+from .object_kind import ObjectKind
+from .object_look import ObjectLook, conclude, look_closely, look_from, sighting
+from .object_names import SurfaceName, name_in_world
+from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
+from .objects import HeldObject, Objects, ObjectSighting
+from .placing_plan import (
+    FOOT_MARGIN_M,
+    PlannedPlacing,
+    free_spots,
+    goal_poses,
+    plan_placing,
+)
+from .surface import ObjectSurface
+from .tag_readings import Located, locate
+from .view_plan import directions
+
+FAST_M_S, SLOW_M_S = 0.08, 0.015
+GUARDED_M = 0.015  # over the goal, where slow lowering begins
+DESCENT_MAX_FORCE_N = 6.0
+TOUCHDOWN_FORCE_N = 3.0
+OVERTRAVEL_M = 0.015  # below the goal, where an object touches down at the latest
+WITHDRAWAL_M = 0.07
+RELEASE_CLEARANCE_M = 0.016  # wider than the object
+MAX_OFF_M = 0.020  # of the placed object from its goal
+MAX_MOVED_M = 0.015  # of other objects
+SPOT_VIEW_DISTANCES_M = (0.32, 0.38, 0.26)
+MAX_SPOTS = 8  # that are looked at
+
+
+class PlaceObject(ActionPrimitive):
+    """Put the held object down at a named spot, or at a free spot that the camera finds.
+
+    A picture shows whether the spot is free. The object is lowered until it touches down; the fingers let
+    it go, and the hand withdraws the way it came from. A look from nearby measures where it stands, and
+    whether other objects have moved.
+    """
+
+    surface: SurfaceName
+    """Surface to put it on."""
+    spot: Annotated[str, Field(min_length=1)] | None = None
+    """Named spot of the surface (default: any free one)."""
+    stow: bool = True
+    """Bring the arm home in the end, as it must be before the base drives away."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("objects",)
+    writes: ClassVar = ("sightings", "held_object")
+    hand: ClassVar = LETS_GO
+
+    _before: HeldObject | None = PrivateAttr(default=None)
+    _known: tuple[ObjectSighting, ...] = PrivateAttr(default=())
+    _stands: Located | None = PrivateAttr(default=None)
+
+    @override
+    @classmethod
+    def label(cls) -> str:
+        return "PLACE"
+
+    @override
+    def thing(self, model: ModelView) -> str:
+        held = model.of(Objects).held_object or self._before
+        return "" if held is None else name_in_world(held.object)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return why the object can't go there."""
+        objects = model.of(Objects)
+        held, surface = objects.held_object, objects.objects.surfaces.get(self.surface)
+        if held is None or surface is None:
+            return "no object was picked" if held is None else f"unknown surface {self.surface!r}"
+        if self.spot is not None and self.spot not in surface.spots:
+            return f"{self.surface} has no spot {self.spot!r}{suggest(self.spot, surface.spots)}"
+        kind = objects.objects.objects[held.object].kind
+        return "" if surface.allows(kind) else f"no {kind} may stand on {self.surface}"
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        objects = model.of(Objects)
+        held = objects.held_object
+        assert held is not None  # the precondition
+        self._before, self._known = held, objects.sightings
+        kind = kind_of(model, held.object)
+        plan = yield from self._planned(robot, model, kind, held)
+        yield from move_to_joints(
+            robot, plan.above, held_box(kind, held.hand_T_object), surroundings(robot, model)
+        )
+        yield from self._lower(robot, plan.base_T_hand)
+        yield from self.intend(f"the fingers let {held.object} go")
+        yield from open_to(robot, robot.gripper.width() + RELEASE_CLEARANCE_M)
+        objects.held_object = None
+        away = robot.base_T("hand") @ transform((-WITHDRAWAL_M, 0.0, 0.0))
+        yield from move_straight(robot, np.asarray(away))
+        yield from self._verify(robot, model, held.object, plan.base_T_object)
+        if self.stow:
+            yield from stow(robot, surroundings(robot, model))
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Return whether the object was seen at its goal, and the fingers press on nothing."""
+        return self._stands is not None and not robot.gripper.closed_on_something()
+        yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Return the contacts with the object, and of the object with its surface."""
+        held = model.of(Objects).held_object or self._before
+        if held is None:
+            return ()
+        return MeantContact("hand", name_in_world(held.object)), MeantContact("held", self.surface)
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Play the motion backwards; a released object is gripped again on the way."""
+        yield from retrace(robot, start, trace)
+        objects = model.of(Objects)
+        if self._before is not None:
+            objects.held_object, objects.sightings = self._before, self._known
+
+    def _planned(
+        self, robot: Robot, model: ModelView, kind: ObjectKind, held: HeldObject
+    ) -> Generator[None, None, PlannedPlacing]:
+        """Look at spots, the named one or the nearest ones, until one is free and within reach."""
+        surface = surface_of(model, self.surface)
+        radius = math.hypot(*kind.size[:2]) / 2
+        looked = reached = 0
+        why = "nothing of it is free of known objects"
+        for place, any_heading in self._candidates(robot, model, surface, radius):
+            around = surroundings(robot, model)
+            spot = base_T_map(robot) @ place.lift(surface.height_m)
+            goals = [np.asarray(spot @ each.lift()) for each in goal_poses(Pose2(0.0, 0.0, 0.0), any_heading)]
+            plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
+            if plan is None:
+                why = "the arm doesn't reach it freely"
+                continue
+            reached += 1
+            looked += 1
+            if (yield from self._is_free(robot, model, plan.base_T_object, kind, any_heading)):
+                self.found(spots_looked_at=looked)
+                return plan
+            why = "something stands there"
+            if looked >= MAX_SPOTS:
+                break
+        name = f"the spot {self.spot!r} of {self.surface}" if self.spot else f"any spot of {self.surface}"
+        seen = Measured("Camera", f"of {looked} spots looked at those that are free", 0, 1)
+        if not reached:
+            raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OUT_OF_REACH)
+        raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OCCUPIED)
+
+    def _candidates(
+        self, robot: Robot, model: ModelView, surface: ObjectSurface, radius: float
+    ) -> list[tuple[Pose2, bool]]:
+        """Return poses on the map, and whether any heading will do; known objects are kept clear."""
+        if self.spot is not None:
+            spot = surface.spots[self.spot]
+            return [(spot.pose, spot.heading_deg is None)]
+        taken = [
+            (each.pose, math.hypot(*kind_of(model, each.object).size[:2]) / 2)
+            for each in model.of(Objects).sightings
+            if each.surface == self.surface
+        ]
+        ahead = robot.pose.apply(np.array([[robot.spec.footprint_radius_m + 0.2, 0.0]]))[0]
+        return [
+            (Pose2(x, y, robot.pose.theta), True)
+            for x, y in free_spots(surface, radius, (float(ahead[0]), float(ahead[1])))
+            if all(
+                math.hypot(x - pose.x, y - pose.y) > radius + other + FOOT_MARGIN_M for pose, other in taken
+            )
+        ]
+
+    def _is_free(
+        self, robot: Robot, model: ModelView, base_T_goal: Transform, kind: ObjectKind, any_heading: bool
+    ) -> Generator[None, None, bool]:
+        """Look at a spot past the held object; return whether it looks plain, as the surface does."""
+        towards = list(directions((), None, "any"))
+        if not (yield from look_from(robot, model, base_T_goal[:3, 3], towards, SPOT_VIEW_DISTANCES_M)):
+            raise Discrepancy(f"no view of {self.surface} is free", cause=causes.NO_ARM_PATH)
+        yield from settle(robot)
+        yield
+        image, camera = robot.picture(), robot.camera.model
+        base_T_camera = robot.base_T_camera(robot.camera)
+        corners = _foot(kind, base_T_goal)
+        share = edge_share(image, camera, base_T_camera, corners)
+        outline = camera.project(apply(np.linalg.inv(base_T_camera), corners))
+        self.evidence.pictures["spot"] = draw_overlay(image, outlines=[outline])
+        return is_plain(share)
+
+    def _lower(self, robot: Robot, base_T_hand: Transform) -> Periods:
+        """Go down until the object touches; the forces are those beyond its weight."""
+        yield from settle(robot)
+        down = -(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())[2]
+        weight = float(down)
+        pushed = yield from push(
+            robot, _raised(base_T_hand, GUARDED_M), FAST_M_S, DESCENT_MAX_FORCE_N - weight
+        )
+        if pushed.met:
+            felt = Measured("Arm", "force that resists", pushed.force + weight, DESCENT_MAX_FORCE_N, "N")
+            raise Discrepancy("something is in the way of the object", measured=felt, cause=causes.OCCUPIED)
+        pushed = yield from push(
+            robot, _raised(base_T_hand, -OVERTRAVEL_M), SLOW_M_S, TOUCHDOWN_FORCE_N - weight
+        )
+        if not pushed.met:
+            felt = Measured("Arm", "force that resists", pushed.force + weight, TOUCHDOWN_FORCE_N, "N")
+            raise Discrepancy(
+                f"the object doesn't touch down on {self.surface}", measured=felt, cause=causes.NO_SUPPORT
+            )
+        self.found(touched_mm=round(1e3 * float(robot.base_T("hand")[2, 3] - base_T_hand[2, 3]), 2))
+        yield from relax(robot)
+
+    def _verify(self, robot: Robot, model: ModelView, name: str, goal: Transform) -> Periods:
+        """Measure where the object stands and whether others moved; note what was seen.
+
+        Raises:
+            Discrepancy: it isn't where it should be.
+            NeedsPerson: another object was moved.
+        """
+        look, objects = ObjectLook(), model.of(Objects)
+        yield from look_closely(robot, model, name, goal, look, self.evidence)
+        found = conclude(model, name, self.surface, look)
+        off = float(np.linalg.norm(found.base_T_object[:2, 3] - goal[:2, 3]))
+        self.found(off_goal_mm=round(1e3 * off, 2))
+        if off > MAX_OFF_M:
+            apart = Measured("Camera", "object off its goal", 1e3 * off, 1e3 * MAX_OFF_M, "mm")
+            raise Discrepancy(f"{name} stands beside its goal", measured=apart, cause=causes.MISPLACED)
+        self._check_others(robot, model, look)
+        self._stands = found
+        seen = sighting(robot, model, name, self.surface, found)
+        objects.sightings = (*objects.without(name), seen)
+
+    def _check_others(self, robot: Robot, model: ModelView, look: ObjectLook) -> None:
+        surface = surface_of(model, self.surface)
+        for other in self._known:
+            reads = look.of(other.object)
+            if other.surface != self.surface or not reads:
+                continue
+            found = locate(reads, kind_of(model, other.object), surface)
+            expected = base_T_map(robot) @ other.pose.lift(surface.height_m)
+            if not isinstance(found, Located):
+                raise NeedsPerson(f"{other.object} doesn't stand as it did", cause=causes.MISPLACED)
+            off = float(np.linalg.norm(found.base_T_object[:2, 3] - expected[:2, 3]))
+            if off > MAX_MOVED_M:
+                moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")
+                raise NeedsPerson(f"{other.object} was moved", moved, cause=causes.MISPLACED)
+
+
+def _foot(kind: ObjectKind, base_T_goal: Transform) -> FloatArray:
+    """Return (4, 3) corners around an object's foot with a margin, in the base frame, in [m]."""
+    half = np.array([kind.size[0], kind.size[1]]) / 2 + FOOT_MARGIN_M
+    flat = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
+    return apply(base_T_goal, np.column_stack([flat, np.zeros(4)]))
+
+
+def _raised(base_T_hand: Transform, by: float) -> Transform:
+    result = base_T_hand.copy()
+    result[2, 3] += by
+    return result

@@ -1,0 +1,116 @@
+"""Choice of the arm's posture that puts a held object down, by clearance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.motion_planner import plan_straight
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .object_kind import ObjectKind
+from .object_site import held_box
+from .surface import ObjectSurface
+
+ABOVE_GOAL_M = 0.07  # where an object waits before it is lowered
+FREE_ABOVE_M = 0.008  # over the goal, down to which the object must be clear of everything
+FOOT_MARGIN_M = 0.02  # between an object's foot and the edge of the surface, or other objects
+SPOT_STEP_M = 0.06  # between free spots that are tried
+ANY_TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
+IK_RESTARTS = 3
+GOOD_CLEARANCE_M = 0.02
+
+
+class PlannedPlacing(NamedTuple):
+    """A goal with a posture above it, from which a straight free line leads down."""
+
+    base_T_object: Transform
+    """(4, 4) of the goal."""
+    above: FloatArray
+    """(n,) joints that have the object right above it."""
+    base_T_hand: Transform
+    """(4, 4) of the hand at the goal."""
+
+
+def goal_poses(place: Pose2, any_heading: bool) -> Iterator[Pose2]:
+    """Yield poses of the object's foot at a spot, in the frame of the spot."""
+    for turn in ANY_TURNS_RAD if any_heading else (0.0,):
+        yield Pose2(place.x, place.y, place.theta + turn)
+
+
+def plan_placing(
+    robot: Robot,
+    kind: ObjectKind,
+    hand_T_object: Transform,
+    goals: Sequence[Transform],
+    around: Sequence[Box],
+) -> PlannedPlacing | None:
+    """Return the placing with the best clearance among goals; None if none is free.
+
+    Args:
+        robot: robot that holds the object.
+        kind: kind of the object.
+        hand_T_object: (4, 4).
+        goals: base_T_object (4, 4) of allowed poses at the goal.
+        around: what arm and object must not touch, in the base frame.
+    """
+    arm = _with_hand(robot)
+    collision = CollisionModel(arm, around, held_box(kind, hand_T_object), margin=ARM_MARGIN_M)
+    best, most, here = None, 0.0, robot.arm.command()
+    for goal in goals:
+        base_T_hand = goal @ inverse(hand_T_object)
+        above = _raised(base_T_hand, ABOVE_GOAL_M)
+        joints = arm.inverse(above, here, restarts=IK_RESTARTS)
+        if joints is None or collision.in_collision(joints):
+            continue
+        line = plan_straight(arm, joints, _raised(base_T_hand, FREE_ABOVE_M), 0.01, collision)
+        if line is None or plan_straight(arm, line[-1], _raised(base_T_hand, -FREE_ABOVE_M)) is None:
+            continue
+        clearance = collision.distance(joints)
+        if clearance > most:
+            best, most = PlannedPlacing(goal, joints, np.asarray(base_T_hand)), clearance
+        if most >= GOOD_CLEARANCE_M:
+            break
+    return best
+
+
+def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float]) -> list[tuple[float, float]]:
+    """Return spots on the map where a foot of a radius is wholly on a surface, those near a point first.
+
+    Args:
+        surface: the surface.
+        radius: of the circle around the foot, in [m].
+        near: x and y on the map, in [m].
+    """
+    length, width = surface.size_m
+    inset = radius + FOOT_MARGIN_M
+    if min(length, width) < 2.0 * inset:
+        return []
+    grid = [
+        (x, y)
+        for x in np.arange(-length / 2 + inset, length / 2 - inset + 1e-9, SPOT_STEP_M).tolist()
+        for y in np.arange(-width / 2 + inset, width / 2 - inset + 1e-9, SPOT_STEP_M).tolist()
+    ]
+    spots = [tuple(each) for each in surface.floor.apply(np.array(grid)).tolist()]
+    return sorted(spots, key=lambda each: math.hypot(each[0] - near[0], each[1] - near[1]))
+
+
+def _with_hand(robot: Robot) -> ArmModel:
+    half = math.ceil(robot.gripper.width() / 2 * 1e3) / 1e3
+    return robot.arm_model.with_others({"left_finger": half, "right_finger": half})
+
+
+def _raised(base_T_hand: Transform, by: float) -> Transform:
+    result = base_T_hand.copy()
+    result[2, 3] += by
+    return result

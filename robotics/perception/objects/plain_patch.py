@@ -1,0 +1,42 @@
+"""Whether a part of a level surface looks plain in a picture: nothing stands there."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+SMOOTHING_PX = 2.0
+EDGE_GREY_PX = 7.0  # [grey/px] that the picture changes at an edge of something
+MAX_EDGE_SHARE = 0.004  # of the part's pixels
+
+
+def edge_share(
+    image: ByteArray, camera: CameraModel, base_T_camera: Transform, corners: FloatArray
+) -> float | None:
+    """Return the share of pixels with edges within a part of a surface; None if it is not all in view.
+
+    Args:
+        image: (h, w), grey.
+        camera: the camera.
+        base_T_camera: (4, 4).
+        corners: (n, 3) of a convex part in the base frame, in [m].
+    """
+    pixels = camera.project(apply(inverse(base_T_camera), corners))
+    inside = (pixels >= 0.0) & (pixels <= np.array([camera.width, camera.height]) - 1.0)
+    if not inside.all():
+        return None
+    mask = np.zeros(image.shape, np.uint8)
+    cv2.fillConvexPoly(mask, np.rint(pixels).astype(np.int32), 1)
+    smooth = cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTHING_PX)
+    across, down = (cv2.Sobel(smooth, cv2.CV_32F, *axes, scale=0.125) for axes in ((1, 0), (0, 1)))
+    edges = np.hypot(across, down) > EDGE_GREY_PX
+    return float(edges[mask > 0].mean())
+
+
+def is_plain(share: float | None) -> bool:
+    """Return whether a part is all in view and has no edges."""
+    return share is not None and share <= MAX_EDGE_SHARE

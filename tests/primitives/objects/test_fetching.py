@@ -1,0 +1,245 @@
+"""LOOK_FOR, PICK, PLACE, STOW and MOVE_ARM at two tables, against the ground truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.objects.look_for import LookFor
+from handcart.primitives.objects.move_arm import MoveArm
+from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.pick import Pick
+from handcart.primitives.objects.place_object import PlaceObject
+from handcart.primitives.objects.stow import Stow
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
+from handcart.robotics.geometry.transform import transform
+
+from .fetching import at_table_a, changed, scene_of
+
+
+def thing(rig: Rig, name: str = "parcel_1") -> Any:
+    return scene_of(rig).thing_named(f"object {name}")
+
+
+def do_when(
+    rig: Rig, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
+) -> Outcome:
+    """Run a primitive; as soon as `once` holds of the scene, `change` it."""
+    scene, step = scene_of(rig), rig.robot.step
+    done: list[bool] = []
+
+    def stepping(paused: bool = False) -> None:
+        if not done and once(scene):
+            done.append(True)
+            change(scene)
+        step(paused)
+
+    rig.robot.step = stepping  # type: ignore[method-assign]
+    outcome = rig.do(primitive)
+    assert done
+    return outcome
+
+
+def look_and_pick(rig: Rig, **parameters: Any) -> None:
+    for primitive in (LookFor(object="parcel_1"), Pick(object="parcel_1", **parameters)):
+        outcome = rig.do(primitive)
+        assert isinstance(outcome, Success), outcome
+
+
+def test_object_off_its_believed_place_is_found() -> None:
+    rig = at_table_a(seed=3)
+    assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
+    seen, true = rig.model.of(Objects).seen("parcel_1"), thing(rig).pose
+    assert seen is not None
+    assert (seen.pose.x, seen.pose.y) == pytest.approx(true[:2, 3], abs=0.012)
+    assert seen.pose.theta == pytest.approx(math.atan2(true[1, 0], true[0, 0]), abs=0.01)
+    assert 0.001 < math.sqrt(seen.covariance[0][0]) < 0.01
+
+
+def test_missing_object_fails_with_what_was_seen_instead(tmp_path: Path) -> None:
+    world = changed(tmp_path, "world.yaml", ("id: 7", "id: 9"))
+    rig = at_table_a(world=world)
+    outcome = rig.do(LookFor(object="parcel_1", max_views=4))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason.startswith("parcel_1 isn't seen on table_a; seen: ")
+    assert "tag apriltag_36h11 9" in outcome.reason
+    assert outcome.cause.name == "not_seen"
+
+
+@pytest.mark.slow
+def test_two_objects_with_one_tag_are_ambiguous(tmp_path: Path) -> None:
+    twin = ("x_m: 2.3, y_m: 3.7, height_m: 0.6", "x_m: 2.01, y_m: 3.66, height_m: 0.6")
+    world = changed(tmp_path, "world.yaml", ("id: 8", "id: 7"), twin, ("sigma_mm: 40", "sigma_mm: 0"))
+    outcome = at_table_a(world=world).do(LookFor(object="parcel_1"))
+    assert isinstance(outcome, Fail)
+    assert (outcome.cause.name, "two objects have its tag" in outcome.reason) == ("ambiguous", True)
+
+
+@pytest.mark.slow
+def test_fallen_object_is_not_taken_for_an_upright_one() -> None:
+    rig = at_table_a()
+    fallen = thing(rig)
+    fallen.pose = fallen.pose @ transform((0.0, 0.0, 0.03), (math.radians(60.0), 0.0, 0.0))
+    outcome = rig.do(LookFor(object="parcel_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.cause.name in ("misplaced", "not_seen")
+
+
+@pytest.mark.slow
+def test_object_is_picked_upright_and_known_in_the_hand() -> None:
+    rig = at_table_a()
+    look_and_pick(rig)
+    scene, held = scene_of(rig), rig.model.of(Objects).held_object
+    assert held is not None
+    assert scene.held is thing(rig)
+    assert scene.held.tilt() < math.radians(2.0)
+    assert held.hand_T_object == pytest.approx(scene.hand_T_held, abs=2e-3)
+    assert rig.model.of(Objects).seen("parcel_1") is None
+    assert np.hypot(*(scene.world_T("hand")[:2, 3] - (scene.base.x, scene.base.y))) < 0.34
+    assert [contact.other for contact in scene.contacts] == []
+
+
+@pytest.mark.slow
+def test_next_grasp_differs_from_the_best_one() -> None:
+    grips = []
+    for grasp in ("best", "next"):
+        rig = at_table_a()
+        look_and_pick(rig, grasp=grasp, stow=False)
+        grips.append(scene_of(rig).hand_T_held[:3, :3])
+    assert np.abs(grips[0] - grips[1]).max() > 0.4
+
+
+@pytest.mark.slow
+def test_pick_that_fails_after_the_lift_puts_the_object_back() -> None:
+    rig = at_table_a()
+    assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
+    before, joints = thing(rig).pose.copy(), scene_of(rig).joints.copy()
+    outcome = do_when(
+        rig, Pick(object="parcel_1"), lambda scene: scene.held is not None, lambda _: _break_camera_once(rig)
+    )
+    assert isinstance(outcome, Fail), outcome
+    assert thing(rig).pose[:3, 3] == pytest.approx(before[:3, 3], abs=0.003)
+    assert scene_of(rig).joints == pytest.approx(joints, abs=0.01)
+    assert rig.model.of(Objects).held_object is None
+    assert rig.model.of(Objects).seen("parcel_1") is not None
+
+
+def _break_camera_once(rig: Rig) -> None:
+    """Let the next picture be lost."""
+    take = rig.robot.picture
+
+    def lost() -> Any:
+        rig.robot.picture = take  # type: ignore[method-assign]
+        raise OSError("no picture")
+
+    rig.robot.picture = lost  # type: ignore[method-assign]
+
+
+@pytest.mark.slow
+def test_object_taken_away_before_the_grasp_is_a_fail() -> None:
+    rig = at_table_a()
+    assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
+    thing(rig).pose = transform((1.0, 0.3, 0.0))
+    outcome = rig.do(Pick(object="parcel_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.cause.name == "not_seen"
+
+
+@pytest.mark.slow
+def test_wrong_weight_is_put_back(tmp_path: Path) -> None:
+    world = changed(tmp_path, "world.yaml", ("name: parcel_1", "name: parcel_1\n    mass_kg: 0.9"))
+    rig = at_table_a(world=world)
+    assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
+    outcome = rig.do(Pick(object="parcel_1"))
+    assert isinstance(outcome, Fail)
+    assert "doesn't weigh what parcel_1 does" in outcome.reason
+    assert scene_of(rig).held is None
+
+
+@pytest.mark.slow
+def test_object_that_slips_needs_a_person() -> None:
+    def slip(scene: Any) -> None:
+        held, scene.held = scene.held, None
+        scene.props_of(held).let_go(held)
+
+    rig = at_table_a()
+    assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
+    pick = Pick(object="parcel_1")
+    outcome = do_when(rig, pick, lambda scene: scene.held is not None and scene.held.pose[2, 3] > 0.63, slip)
+    assert isinstance(outcome, GiveUp), outcome
+
+
+def test_pick_without_a_sighting_is_not_begun() -> None:
+    outcome = at_table_a().do(Pick(object="parcel_1"))
+    assert isinstance(outcome, Fail)
+    assert (outcome.cause.name, outcome.reason) == (
+        "precondition",
+        "parcel_1 wasn't seen yet; LOOK_FOR finds it",
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("spot", ["left", None])
+def test_object_is_put_down_on_the_other_table(spot: str | None) -> None:
+    rig = at_table_a()
+    look_and_pick(rig)
+    for primitive in (MoveTo(place="table_b"), PlaceObject(surface="table_b", spot=spot)):
+        outcome = rig.do(primitive)
+        assert isinstance(outcome, Success), outcome
+    pose, seen = thing(rig).pose, rig.model.of(Objects).seen("parcel_1")
+    assert seen is not None
+    assert (seen.pose.x, seen.pose.y) == pytest.approx(pose[:2, 3], abs=0.012)
+    assert (seen.surface, pose[2, 3]) == ("table_b", pytest.approx(0.6))
+    if spot is not None:
+        assert pose[:2, 3] == pytest.approx((5.05, 2.2), abs=0.012)
+        assert math.atan2(pose[1, 0], pose[0, 0]) == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.slow
+def test_occupied_spot_is_seen_and_a_free_one_taken(tmp_path: Path) -> None:
+    other = "  - {name: box, x_m: 5.03, y_m: 2.19, height_m: 0.6, size_mm: [80, 60, 40]}\n"
+    world = changed(tmp_path, "world.yaml", ("  - {name: parcel_2", other + "  - {name: parcel_2"))
+    rig = at_table_a(world=world)
+    look_and_pick(rig)
+    assert isinstance(rig.do(MoveTo(place="table_b")), Success)
+    outcome = rig.do(PlaceObject(surface="table_b", spot="left"))
+    assert isinstance(outcome, Fail), outcome
+    assert (outcome.cause.name, scene_of(rig).held) == ("occupied", thing(rig))
+    outcome = rig.do(PlaceObject(surface="table_b"))
+    assert isinstance(outcome, Success), outcome
+    away = np.hypot(*(thing(rig).pose[:2, 3] - thing(rig, "box").pose[:2, 3]))
+    assert away > 0.09
+    assert thing(rig, "box").pose[:2, 3] == pytest.approx((5.03, 2.19), abs=0.002)
+
+
+@pytest.mark.slow
+def test_surface_lower_than_known_leaves_the_object_in_the_hand(tmp_path: Path) -> None:
+    world = changed(tmp_path, "world.yaml", ("[0.6, 1.2, 0.6]", "[0.6, 1.2, 0.57]"))
+    rig = at_table_a(world=world)
+    look_and_pick(rig)
+    assert isinstance(rig.do(MoveTo(place="table_b")), Success)
+    outcome = rig.do(PlaceObject(surface="table_b", spot="left"))
+    assert isinstance(outcome, Fail), outcome
+    assert (outcome.cause.name, scene_of(rig).held) == ("no_support", thing(rig))
+    assert rig.model.of(Objects).held_object is not None
+
+
+@pytest.mark.slow
+def test_stow_brings_the_load_inside_and_move_arm_names_postures() -> None:
+    rig = at_table_a()
+    look_and_pick(rig, stow=False)
+    assert isinstance(rig.do(Stow()), Success)
+    scene = scene_of(rig)
+    assert np.hypot(*(scene.held.pose[:2, 3] - (scene.base.x, scene.base.y))) < 0.34
+    assert scene.held.tilt() < math.radians(2.0)
+    outcome = rig.do(MoveArm(posture="hoem"))
+    assert isinstance(outcome, Fail)
+    assert "no posture 'hoem'; allowed: home" in outcome.reason
