@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
-from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.grasping.box_grasps import Grasp, box_grasps
@@ -145,7 +145,7 @@ def gripped(base_T_hand: Transform, base_T_object: Transform) -> Transform:
         base_T_hand: (4, 4) of the hand around the object.
         base_T_object: (4, 4) of the object, as it was seen.
     """
-    hand_T_object = np.linalg.inv(base_T_hand) @ base_T_object
+    hand_T_object = inverse(base_T_hand) @ base_T_object
     closing = int(np.argmax(np.abs(hand_T_object[1, :3])))
     normal = hand_T_object[:3, closing]
     goal = np.array([0.0, math.copysign(1.0, normal[1]), 0.0])

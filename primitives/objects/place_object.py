@@ -28,7 +28,7 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, apply, transform
+from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
@@ -212,7 +212,7 @@ class PlaceObject(ActionPrimitive):
         base_T_camera = robot.base_T_camera(robot.camera)
         corners = _foot(kind, base_T_goal)
         share = edge_share(image, camera, base_T_camera, corners)
-        outline = camera.project(apply(np.linalg.inv(base_T_camera), corners))
+        outline = camera.project(apply(inverse(base_T_camera), corners))
         self.evidence.pictures["spot"] = draw_overlay(image, outlines=[outline])
         return is_plain(share)
 

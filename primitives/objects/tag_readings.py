@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.backends.description.printed_tag import CORNERS
 from handcart.robotics.geometry.transform import Transform, apply, inverse
-from handcart.robotics.numerics.arrays import ByteArray
+from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags, tag_pose
 from handcart.robotics.perception.objects.upright_fit import TagView, UprightFit, fit_upright
@@ -64,7 +64,7 @@ class Located(NamedTuple):
 
     base_T_object: Transform
     """(4, 4)."""
-    covariance: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+    covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad], in the base frame."""
     rms_px: float
 
@@ -107,6 +107,7 @@ def locate(
     return Located(fit.base_T_box, _with_arm(fit), fit.rms_px)
 
 
-def _with_arm(fit: UprightFit) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _with_arm(fit: UprightFit) -> FloatArray:
     kept = [0, 1, 3]
-    return fit.covariance[np.ix_(kept, kept)] + np.diag([ARM_SIGMA_M, ARM_SIGMA_M, ARM_SIGMA_RAD]) ** 2
+    by_arm = np.diag([ARM_SIGMA_M, ARM_SIGMA_M, ARM_SIGMA_RAD]) ** 2
+    return np.asarray(fit.covariance[np.ix_(kept, kept)] + by_arm)
