@@ -6,11 +6,24 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property, update_wrapper
-from typing import Any, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-COMPILED_AHEAD: dict[str, list[tuple[Kernel, str]]] = {}
+
+class Fields(NamedTuple):
+    """Argument type of a compiled function: a named tuple."""
+
+    kind: type
+    """Class of the tuple."""
+    types: str
+    """Types of its fields in numba's notation, such as "(f8[:,::1], i8)"."""
+
+
+Arguments = str | tuple[str | Fields, ...]
+"""Argument types of a compiled function: in numba's notation together, or one by one."""
+
+COMPILED_AHEAD: dict[str, list[tuple[Kernel, Arguments]]] = {}
 """Functions that another process compiles early, by the module that asks, with their argument types."""
 
 
@@ -75,11 +88,14 @@ def compiled_fast(function: Function) -> Function:
     return cast(Function, Kernel(function, {"error_model": "numpy", "fastmath": ANY_ORDER}))
 
 
-def compiled_for(arguments: str) -> Callable[[Function], Function]:
+def compiled_for(arguments: Arguments) -> Callable[[Function], Function]:
     """Compile a slow-to-compile function with known argument types, so that another process can start on it
     early.
 
-    `arguments` in numba's notation, such as "(f8[:,::1], i8)"; see `compiling_ahead`.
+    See `compiling_ahead`.
+
+    Args:
+        arguments: such as "(f8[:,::1], i8)".
     """
 
     def compiles(function: Function) -> Function:
@@ -90,7 +106,7 @@ def compiled_for(arguments: str) -> Callable[[Function], Function]:
     return compiles
 
 
-def compile_early(kernel: Callable[..., Any], arguments: str, module: str) -> None:
+def compile_early(kernel: Callable[..., Any], arguments: Arguments, module: str) -> None:
     """Let another process start early on a compiled function, wherever `module` has been imported.
 
     `arguments` are those of `compiled_for`. For functions that few users of their own module call.

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any, cast
 
-from handcart.robotics.numerics.compiled import COMPILED_AHEAD, hearing_of_compiling
+from handcart.robotics.numerics.compiled import COMPILED_AHEAD, Arguments, Fields, hearing_of_compiling
 
 MAX_HELPERS = 3  # processes besides this one
 
@@ -52,12 +52,23 @@ def compile_modules(modules: list[str]) -> None:
             kernel.dispatcher.compile(types_of(arguments))
 
 
-def types_of(arguments: str) -> tuple[Any, ...]:
-    """Return numba's types of an argument of `compiled_for`."""
+def types_of(arguments: Arguments) -> tuple[Any, ...]:
+    """Return numba's types of the arguments given to `compiled_for`."""
     from numba.core.sigutils import normalize_signature
 
-    found: tuple[Any, ...] = cast(Any, normalize_signature)(arguments)[0]
-    return found
+    if isinstance(arguments, str):
+        found: tuple[Any, ...] = cast(Any, normalize_signature)(arguments)[0]
+        return found
+    return tuple(
+        _tuple_of(each) if isinstance(each, Fields) else types_of(f"({each},)")[0] for each in arguments
+    )
+
+
+def _tuple_of(fields: Fields) -> Any:
+    """Return numba's type of a named tuple."""
+    from numba.core.types import BaseTuple
+
+    return cast(Any, BaseTuple).from_types(types_of(fields.types), fields.kind)
 
 
 def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:

@@ -15,7 +15,7 @@ from .placement_scores import PlacementScores
 from .score_rule import Measure, ScoreRule
 from .screw_chain import ScrewChain
 from .screw_steps import NOTHING_FREE, TOOL_FREE, VERTICAL_FREE
-from .screw_table import pool_poses, screw_table
+from .screw_table import StartPool, ToolRule, ToolTargets, pool_poses, screw_table
 
 
 class FreeTurn(IntEnum):
@@ -62,7 +62,7 @@ class ScrewArm:
     @cached_property
     def _poses(self) -> FloatArray:
         """base_T_tip (m, 4, 4) of the postures that descents start from."""
-        return pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
+        return pool_poses(self.chain, self._pool)
 
     def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         """Return the scores of a path's points from base poses.
@@ -97,16 +97,16 @@ class ScrewArm:
     ) -> tuple[SingleArray, BoolArray, BoolArray]:
         headings = bases[:, 2]
         return screw_table(
-            *self.chain,
-            self._pool,
-            self._poses,
+            self.chain,
+            StartPool(self._pool, self._poses),
             np.column_stack((bases[:, :2], np.cos(headings), np.sin(headings))),
-            path.poses,
-            path.twists,
-            int(self.free),
-            float(np.cos(self.azimuth_tolerance)),
-            self.chain.reach,
-            int(rule.measure),
-            rule.limits,
+            ToolTargets(path.poses, path.twists),
+            ToolRule(
+                int(self.free),
+                float(np.cos(self.azimuth_tolerance)),
+                self.chain.reach,
+                int(rule.measure),
+                rule.limits,
+            ),
             angles,
         )

@@ -8,6 +8,7 @@ import numpy as np
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.compiled import Fields
 
 
 class ScrewChain(NamedTuple):
@@ -57,3 +58,27 @@ class ScrewChain(NamedTuple):
         """No tip is farther from the first axis' point than this, in [m]."""
         knots = np.vstack((self.points, self.base_T_tip[:3, 3]))
         return float(np.linalg.norm(np.diff(knots, axis=0), axis=1).sum())
+
+
+CHAIN_TYPES = Fields(ScrewChain, "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1])")
+"""Numba's type of a chain."""
+
+
+class ChainPosture(NamedTuple):
+    """A posture of a chain, into which compiled functions write."""
+
+    q: FloatArray
+    """Joint angles (n,), in [rad]."""
+    pose: FloatArray
+    """base_T_tip (4, 4) at the angles; its last row stays as it is."""
+    jacobian: FloatArray
+    """Jacobian (6, n) at the angles, in the axes of the base: [m/rad] above, [rad/rad] below."""
+
+    @classmethod
+    def at(cls, q: FloatArray) -> ChainPosture:
+        """Return a posture at angles `q` (n,), in [rad], without pose and Jacobian as yet; `q` is shared."""
+        return cls(q, np.eye(4), np.empty((6, len(q))))
+
+
+POSTURE_TYPES = Fields(ChainPosture, "(f8[::1], f8[:,::1], f8[:,::1])")
+"""Numba's type of a posture."""

@@ -13,6 +13,8 @@ import numpy as np
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
+from .screw_chain import CHAIN_TYPES, POSTURE_TYPES, ChainPosture, ScrewChain
+
 NOTHING_FREE = 0
 VERTICAL_FREE = 1
 TOOL_FREE = 2
@@ -47,24 +49,10 @@ def _times(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
 
 
 @compiled
-def tip_and_jacobian(
-    axes: FloatArray,
-    points: FloatArray,
-    tip: FloatArray,
-    q: FloatArray,
-    pose: FloatArray,
-    jacobian: FloatArray,
-) -> None:
-    """Write base_T_tip (4, 4) into `pose`, and the Jacobian (6, n), in the axes of the base, into `jacobian`.
-
-    Args:
-        axes: (n, 3) axes of the joints at zero, in the base frame.
-        points: (n, 3) a point on each axis, in [m].
-        tip: (4, 4) base_T_tip at zero.
-        q: (n,) angles in [rad].
-        pose: (4, 4), written.
-        jacobian: (6, n), written: [m/rad] above, [rad/rad] below.
-    """
+def tip_and_jacobian(chain: ScrewChain, posture: ChainPosture) -> None:
+    """Write pose and Jacobian of a posture at its joint angles."""
+    axes, points, tip = chain.axes, chain.points, chain.base_T_tip
+    q, pose, jacobian = posture.q, posture.pose, posture.jacobian
     n = len(q)
     turned, step, product = np.eye(3), np.empty((3, 3)), np.empty((3, 3))
     moved, offset = np.zeros(3), np.empty(3)
@@ -219,48 +207,29 @@ def solve_in_place(matrix: FloatArray, right: FloatArray) -> bool:
     return True
 
 
-@compiled_for(
-    "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1], f8[:,::1], i8, i8, f8[::1], f8[:,::1], f8[:,::1])"
-)
-def descend(
-    axes: FloatArray,
-    points: FloatArray,
-    tip: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    target: FloatArray,
-    free: int,
-    iterations: int,
-    q: FloatArray,
-    pose: FloatArray,
-    jacobian: FloatArray,
-) -> bool:
-    """Descend to a target by damped least squares from `q`, within limits; return whether it arrived.
+@compiled_for((CHAIN_TYPES, "f8[:,::1]", "i8", "i8", POSTURE_TYPES))
+def descend(chain: ScrewChain, target: FloatArray, free: int, iterations: int, posture: ChainPosture) -> bool:
+    """Descend to a target by damped least squares, within limits; return whether it arrived.
 
     Args:
-        axes: (n, 3) axes of the joints at zero, in the base frame.
-        points: (n, 3) a point on each axis, in [m].
-        tip: (4, 4) base_T_tip at zero.
-        lower: (n,) limits in [rad].
-        upper: (n,) limits in [rad].
+        chain: kinematics of the arm.
         target: (4, 4) wanted base_T_tip.
         free: number of the free turn, 0 if none is.
         iterations: largest number of steps.
-        q: (n,) start in [rad]; the result is written into it.
-        pose: (4, 4) base_T_tip at the result, written.
-        jacobian: (6, n) at the result, written.
+        posture: its angles are the start, in [rad]; the result is written into it.
     """
+    q, pose, lower, upper = posture.q, posture.pose, chain.lower, chain.upper
     n = len(q)
     error, matrix, right = np.empty((6, 1)), np.empty((n, n)), np.empty(n)
     for _ in range(iterations):
-        tip_and_jacobian(axes, points, tip, q, pose, jacobian)
+        tip_and_jacobian(chain, posture)
         pose_error(pose, target, free, error[:, 0])
         squared = 0.0
         for r in range(6):
             squared += error[r, 0] * error[r, 0]
         if squared < _TOLERANCE * _TOLERANCE:
             return True
-        reduced = jacobian.copy()
+        reduced = posture.jacobian.copy()
         without_free(pose, free, reduced)
         without_free(pose, free, error)
         for i in range(n):

@@ -3,41 +3,75 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
-from handcart.robotics.numerics.compiled import compiled
+from handcart.robotics.numerics.compiled import Fields, compiled
 
 from .score_rule import UNUSABLE_SCORE, worth
+from .screw_chain import CHAIN_TYPES, ChainPosture, ScrewChain
 from .screw_steps import descend, determinant_in_place, solve_in_place, tip_and_jacobian, without_free
 
 _STARTS = 8  # postures of the pool that a descent is tried from
 _ITERATIONS = 25
 _WARM_ITERATIONS = 12
 _JUMP = 0.5  # [rad] of a joint between two points of a path: another branch
+
+
+class StartPool(NamedTuple):
+    """Postures that descents start from."""
+
+    postures: FloatArray
+    """(m, n) joint angles, in [rad]."""
+    poses: FloatArray
+    """(m, 4, 4) base_T_tip of each."""
+
+
+class ToolTargets(NamedTuple):
+    """Path of a tool in the world."""
+
+    poses: FloatArray
+    """(p, 4, 4) world_T_tool."""
+    twists: FloatArray
+    """(p, 6) motion of the tool for each metre of path, [m/m] and [rad/m]."""
+
+
+class ToolRule(NamedTuple):
+    """Requirements on an arm at a point of a path."""
+
+    free: int
+    """Number of the free turn, 0 if none is."""
+    cos_tolerance: float
+    """Cosine of the largest angle between base and tool."""
+    reach: float
+    """Largest distance of the tool from the first joint's axis point, in [m]."""
+    measure: int
+    """Number of the `Measure`."""
+    limits: FloatArray
+    """(3, n) see `ScoreRule.limits`."""
+
+
 SCREW_TABLE_TYPES = (
-    "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1], f8[:,::1], f8[:,:,::1], f8[:,::1], f8[:,:,::1],"
-    " f8[:,::1], i8, f8, f8, i8, f8[:,::1], f8[:,:,::1])"
+    CHAIN_TYPES,
+    Fields(StartPool, "(f8[:,::1], f8[:,:,::1])"),
+    "f8[:,::1]",
+    Fields(ToolTargets, "(f8[:,:,::1], f8[:,::1])"),
+    Fields(ToolRule, "(i8, f8, f8, i8, f8[:,::1])"),
+    "f8[:,:,::1]",
 )
 """Numba's types of the arguments of `screw_table`, which takes half as long to compile as all others."""
 
 
 @compiled
-def pool_poses(axes: FloatArray, points: FloatArray, tip: FloatArray, pool: FloatArray) -> FloatArray:
-    """Return base_T_tip (m, 4, 4), in [m], of the postures `pool` (m, n), in [rad].
-
-    Args:
-        axes: (n, 3) axes of the joints at zero, in the base frame.
-        points: (n, 3) a point on each axis, in [m].
-        tip: (4, 4) base_T_tip at zero.
-        pool: (m, n) in [rad].
-    """
+def pool_poses(chain: ScrewChain, pool: FloatArray) -> FloatArray:
+    """Return base_T_tip (m, 4, 4) of the postures `pool` (m, n), in [rad]."""
     poses = np.zeros((len(pool), 4, 4))
-    jacobian = np.empty((6, len(axes)))
+    jacobian = np.empty((6, pool.shape[1]))
     for index in range(len(pool)):
         poses[index, 3, 3] = 1.0
-        tip_and_jacobian(axes, points, tip, pool[index], poses[index], jacobian)
+        tip_and_jacobian(chain, ChainPosture(pool[index], poses[index], jacobian))
     return poses
 
 
@@ -223,120 +257,141 @@ def _within_azimuth(pose: FloatArray, target: FloatArray, cos_tolerance: float) 
 
 @compiled
 def screw_table(
-    axes: FloatArray,
-    points: FloatArray,
-    tip: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    pool: FloatArray,
-    poses: FloatArray,
+    chain: ScrewChain,
+    pool: StartPool,
     stands: FloatArray,
-    targets: FloatArray,
-    twists: FloatArray,
-    free: int,
-    cos_tolerance: float,
-    reach: float,
-    measure: int,
-    limits: FloatArray,
+    path: ToolTargets,
+    rule: ToolRule,
     angles: FloatArray,
 ) -> tuple[SingleArray, BoolArray, BoolArray]:
-    """Return scores (p, b), where they are usable (p, b), and the steps (p-1, b) in which the arm does not
-    jump.
+    """Return the scores of the points of a path from base poses.
 
     Along the path a descent starts from the point before. At the first point, or if that descent fails,
     descents start from the nearest postures of the pool, and the best score of those that succeed is taken.
 
     Args:
-        axes: (n, 3) axes of the joints at zero, in the base frame.
-        points: (n, 3) a point on each axis, in [m].
-        tip: (4, 4) base_T_tip at zero.
-        lower: (n,) limits in [rad].
-        upper: (n,) limits in [rad].
-        pool: (m, n) postures where descents start, in [rad].
-        poses: (m, 4, 4) base_T_tip of the postures.
-        stands: (b, 4) x, y in [m], cosine and sine of the heading of the bases.
-        targets: (p, 4, 4) world_T_tool of the path.
-        twists: (p, 6) motion of the tool for each metre of path, in the world, [m/m] and [rad/m].
-        free: number of the free turn, 0 if none is.
-        cos_tolerance: cosine of the largest angle between base and tool.
-        reach: largest distance of the tool from the base, in [m].
-        measure: number of the `Measure`.
-        limits: (3, n) see `ScoreRule.limits`.
+        chain: kinematics of the arm.
+        pool: postures where descents start.
+        stands: (b, 4) x, y in the world in [m], cosine and sine of the heading of the bases.
+        path: path of the tool.
+        rule: requirements.
         angles: (b, p, n) in [rad], written unless it is empty.
+
+    Returns:
+        Scores (p, b), where they are usable (p, b), and the steps (p-1, b) in which the arm does not jump.
     """
-    p, bases, n = len(targets), len(stands), len(axes)
+    p, bases, n = len(path.poses), len(stands), len(chain.axes)
     values = np.zeros((p, bases), dtype=np.float32)
     usable, joined = np.zeros((p, bases), dtype=np.bool_), np.zeros((p - 1, bases), dtype=np.bool_)
-    target, pose, jacobian = np.empty((4, 4)), np.eye(4), np.empty((6, n))
-    q, last, best_q = np.empty(n), np.empty(n), np.empty(n)
-    elements, rates, twist = np.empty(n), np.zeros(n), np.empty(6)
-    chosen = np.zeros(_STARTS, dtype=np.int64)
+    target, twist, last, best = np.empty((4, 4)), np.empty(6), np.empty(n), np.empty(n)
+    posture = ChainPosture(np.empty(n), np.eye(4), np.empty((6, n)))
     for b in range(bases):
-        warm = False
-        cos, sin = stands[b, 2], stands[b, 3]
+        value = UNUSABLE_SCORE
         for j in range(p):
-            in_base(stands[b], targets[j], target)
-            x, y, z = target[0, 3] - points[0, 0], target[1, 3] - points[0, 1], target[2, 3] - points[0, 2]
-            if x * x + y * y + z * z > reach * reach:
-                warm = False
+            in_base(stands[b], path.poses[j], target)
+            _turn_twist(stands[b], path.twists[j], twist)
+            before, value = value, UNUSABLE_SCORE
+            if not _is_beyond_reach(chain.points, target, rule.reach):
+                value = _best_score(chain, pool, target, twist, rule, before, posture, best)
+            if value == UNUSABLE_SCORE:
                 continue
-            for r in (0, 3):
-                twist[r] = cos * twists[j, r] + sin * twists[j, r + 1]
-                twist[r + 1] = cos * twists[j, r + 1] - sin * twists[j, r]
-                twist[r + 2] = twists[j, r + 2]
-            best, tries = UNUSABLE_SCORE, _STARTS
-            if warm:
-                tries = _STARTS + 1
-            for attempt in range(tries):
-                if warm and attempt == 0:
-                    q = last.copy()
-                else:
-                    if attempt == tries - _STARTS:
-                        nearest_starts(poses, target, free, 0.3 * reach, chosen)
-                    q = pool[chosen[attempt - tries + _STARTS]].copy()
-                iterations = _WARM_ITERATIONS if warm and attempt == 0 else _ITERATIONS
-                if not descend(axes, points, tip, lower, upper, target, free, iterations, q, pose, jacobian):
-                    continue
-                if free == 1 and not _within_azimuth(pose, target, cos_tolerance):
-                    continue
-                value = _worth_here(pose, jacobian, twist, free, rates, elements, measure, limits)
-                if value > best:
-                    best = value
-                    best_q = q.copy()
-                if warm and attempt == 0 and value != UNUSABLE_SCORE:
-                    break
-            if best == UNUSABLE_SCORE:
-                warm = False
-                continue
-            if warm:
-                jump = 0.0
-                for i in range(n):
-                    jump = max(jump, abs(best_q[i] - last[i]))
-                joined[j - 1, b] = jump <= _JUMP
-            values[j, b], usable[j, b] = best, True
-            last = best_q.copy()
-            warm = True
+            if before != UNUSABLE_SCORE:
+                joined[j - 1, b] = _largest_step(best, last) <= _JUMP
+            values[j, b], usable[j, b] = value, True
+            _copy(best, last)
             if angles.size:
-                for i in range(n):
-                    angles[b, j, i] = best_q[i]
+                _copy(best, angles[b, j])
     return values, usable, joined
 
 
 @compiled
-def _worth_here(
-    pose: FloatArray,
-    jacobian: FloatArray,
+def _best_score(
+    chain: ScrewChain,
+    pool: StartPool,
+    target: FloatArray,
     twist: FloatArray,
-    free: int,
-    rates: FloatArray,
-    elements: FloatArray,
-    measure: int,
-    limits: FloatArray,
+    rule: ToolRule,
+    before: float,
+    posture: ChainPosture,
+    best: FloatArray,
 ) -> float:
-    spread = tool_rates(pose, jacobian, twist, free, rates)
-    if measure != 0 and spread == 0.0:
+    """Return the best score at a point of the path, and write its joint angles.
+
+    Args:
+        chain: kinematics of the arm.
+        pool: postures where descents start.
+        target: (4, 4) wanted base_T_tip.
+        twist: (6,) motion of the tool for each metre of path, in the base frame, [m/m] and [rad/m].
+        rule: requirements.
+        before: score at the point before, whose angles `best` holds; from an unusable one none starts.
+        posture: posture of the descents, written.
+        best: (n,) in [rad], written.
+    """
+    largest, starts = UNUSABLE_SCORE, np.zeros(_STARTS, dtype=np.int64)
+    for attempt in range(_STARTS + 1):
+        iterations = _ITERATIONS
+        if attempt == 0:
+            if before == UNUSABLE_SCORE:
+                continue
+            iterations = _WARM_ITERATIONS
+            _copy(best, posture.q)
+        else:
+            if attempt == 1:
+                nearest_starts(pool.poses, target, rule.free, 0.3 * rule.reach, starts)
+            _copy(pool.postures[starts[attempt - 1]], posture.q)
+        if not descend(chain, target, rule.free, iterations, posture):
+            continue
+        if rule.free == 1 and not _within_azimuth(posture.pose, target, rule.cos_tolerance):
+            continue
+        value = _worth_here(posture, twist, rule)
+        if value > largest:
+            largest = value
+            _copy(posture.q, best)
+        if attempt == 0 and value != UNUSABLE_SCORE:
+            break
+    return largest
+
+
+@compiled
+def _is_beyond_reach(points: FloatArray, target: FloatArray, reach: float) -> bool:
+    total = 0.0
+    for r in range(3):
+        total += (target[r, 3] - points[0, r]) ** 2
+    return total > reach * reach
+
+
+@compiled
+def _turn_twist(stand: FloatArray, twist: FloatArray, out: FloatArray) -> None:
+    """Write a twist (6,) of the world in the axes of a base into `out`."""
+    cos, sin = stand[2], stand[3]
+    for r in (0, 3):
+        out[r] = cos * twist[r] + sin * twist[r + 1]
+        out[r + 1] = cos * twist[r + 1] - sin * twist[r]
+        out[r + 2] = twist[r + 2]
+
+
+@compiled
+def _copy(values: FloatArray, out: FloatArray) -> None:
+    for i in range(len(values)):
+        out[i] = values[i]
+
+
+@compiled
+def _largest_step(one: FloatArray, other: FloatArray) -> float:
+    largest = 0.0
+    for i in range(len(one)):
+        largest = max(largest, abs(one[i] - other[i]))
+    return largest
+
+
+@compiled
+def _worth_here(posture: ChainPosture, twist: FloatArray, rule: ToolRule) -> float:
+    """Return the score of a posture."""
+    jacobian, rates, levers = posture.jacobian, np.zeros(len(posture.q)), np.empty(len(posture.q))
+    spread = tool_rates(posture.pose, jacobian, twist, rule.free, rates)
+    if rule.measure != 0 and spread == 0.0:
         return UNUSABLE_SCORE
     for i in range(len(rates)):
         rates[i] = abs(rates[i])
-        elements[i] = abs(twist[0] * jacobian[0, i] + twist[1] * jacobian[1, i] + twist[2] * jacobian[2, i])
-    return worth(measure, elements, rates, spread, limits)
+        levers[i] = abs(twist[0] * jacobian[0, i] + twist[1] * jacobian[1, i] + twist[2] * jacobian[2, i])
+    return worth(rule.measure, levers, rates, spread, rule.limits)

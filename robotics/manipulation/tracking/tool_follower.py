@@ -7,7 +7,7 @@ import numpy as np
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
-from handcart.robotics.manipulation.arms.screw_chain import ScrewChain
+from handcart.robotics.manipulation.arms.screw_chain import ChainPosture, ScrewChain
 from handcart.robotics.manipulation.arms.screw_steps import descend, tip_and_jacobian, without_free
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
 from handcart.robotics.manipulation.paths.untrackable import Untrackable
@@ -84,21 +84,21 @@ class ToolFollower:
     def _step(
         self, base_T_tool: Transform, before: FloatArray, index: int, world_T_base: Transform
     ) -> FloatArray:
-        q, pose, jacobian = before.copy(), np.eye(4), np.empty((6, self.arm.dof))
-        target = np.ascontiguousarray(base_T_tool)
-        arrived = descend(*self._chain, target, int(self.free), _ITERATIONS, q, pose, jacobian)
-        if not arrived:
+        posture, target = ChainPosture.at(before.copy()), np.ascontiguousarray(base_T_tool)
+        q = posture.q
+        if not descend(self._chain, target, int(self.free), _ITERATIONS, posture):
             nearest = (world_T_base @ self.arm.forward(q))[:3, 3]
             raise Untrackable(index, f"can't be reached{self._limit(q)}", nearest)
-        if self.free == FreeTurn.VERTICAL and _azimuth(pose, target) > self.azimuth_tolerance:
+        if self.free == FreeTurn.VERTICAL and _azimuth(posture.pose, target) > self.azimuth_tolerance:
             raise Untrackable(index, "turns the tool's azimuth beyond the tolerance")
         return q
 
     def _eased(self, q: FloatArray) -> FloatArray:
         """Angles (n,) near by, with about the same pose of the tool, and further from the limits."""
-        pose, jacobian = np.eye(4), np.empty((6, self.arm.dof))
-        tip_and_jacobian(*self._chain[:3], q, pose, jacobian)
-        without_free(pose, int(self.free), jacobian)
+        posture = ChainPosture.at(q)
+        tip_and_jacobian(self._chain, posture)
+        jacobian = posture.jacobian
+        without_free(posture.pose, int(self.free), jacobian)
         # What counts is the share of a joint's range, and most where little of it is left.
         share = np.where(self.arm.endless, 0.0, (q - self._middle) / self._half)
         wish = -_EAGER * share**3 * self._half
