@@ -16,6 +16,7 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.measured import measure
 from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
+from handcart.networks.journal.run_records import Aim
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt, pushed_reason
 from handcart.primitives.contract.unmet import find_unmet
@@ -23,6 +24,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot, residuals
 
+from .aim_watch import AimWatch
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
 from .world_watch import WorldWatch
@@ -77,6 +79,7 @@ class Coordinator:
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
         self._cause = ""
+        self._aims = _aim_watch(robot, network, standing)
 
     def request(self, what: Request, number: int | None = None) -> bool:
         """Request a pause, a stop or another of `Request`, as `ask` does; return whether it was accepted."""
@@ -137,8 +140,18 @@ class Coordinator:
     def _pursue(self) -> Generator[None, None, RunEnd]:
         if self._left:
             self._forget(self._left)
+        while (end := (yield from self._reach())) is None:
+            self._begin_next_round()
+        return end
+
+    def _reach(self) -> Generator[None, None, RunEnd | None]:
+        """Run until what is pursued is reached; return the run's end, or None if another round follows."""
         while not self._route.arrived:
             self._supervision.between_actions()
+            self._look_at_aims()
+            if self._aims.is_early and self._route.priority is None:
+                yield
+                continue
             if not self._route.planned:
                 plan = self._plan()
                 if isinstance(plan, GiveUp):
@@ -159,6 +172,13 @@ class Coordinator:
             self._watch.arrived(self.situation)
             self._forget(left)
         self._supervision.between_actions()
+        return None if self._route.has_next_round else self._arrived()
+
+    def _arrived(self) -> RunEnd:
+        """Return the end of a run that has reached what it pursued last."""
+        if self._route.unfinished:
+            rounds = [*self._route.unfinished, *([self._route.round] if self._route.lost else [])]
+            return self._end("Fail", f"rounds left undone: {', '.join(map(str, rounds))}")
         if self._route.lost is not None:
             reason = f"{self._route.lost.explanation}; otherwise: {self.situation} is reached"
             return self._end("Fail", reason, self.situation)
@@ -166,6 +186,37 @@ class Coordinator:
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")
         return self._end("Success", "")
+
+    def _look_at_aims(self) -> None:
+        """Abandon the goal when its time is over, and begin an interrupt that is due."""
+        route, left = self._route, self._aims.left_s
+        if left is not None and left <= 0.0 and route.lost is None:
+            reason = f"the task took longer than {self.network.aims.time_out_s:g} s"
+            self._log.aims_at(reason, Aim(what="abandon", situation=self.situation, reason=reason))
+            route.abandon(reason)
+        if not self.network.aims.interrupts or route.lost is not None:
+            return
+        number = self._aims.due(route.priority)
+        if number is not None:
+            self._interrupt(number)
+
+    def _interrupt(self, number: int) -> None:
+        here, name = self.situation, self.network.aims.interrupts[number].name
+        goal = self._route.interrupt(number)
+        record = Aim(what="interrupt", situation=here, interrupt=number)
+        if goal:
+            record["goal"] = goal
+        words = f"first to {goal}" if goal else "it is there already, or no route leads there"
+        self._log.aims_at(f"{name}: {words}", record)
+
+    def _begin_next_round(self) -> None:
+        """Begin the next round, which waits until it is due."""
+        here = self.situation
+        self._route.begin_round()
+        number, at = self._route.round, self._aims.begin_round()
+        record = Aim(what="round", situation=here, round=number, at_s=round(at, 6))
+        self._log.aims_at(f"round {number} begins at {at:.1f} s", record)
+        self._forget(here)
 
     def _plan(self) -> Plan | NoWay | GiveUp:
         self.life.plan()
@@ -231,7 +282,8 @@ class Coordinator:
             log,
             self.network.restoring,
         )
-        outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
+        limit, words = self._limit(action)
+        outcome = yield from self._supervision.to_its_end(periods, limit, words)
         if isinstance(outcome, NotStarted):
             return log.not_started(action, outcome.reason)
         if moves:
@@ -243,6 +295,13 @@ class Coordinator:
             self._supervision.between_actions()
         log.result_kept(action, primitive, outcome)
         return outcome
+
+    def _limit(self, action: Action) -> tuple[float | None, str]:
+        """Return the time that an action may take, in [s], and what is said when it took longer."""
+        left, own = self._aims.left_s, action.time_out_s
+        if left is None or self._route.lost is not None or (own is not None and own <= left):
+            return own, "" if own is None else f"it took longer than {own:g} s"
+        return left, f"the task took longer than {self.network.aims.time_out_s:g} s"
 
     def _unmet_precondition(self, primitive: ActionPrimitive) -> str:
         """Return the precondition that prevents the start; empty if all are met (row N7)."""
@@ -296,4 +355,13 @@ class Coordinator:
         replans = max(0, log.plans - 1)
         counts = log.started, log.fails, replans, tuple(log.skipped)
         cause = "" if outcome == "Success" else self._cause
-        return RunEnd(outcome, self.situation, reason, *counts, cause, otherwise)
+        return RunEnd(outcome, self.situation, reason, *counts, cause, otherwise, self._route.round)
+
+
+def _aim_watch(robot: Robot, network: ActionNetwork, standing: RunPosition | None) -> AimWatch:
+    """Return the watch over a run's aims; a run that is resumed has used up some of its time."""
+    if standing is None:
+        return AimWatch(robot, network.aims, robot.time, {})
+    shift = robot.time - standing.last_t
+    handled = {number: time + shift for number, time in standing.interrupted.items()}
+    return AimWatch(robot, network.aims, standing.round_began + shift, handled)

@@ -145,24 +145,25 @@ class Supervision:
         self.running = self._latest = number
 
     def to_its_end(
-        self, attempt: Attempt, time_out: float | None = None
+        self, attempt: Attempt, time_out: float | None = None, late: str = ""
     ) -> Generator[None, None, Outcome | NotStarted]:
         """Run the attempt of the action that begins to its outcome; `NotStarted` if called back before.
 
         Args:
             attempt: the running one.
             time_out: the robot's time in [s] after which it is called back; None: never.
+            late: the reason that is then given; "": that it took longer.
 
         Raises:
             Interrupted: it was stopped; the robot holds where it is.
         """
         try:
-            return (yield from self._to_its_end(attempt, time_out))
+            return (yield from self._to_its_end(attempt, time_out, late))
         finally:
             self.running = None
 
     def _to_its_end(
-        self, attempt: Attempt, time_out: float | None
+        self, attempt: Attempt, time_out: float | None, late: str
     ) -> Generator[None, None, Outcome | NotStarted]:
         latest = math.inf if time_out is None else self._robot.time + time_out
         try:
@@ -174,9 +175,8 @@ class Supervision:
                     if outcome is not None:
                         return outcome
                 if self._robot.time > latest and self._life.state is RunState.ACTING:
-                    outcome = yield from _call_back(
-                        attempt, Discrepancy(f"it took longer than {time_out:g} s", cause=causes.TIME_OUT)
-                    )
+                    words = late or f"it took longer than {time_out:g} s"
+                    outcome = yield from _call_back(attempt, Discrepancy(words, cause=causes.TIME_OUT))
                     if outcome is not None:
                         return outcome
                 next(attempt)

@@ -12,6 +12,7 @@ from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.network import Fact
 
+from .aims_entry import ConditionInterrupt
 from .condition_entry import ConditionEntry, Conditions, Values
 from .fact_space import FactSpace
 from .generating import Generated, NetworkGenerator, NotGenerated
@@ -34,7 +35,11 @@ class ConditionReader:
         self._document = document
         self._space = FactSpace(self._values("facts"), self._values("known"))
         self._start: Mapping[str, Fact] = self._part("start", dict[str, Fact]) or {}
-        self._goal: Conditions = self._part("goal", Conditions) or {}
+        goal = self._part("goal", Conditions | list[Conditions]) or []
+        self._has_goals = isinstance(goal, list)
+        self._goals: list[Conditions] = goal if isinstance(goal, list) else [goal]
+        interrupts = self._part("interrupts", list[ConditionInterrupt]) or []
+        self._interrupts: list[Conditions] = [each.goal for each in interrupts]
         otherwise = self._part("otherwise", Conditions | list[Conditions]) or []
         self._is_listed = isinstance(otherwise, list)
         self._otherwise: list[Conditions] = otherwise if isinstance(otherwise, list) else [otherwise]
@@ -44,10 +49,11 @@ class ConditionReader:
         before = len(findings)
         for path, fault in self._faults(entries):
             findings.add(self._document.finding(path, fault))
-        if len(findings) > before:
+        if len(findings) > before or not self._goals:
             return None
         try:
-            return NetworkGenerator(self._space, entries, self._goal).generated(self._start, self._otherwise)
+            generator = NetworkGenerator(self._space, entries, self._goals)
+            return generator.generated(self._start, self._otherwise, self._interrupts)
         except NotGenerated as wrong:
             findings.add(self._document.finding((wrong.key,), str(wrong)))
             return None
@@ -56,7 +62,11 @@ class ConditionReader:
         space = self._space
         yield from space.faults()
         yield from space.given_faults(("start",), self._start)
-        yield from space.given_faults(("goal",), self._goal)
+        for number, each in enumerate(self._goals):
+            goal: KeyPath = ("goal", number) if self._has_goals else ("goal",)
+            yield from space.given_faults(goal, each)
+        for number, each in enumerate(self._interrupts):
+            yield from space.given_faults(("interrupts", number, "goal"), each)
         for number, each in enumerate(self._otherwise):
             path: KeyPath = ("otherwise", number) if self._is_listed else ("otherwise",)
             yield from space.given_faults(path, each)

@@ -14,6 +14,7 @@ from .condition_entry import ConditionEntry, Conditions
 from .copied import Copied, Copies
 from .entry import OTHER_CAUSES, listed_names
 from .fact_space import Change, Condition, FactSpace, State
+from .goals_in_order import goal_copy
 
 MAX_SITUATIONS = 50_000
 """Maximum number of situations that conditions may span."""
@@ -36,6 +37,16 @@ class Generated(NamedTuple):
     """Physical facts of each situation."""
     goal: str
     otherwise: tuple[str, ...]
+    interrupts: tuple[tuple[str, ...], ...] = ()
+    """Situations that end each of the file's interrupts."""
+
+
+class _Place(NamedTuple):
+    """A situation to be followed."""
+
+    state: State
+    number: int
+    """Number of the goal that is pursued, from 0."""
 
 
 @dataclass(frozen=True)
@@ -66,66 +77,76 @@ class NetworkGenerator:
         self,
         space: FactSpace,
         entries: Mapping[int, ConditionEntry],
-        goal: Conditions,
+        goals: Sequence[Conditions],
     ) -> None:
         """Prepare the generation.
 
         Args:
             space: the facts of the task.
             entries: the file's actions, by number; all their names and values are known.
-            goal: conditions of the goal.
+            goals: conditions of the goals, in order.
         """
-        self._space, self._goal = space, space.condition(goal)
-        self._goal_name = space.words(goal)
+        self._space, self._goals = space, [space.condition(each) for each in goals]
+        self._goal_name = goal_copy(space.words(goals[-1]), len(goals) - 1)
         renewing = {do for each in entries.values() for do in listed_names(each.limit.fresh_after)}
         self._rules = [_rule(space, number, entry, renewing) for number, entry in entries.items()]
-        self._names: dict[State, str] = {}
-        self._waiting: deque[State] = deque()
+        self._names: dict[_Place, str] = {}
+        self._waiting: deque[_Place] = deque()
         self._goal_facts: dict[str, Fact] | None = None
 
-    def generated(self, start: Mapping[str, Fact], otherwise: Sequence[Conditions] = ()) -> Generated:
+    def generated(
+        self,
+        start: Mapping[str, Fact],
+        otherwise: Sequence[Conditions] = (),
+        interrupts: Sequence[Conditions] = (),
+    ) -> Generated:
         """Return the network from a start.
 
         Args:
             start: facts at the start that are not the first of their values.
             otherwise: conditions to be met when no route to the goal is left, in order of preference.
+            interrupts: conditions that end interrupts.
 
         Raises:
             NotGenerated: it has more than `MAX_SITUATIONS` situations or `MAX_ACTIONS` actions, or a Fail
                 leads to the goal, of which not all facts are known.
         """
-        first = self._name(self._space.start(start))
+        first = self._name(_Place(self._space.start(start), 0))
         actions: list[Copied] = []
         while self._waiting:
-            state = self._waiting.popleft()
-            actions += self._actions(state)
+            actions += self._actions(self._waiting.popleft())
             if len(actions) > MAX_ACTIONS:
                 raise NotGenerated(self._too_many(f"{MAX_ACTIONS} actions"))
-        facts = {name: self._space.facts_of(state) for state, name in self._names.items()}
+        facts = {name: self._space.facts_of(place.state) for place, name in self._names.items()}
         if self._goal_facts is not None:
             facts = {**facts, self._goal_name: self._goal_facts}
         facts.setdefault(self._goal_name, {})  # no action leads there, which is reported later
         self._check_fails(actions, facts)
         situations = dict.fromkeys(facts)
         copies = Copies({name: (name, None) for name in situations}, tuple(actions), first)
-        return Generated(copies, facts, self._goal_name, tuple(self._meeting(otherwise)))
+        ends = tuple(tuple(self._meeting([each])) for each in interrupts)
+        return Generated(copies, facts, self._goal_name, tuple(self._meeting(otherwise)), ends)
 
-    def _name(self, state: State) -> str:
+    def _name(self, place: _Place) -> str:
         """Return the name of a situation, which is followed later if it is new."""
-        if _holds(self._goal, state):
+        state, number = place
+        while number < len(self._goals) and _holds(self._goals[number], state):
+            number += 1
+        place = _Place(state, number)
+        if number == len(self._goals):
             here = self._space.facts_of(state)
             before = here if self._goal_facts is None else self._goal_facts
             self._goal_facts = {name: value for name, value in before.items() if here[name] == value}
             return self._goal_name
-        if state not in self._names:
+        if place not in self._names:
             if len(self._names) >= MAX_SITUATIONS:
                 raise NotGenerated(self._too_many(f"{MAX_SITUATIONS} situations"))
-            self._names[state] = self._space.name_of(state)
-            self._waiting.append(state)
-        return self._names[state]
+            self._names[place] = goal_copy(self._space.name_of(state), number)
+            self._waiting.append(place)
+        return self._names[place]
 
-    def _actions(self, state: State) -> Iterator[Copied]:
-        changed = self._space.changed
+    def _actions(self, place: _Place) -> Iterator[Copied]:
+        (state, number), changed = place, self._space.changed
         for rule in self._rules:
             if not rule.holds(state):
                 continue
@@ -133,10 +154,10 @@ class NetworkGenerator:
             fails = [changed(state, each) for each in (rule.otherwise, *rule.fails)]
             if not rule.renews and all(each == state for each in (*ends, *fails)):
                 continue
-            here = self._names[state]
-            usual, *others = map(self._name, ends)
-            on_fail, *by_cause = (None if each == state else self._name(each) for each in fails)
-            yield Copied(here, usual, on_fail, rule.number, None, tuple(others), tuple(by_cause))
+            usual, *others = (self._name(_Place(each, number)) for each in ends)
+            on_fail, *by_cause = (None if e == state else self._name(_Place(e, number)) for e in fails)
+            ends_in = tuple(others), tuple(by_cause)
+            yield Copied(self._names[place], usual, on_fail, rule.number, None, *ends_in)
 
     def _check_fails(self, actions: Sequence[Copied], facts: Mapping[str, Mapping[str, Fact]]) -> None:
         """Raise if a Fail leads to the goal, and would change physical facts there."""
@@ -152,15 +173,15 @@ class NetworkGenerator:
         seen: set[str] = set()
         for each in conditions:
             needed = self._space.condition(each)
-            for state, name in self._names.items():
-                if name not in seen and _holds(needed, state):
+            for place, name in self._names.items():
+                if name not in seen and _holds(needed, place.state):
                     seen.add(name)
                     yield name
 
     def _too_many(self, limit: str) -> str:
         counts: Counter[str] = Counter()
         for number, name in enumerate(self._space.values):
-            counts[name] = len({state[number] for state in self._names})
+            counts[name] = len({place.state[number] for place in self._names})
         most = listed(f"{name} ({count} values)" for name, count in counts.most_common(3))
         wrong = f"the conditions span more than {limit}; most values have {most}"
         return f"{wrong}; allowed: fewer facts or values, or conditions that exclude more"

@@ -70,6 +70,14 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
+class AimChanged:
+    """Event: a round or an interrupt begins, or the goal is abandoned."""
+
+    time: float
+    words: str
+
+
+@dataclass(frozen=True)
 class RunEnded:
     """Event: the run has ended."""
 
@@ -77,4 +85,4 @@ class RunEnded:
     end: RunEnd
 
 
-Event = Planned | Started | Restoring | Ended | LeftOut | RunEnded
+Event = Planned | Started | Restoring | Ended | LeftOut | AimChanged | RunEnded

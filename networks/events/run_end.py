@@ -31,6 +31,8 @@ class RunEnd:
     """Kind of cause of the last action that did not succeed, unless the run did; empty if unknown."""
     otherwise: str = ""
     """Situation of the task's `otherwise` that was reached instead of the goal; empty for none."""
+    rounds: int = 1
+    """Number of rounds that began."""
 
     @property
     def exit_status(self) -> int:

@@ -19,6 +19,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.world_model import UnknownFact, WorldModel
 from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 
+from .aims import NO_AIMS, Aims
 from .attempts import MAX_ATTEMPTS as MAX_ATTEMPTS
 from .attempts import Attempts
 
@@ -243,6 +244,8 @@ class ActionNetwork:
     """Price of each end short of the goal, in [s]."""
     restoring: Patience = NO_PATIENCE
     """How often restoring is tried where a fault breaks it off."""
+    aims: Aims = NO_AIMS
+    """Time-out, rounds and interrupts."""
 
     @classmethod
     def build(
@@ -304,7 +307,8 @@ class ActionNetwork:
         counters = (actions[0] for actions in self.shared.values())
         attempts = sum(each.allowance.most * (1 + each.renewals) for each in counters)
         most = (attempts + 1) * (len(self.situations) - 1) + attempts
-        return most * (MAX_ROUNDS if self.may_circle or self.policy != "rule" else 1)
+        is_led_away = self.may_circle or self.policy != "rule" or bool(self.aims.interrupts)
+        return most * (MAX_ROUNDS if is_led_away else 1)
 
     @cached_property
     def may_circle(self) -> bool:
@@ -331,6 +335,8 @@ class ActionNetwork:
             digest.update(repr((self.policy, self.person_s)).encode())
         if self.restoring != NO_PATIENCE:
             digest.update(repr(("restoring", *self.restoring)).encode())
+        if aims := self.aims.fields():
+            digest.update(repr(aims).encode())
         return digest.hexdigest()
 
 

@@ -65,6 +65,11 @@ class Planner:
             self._searches[there] = PlanSearch(self.network, there)
         return self._searches[there]
 
+    def begin_again(self) -> None:
+        """Forget all Fails: another round begins."""
+        self.counts.clear()
+        self._reasons.clear()
+
     def fails(self, action: Action) -> int:
         """Return the number of Fails that count for an action."""
         return action.allowance.fails(self.counts.get(action.counter, 0))

@@ -38,26 +38,54 @@ class RunDecisions:
             planner: planner of the network; None: the rule.
         """
         self.network = network
-        self.situation = network.start
         self.planner = planner or Planner(network)
+        self.round = 0
+        """Number of the round of a task that repeats, from 1."""
+        self.unfinished: list[int] = []
+        """Numbers of the rounds that did not reach the goal."""
+        self.begin_round()
+        self._bound = network.bound()
+
+    def begin_round(self) -> None:
+        """Begin at the network's start again, with all attempts."""
+        if self.round and self.lost is not None:
+            self.unfinished.append(self.round)
+        self.round += 1
+        self.situation = self.network.start
+        self.planner.begin_again()
         self.taken = 0
         """Number of actions that have ended."""
         self.lost: NoWay | None = None
         """Reason why the goal was abandoned for one of `otherwise`; None while it is pursued."""
-        self._goals = [network.goal, *network.otherwise]
+        self._goals = [self.network.goal, *self.network.otherwise]
+        self._first: list[tuple[str, int]] = []
+        """Goals of interrupts with their priorities, the present one last."""
         self._ahead: list[Action] = []
         self._hopes = False
-        self._bound = network.bound()
+
+    @property
+    def has_next_round(self) -> bool:
+        """True if another round follows, now that the pursued situation is reached."""
+        rounds = self.network.aims.rounds
+        if rounds is None or (rounds.most is not None and self.round >= rounds.most):
+            return False
+        situations = self.network.situations
+        return dict(situations[self.situation].facts) == dict(situations[self.network.start].facts)
 
     @property
     def goal(self) -> str:
-        """Situation that is pursued: the goal, or one of `otherwise` if no route leads to the goal."""
-        return self._goals[0]
+        """The situation that is pursued: the goal, that of an interrupt, or one of `otherwise`."""
+        return self._first[-1][0] if self._first else (self._goals or [self.network.goal])[0]
+
+    @property
+    def priority(self) -> int | None:
+        """Priority of the interrupt whose goal is pursued; None without one."""
+        return self._first[-1][1] if self._first else None
 
     @property
     def arrived(self) -> bool:
         """True if the pursued situation is reached."""
-        return self.situation == self._goals[0]
+        return bool(self._goals) and self.situation == self.goal
 
     @property
     def planned(self) -> bool:
@@ -67,14 +95,41 @@ class RunDecisions:
     def plan(self) -> Plan | NoWay:
         """Plan the route from here to the goal, or to the first of `otherwise` that can be reached."""
         plan = self._plan()
-        while isinstance(plan, NoWay) and not plan.calls_person and len(self._goals) > 1:
-            self.lost = self.lost or plan
-            self._goals.pop(0)
+        while isinstance(plan, NoWay) and not plan.calls_person and (self._first or len(self._goals) > 1):
+            if self._first:
+                self._first.pop()
+            else:
+                self.lost = self.lost or plan
+                self._goals.pop(0)
             plan = self._plan()
         if isinstance(plan, Plan):
             self._ahead, self._hopes = list(reversed(plan.actions)), plan.hopes
             return plan
         return self.lost or plan
+
+    def abandon(self, reason: str) -> None:
+        """Abandon the goal for `otherwise`, because of the reason."""
+        self.lost = self.lost or NoWay(self.situation, (), reason)
+        self._goals.pop(0)
+        self._first, self._ahead = [], []
+
+    def interrupt(self, number: int) -> str:
+        """Pursue the goal of an interrupt first; return it, or "" if no route leads there or it is reached.
+
+        Args:
+            number: number of the interrupt in the network's aims.
+        """
+        goals = self.network.aims.interrupts[number].goals
+        if self.situation in goals:
+            return ""
+        plans = [(self.planner.plan(self.situation, goal), goal) for goal in goals]
+        routes = [(plan.cost, goal) for plan, goal in plans if isinstance(plan, Plan) and not plan.hopes]
+        if not routes:
+            return ""
+        goal = min(routes)[1]
+        self._first.append((goal, self.network.aims.interrupts[number].priority))
+        self._ahead = []
+        return goal
 
     def _plan(self) -> Plan | NoWay:
         if self.taken >= self._bound:
@@ -82,9 +137,18 @@ class RunDecisions:
                 f"no way left from {self.situation} to {self.goal}: {self.taken} actions have been started"
             )
             return NoWay(self.situation, (), f"{words}; allowed: at most {self._bound}")
-        if self.lost is None:
+        if not self._goals:
+            return NoWay(self.situation, (), "nothing is left to be reached")
+        if self.lost is None and not self._first:
             return self.planner.plan(self.situation)
         return self.planner.plan(self.situation, self.goal)
+
+    def _moved(self, situation: str) -> None:
+        """Note the new situation; an interrupt whose goal is reached is over."""
+        self.situation = situation
+        while self._first and self._first[-1][0] == situation:
+            self._first.pop()
+            self._ahead = []
 
     @property
     def next(self) -> Action:
@@ -100,7 +164,7 @@ class RunDecisions:
                 self.failed(reason, permanent, outcome.cause.name)
             case Elsewhere(reason, situation):
                 self.failed(reason)
-                self.situation = situation
+                self._moved(situation)
             case NotStarted(reason):
                 self.failed(reason)
 
@@ -108,12 +172,13 @@ class RunDecisions:
         hopes = self._hopes and len(self._ahead) == 1
         action = self._ahead.pop()
         self.taken += 1
-        self.situation = action.target_of(result)
+        target = action.target_of(result)
         renewed = self.planner.succeeded(action)
         if hopes:
             self.planner.failed(action, "it succeeded, and its Fail was needed")
-        if renewed or (self._ahead and self._ahead[-1].source != self.situation):
+        if renewed or (self._ahead and self._ahead[-1].source != target):
             self._ahead = []
+        self._moved(target)
 
     def failed(self, reason: str, permanent: bool = False, cause: str = "") -> None:
         """Note a Fail of the action that was `next`; a permanent Fail uses up all its attempts.
@@ -124,4 +189,4 @@ class RunDecisions:
         self.taken += 1
         self.planner.failed(action, reason, permanent=permanent)
         self._ahead = []
-        self.situation = action.after_fail(cause)
+        self._moved(action.after_fail(cause))

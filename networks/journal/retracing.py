@@ -49,6 +49,12 @@ class RunPosition:
     """The situation in which that action began."""
     at: Snapshot | None = None
     """Snapshot of the robot when the run last knew its situation."""
+    round_began: float = 0.0
+    """The robot's time at the begin of the round, in [s]."""
+    last_t: float = 0.0
+    """The robot's time of the last record, in [s]."""
+    interrupted: dict[int, float] = field(default_factory=dict)
+    """When interrupts came last, in [s], by their numbers."""
     seen: dict[str, Snapshot] = field(default_factory=dict)
     """Snapshots of the robot in earlier situations of the run, the last one at the end."""
 
@@ -91,6 +97,7 @@ def standing(
 def _follow(found: RunPosition, record: Record) -> None:
     route, kind = found.route, record["kind"]
     _check(found, record)
+    found.last_t = max(found.last_t, float(record.get("t", 0.0)))
     if kind == "PLAN":
         found.plans += 1
         route.plan()
@@ -106,6 +113,8 @@ def _follow(found: RunPosition, record: Record) -> None:
         route.failed(record["reason"])
     elif kind == "RECON":
         _look(found, record)
+    elif kind == "AIM":
+        _aim(found, record)
     elif kind == "SKIP":
         found.skipped.append(record["element"])
         route.took(Success({}))
@@ -126,7 +135,7 @@ def _check(found: RunPosition, record: Record) -> None:
     kind, route = record["kind"], found.route
     if "situation" in record and record["situation"] not in (None, *route.network.situations):
         raise ValueError(f"unknown situation {record['situation']!r}")
-    if kind == "PLAN" and record["situation"] != route.situation:
+    if kind in ("PLAN", "AIM") and record["situation"] != route.situation:
         raise ValueError(f"the run is in situation {route.situation}")
     if kind in ("START", "NOT_STARTED", "SKIP", "RECON") and "action" in record:
         index = record["action"]["index"] if kind == "START" else record["action"]
@@ -149,6 +158,22 @@ def _take(found: RunPosition, record: Record) -> None:
         found.fails += 1
         causes = record.get("cause") or [{}]
         found.route.failed(record["reason"], record["permanent"], str(causes[0].get("kind", "")))
+
+
+def _aim(found: RunPosition, record: Record) -> None:
+    """Follow a change of what the run pursues."""
+    route, what, now = found.route, record["what"], float(record["t"])
+    if what == "abandon":
+        route.abandon(record["reason"])
+    elif what == "round":
+        route.begin_round()
+        found.round_began = float(record.get("at_s", now))
+        if route.round != record["round"]:
+            raise ValueError(f"round {route.round} was next")
+    else:
+        found.interrupted[record["interrupt"]] = now
+        if route.interrupt(record["interrupt"]) != record.get("goal", ""):
+            raise ValueError("the interrupt leads elsewhere")
 
 
 def _look(found: RunPosition, record: Record) -> None:

@@ -9,7 +9,16 @@ from typing import Any, cast
 import orjson
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.events.events import (
+    AimChanged,
+    Ended,
+    Event,
+    LeftOut,
+    Planned,
+    Restoring,
+    RunEnded,
+    Started,
+)
 from handcart.networks.events.run_end import RunEnd
 from handcart.networks.graph.network import Action
 from handcart.networks.graph.planner import NoWay, Plan
@@ -161,6 +170,11 @@ class RunLog(Intents):
         self.skipped.append(element)
         self._write("SKIP", records.Skip(action=action.index, element=element))
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
+
+    def aims_at(self, words: str, record: records.Aim) -> None:
+        """Log that the run pursues something else, in words for people."""
+        self._write("AIM", record)
+        self._tell(lambda: AimChanged(self._robot.time, words))
 
     def ended(self, end: RunEnd, at: Snapshot | None = None) -> None:
         """Log the end of the run; `at` is a snapshot of the robot."""

@@ -202,6 +202,23 @@ class Skip(TypedDict):
 
 
 @with_config(_OPEN)
+class Aim(TypedDict):
+    """Record: the run pursues something else."""
+
+    what: Literal["abandon", "interrupt", "round"]
+    """The goal is abandoned, an interrupt comes first, or another round begins."""
+    situation: str
+    reason: NotRequired[str]
+    interrupt: NotRequired[Index]
+    """Number of the interrupt, from 0."""
+    goal: NotRequired[str]
+    """Situation that is pursued; missing if no route leads to the interrupt's goal."""
+    round: NotRequired[Number]
+    at_s: NotRequired[float]
+    """The robot's time at which the round may begin, in [s]."""
+
+
+@with_config(_OPEN)
 class Acknowledgement(TypedDict):
     """Record: a person has taken care of the cause that another record describes."""
 
@@ -244,6 +261,7 @@ RECORD_VALIDATORS: dict[str, TypeAdapter[Any]] = {
     "RECON": TypeAdapter(Recon),
     "NOT_STARTED": TypeAdapter(NotStartedRecord),
     "SKIP": TypeAdapter(Skip),
+    "AIM": TypeAdapter(Aim),
     "END": TypeAdapter(EndRecord),
     "ACK": TypeAdapter(Acknowledgement),
     "EPOCH": TypeAdapter(Epoch),

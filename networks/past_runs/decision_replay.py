@@ -104,7 +104,8 @@ def _followed(position: RunPosition, record: Record) -> DecisionDifference | Non
 
 def _ended(position: RunPosition, record: Record) -> DecisionDifference | None:
     route, outcome = position.route, record["outcome"]
-    is_done = route.arrived and not position.skipped and route.lost is None
+    is_left = position.skipped or route.unfinished or route.has_next_round
+    is_done = route.arrived and not is_left and route.lost is None
     if outcome == "Success" and not is_done:
         return _differs(record, f"ended in {route.situation}", "goes on")
     if outcome == "Fail" and is_done:

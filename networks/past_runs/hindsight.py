@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from handcart.networks.deciding.best_planner import planner_of
@@ -11,7 +11,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.plan_search import PlanSearch
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 
-from .past_run import PastAction, PastRun
+from .past_run import PastAction, PastRun, Record
 
 
 @dataclass(frozen=True)
@@ -100,17 +100,19 @@ class _Then:
         self._events = list(_counted(run, action))
         self._planner = self._new_planner()
         self._values = OptionValues(self.network)
+        goal = _pursued(run, action)
+        self._goal = None if goal == self.network.goal else goal
         self._for_good = {index for index, word in self._events if word == FOR_GOOD}
 
     def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
-        return self._planner.plan(situation, without=without)
+        return self._planner.plan(situation, self._goal, without=without)
 
     def after_fail(self, action: Action) -> OpenRoute | None:
         if action.on_fail is None:
             return None
         planner = self._new_planner()
         planner.failed(action, "")
-        plan = planner.plan(action.on_fail)
+        plan = planner.plan(action.on_fail, self._goal)
         return OpenRoute(plan.actions, plan.cost) if isinstance(plan, Plan) else None
 
     def option(self, action: Action) -> Option:
@@ -158,7 +160,7 @@ def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
     indices = {each.number: each.index for each in run.actions}
     started: dict[int, int] = {}
     needed: int | None = None  # the action whose Fail is needed, by the last plan
-    for record in run.before(action):
+    for record in _of_this_round(run.before(action)):
         kind = record["kind"]
         if kind == "PLAN":
             needed = _needs_fail(run, record.get("way", ()))
@@ -177,11 +179,31 @@ def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
             yield started[record["record"]], FAILED
 
 
+def _of_this_round(records: Iterable[Record]) -> list[Record]:
+    """Return the records since the last round began, when all attempts were given back."""
+    every = list(records)
+    begins = [n for n, each in enumerate(every) if each["kind"] == "AIM" and each["what"] == "round"]
+    return every[begins[-1] :] if begins else every
+
+
+def _pursued(run: PastRun, action: PastAction) -> str:
+    """Return the situation that the last plan before an action leads to: the goal, or one that came first."""
+    assert run.network is not None
+    network = run.network.network
+    interrupts = (goal for each in network.aims.interrupts for goal in each.goals)
+    ends = {network.goal, *network.otherwise, *interrupts}
+    ways = [each["way"] for each in run.before(action) if each["kind"] == "PLAN" and each.get("way")]
+    last = network.actions[ways[-1][-1]].target if ways else network.goal
+    return last if last in ends else network.goal
+
+
 def _needs_fail(run: PastRun, way: Sequence[int]) -> int | None:
     """Return the last action of a plan if it leads to the goal by a Fail alone."""
     assert run.network is not None
     network = run.network.network
-    return way[-1] if way and network.actions[way[-1]].target != network.goal else None
+    interrupts = {goal for each in network.aims.interrupts for goal in each.goals}
+    ends = {network.goal, *network.otherwise, *interrupts}
+    return way[-1] if way and network.actions[way[-1]].target not in ends else None
 
 
 def _cost(option: Option) -> float:

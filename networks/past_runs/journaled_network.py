@@ -9,6 +9,7 @@ from typing import Any
 
 from typing_extensions import override
 
+from handcart.networks.graph.aims import Aims
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, FailEnding, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
@@ -78,5 +79,6 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
         policy=fields.get("policy", "rule"),
         person_s=float(fields.get("person_s", 600.0)),
         restoring=Patience(*fields.get("restoring", NO_PATIENCE)),
+        aims=Aims.of(dict(fields)),
     )
     return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))

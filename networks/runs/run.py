@@ -202,6 +202,7 @@ def summary(
         "cause": end.cause,
         "skipped": list(end.skipped),
         **({"otherwise": end.otherwise or None} if prepared.task.network.otherwise else {}),
+        **({"rounds": end.rounds} if prepared.task.network.aims.rounds else {}),
         "sim_time_s": round(prepared.robot.time, 3),
         "wall_time_s": round(wall_time_s, 3),
         "seed": prepared.seed,

@@ -129,6 +129,7 @@ def _aims(network: ActionNetwork) -> dict[str, Any]:
         aims = {"policy": network.policy, "person_s": network.person_s}
     if network.restoring != NO_PATIENCE:
         aims["restoring"] = list(network.restoring)
+    aims |= network.aims.fields()
     return {**aims, "otherwise": network.otherwise} if network.otherwise else aims
 
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
-from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.description.robot_names import SHIPPED_FOLDER, find_robot, named_robots
+from handcart.files.errors import UnsafePath
 from handcart.files.inside import resolve_inside
 from handcart.files.maps.map_file import map_path
 from handcart.files.models.settings import SETTINGS_SECTION, setting_value, with_settings
 from handcart.files.printable import printable
+from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import KeyPath
 
+from .task_knowledge import PLACES_KIND, UNKNOWN_START, domain_keys, is_start_unknown
 from .without_map import MAP_KEY, NO_MAP
 
 SPEED_MASK_KEYS = ("knowledge", "speed_limits", "mask")
@@ -53,3 +57,44 @@ def named_robot(document: Document, name: str) -> str:
     if not name.endswith((".yaml", ".yml")) or (SHIPPED_FOLDER / name).exists():
         return name
     return str(resolved(document, ("robot",)))
+
+
+def start_place_faults(document: Document, names: list[str] | None) -> Iterator[tuple[KeyPath, str]]:
+    """Yield that the place at the start is not known.
+
+    Args:
+        document: the task.
+        names: names of the places; None if they cannot be read.
+    """
+    key = ("knowledge", "start")
+    node, there = document.root.deepest(key)
+    name = node.content
+    if is_start_unknown(document, names or ()):
+        return
+    if there and not document.root.deepest(("knowledge", "places"))[1]:
+        yield key, "names a place; needed: the key `places`, a file with places"
+    elif there and names is not None and isinstance(name, str) and name not in names:
+        yield key, f"unknown place {name!r}{suggest(name, [*names, UNKNOWN_START])}"
+
+
+def robot_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
+    """Yield that the robot is not known."""
+    node, there = document.root.deepest(("robot",))
+    name = node.content
+    is_name = there and isinstance(name, str) and not name.endswith((".yaml", ".yml"))
+    if is_name and isinstance(name, str) and find_robot(name) is None:
+        allowed = suggest(name, named_robots())
+        yield ("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file"
+
+
+def file_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the files that are missing, or may not be read."""
+    named = [("knowledge", name) for name in ("map", "keepout", PLACES_KIND, *domain_keys())]
+    for key in (("world",), *named, SPEED_MASK_KEYS):
+        try:
+            path = resolved(document, key)
+        except UnsafePath as unsafe:
+            yield key, str(unsafe)
+            continue
+        if path is not None and not path.is_file():
+            yield key, no_file(path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -10,9 +10,9 @@ from typing import Any, TypeVar, cast
 import networkx as nx
 
 from handcart.backends.backend import Backend
+from handcart.backends.capabilities.battery import Battery
 from handcart.backends.capabilities.capability import Capability
-from handcart.backends.description.robot_names import find_robot, named_robots
-from handcart.files.errors import FileError, UnsafePath
+from handcart.files.errors import FileError
 from handcart.files.extras import extra_of, lack
 from handcart.files.findings import Findings
 from handcart.files.models.loading import load_document, load_part
@@ -20,10 +20,13 @@ from handcart.files.models.model import FileModel
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
+from handcart.networks.entries.aims_entry import SituationInterrupt
 from handcart.networks.entries.condition_entry import ConditionEntry
 from handcart.networks.entries.condition_reading import ConditionReader, has_conditions
 from handcart.networks.entries.entry import TaskEntry, listed_names
+from handcart.networks.entries.goals_in_order import TooManyGoals
 from handcart.networks.graph.ahead import ways_of
+from handcart.networks.graph.aims import Aims
 from handcart.networks.graph.network import (
     LOCATE_NAME,
     Action,
@@ -37,8 +40,9 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 from handcart.primitives.restoring.patience import Patience
 
+from .aims_reading import battery_faults, goal_copies, goal_faults, in_order, interrupt_faults, round_faults
 from .entry_actions import action_of, chance_faults, entry_faults, limit_faults
-from .named_files import SPEED_MASK_KEYS, named_robot, no_file, resolved, with_set
+from .named_files import file_faults, named_robot, resolved, robot_faults, start_place_faults, with_set
 from .parameters import goes_over_unknown, repeat_count, with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
@@ -46,10 +50,7 @@ from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
 from .task_knowledge import (
     PLACES_KIND,
-    UNKNOWN_START,
     TaskKnowledge,
-    domain_keys,
-    is_start_unknown,
     read_knowledge,
 )
 from .task_model import (
@@ -110,6 +111,9 @@ class Task:
                 wrong = f"{action.do} needs what the robot doesn't have: {', '.join(missing)}"
                 have = ", ".join(sorted(kind.__name__ for kind in kinds))
                 findings.add(self.document.finding(("actions", entry, "do"), f"{wrong}; it has: {have}"))
+        if not any(issubclass(kind, Battery) for kind in kinds):
+            for path, fault in battery_faults(self.network.aims):
+                findings.add(self.document.finding(path, fault))
         findings.raise_all()
 
 
@@ -149,7 +153,7 @@ class _Reader:
             if names is not None:  # None: their file is wrong, or missing
                 self._document = with_all(self._document, kind, names)
         if goes_over_unknown(self._document):  # then each of its actions would be told
-            self._check_files()
+            self._add_all(file_faults(self._document))
             self._findings.raise_all()
 
     def task(self) -> Task:
@@ -159,8 +163,8 @@ class _Reader:
         """Return the task whose network its conditions span."""
         file, entries = self._whole(ConditionFile), self._listed("actions", ConditionEntry)
         self._check_entries(entries)
-        self._check_files()
-        self._check_robot()
+        self._add_all(file_faults(self._document))
+        self._add_all(robot_faults(self._document))
         found = ConditionReader(self._document).generated(entries, self._findings)
         copies = found.copies if found else Copies({}, (), "")
         actions = self._actions(copies, entries)
@@ -168,7 +172,8 @@ class _Reader:
             self._findings.raise_all()
         assert file is not None
         assert found is not None
-        return self._built(file, copies, found.facts, actions, found.goal, found.otherwise)
+        aims = file.aims(file.interrupts, lambda number: found.interrupts[number])
+        return self._built(file, copies, found.facts, actions, found.goal, found.otherwise, aims)
 
     def _written(self) -> Task:
         file = self._whole(TaskFile)
@@ -177,19 +182,24 @@ class _Reader:
         known = {name: Situation(name, cast(Any, facts)) for name, facts in situations.items()}
         self._check_entries(entries, known)
         start = self._named("start", situations)
-        goal = self._named("goal", situations)
+        goals = self._goals(start, situations)
+        interrupts = self._silently(("interrupts",), list[SituationInterrupt]) or []
+        self._add_all(interrupt_faults(interrupts, situations))
         self._check_otherwise(situations)
-        self._check_files()
-        self._check_robot()
-        copies = self._copies(situations, entries, start, goal)
+        self._add_all(file_faults(self._document))
+        self._add_all(robot_faults(self._document))
+        copies = self._copies(situations, entries, start, goals[-1])
+        copies, goal = self._in_order(copies, goals)
         facts, faults = element_facts(copies, situations)
-        for path, fault in faults:
-            self._add(path, fault)
+        self._add_all(faults)
         actions = self._actions(copies, entries)
         if self._findings or file is None:
             self._findings.raise_all()
         assert file is not None
-        return self._built(file, copies, facts, actions, goal, listed_names(file.otherwise))
+        wanted = listed_names(file.otherwise)
+        otherwise = tuple(copy for each in wanted for copy in goal_copies(copies, each) or (each,))
+        aims = file.aims(file.interrupts, lambda number: goal_copies(copies, file.interrupts[number].goal))
+        return self._built(file, copies, facts, actions, goal, otherwise, aims)
 
     # Parts, each None or left out where the file is wrong: `_whole` tells that
 
@@ -231,6 +241,27 @@ class _Reader:
     def _otherwise(self) -> tuple[str, ...]:
         return listed_names(self._silently(("otherwise",), str | list[str]))
 
+    def _add_all(self, faults: Iterable[tuple[KeyPath, str]]) -> None:
+        for path, fault in faults:
+            self._add(path, fault)
+
+    def _goals(self, start: str, situations: Mapping[str, object]) -> tuple[str, ...]:
+        """Return the goals in order; at least one, "" if none can be read."""
+        given = self._silently(("goal",), str | list[str])
+        names = listed_names(given)
+        self._add_all(goal_faults(names, isinstance(given, list), start, situations))
+        return names or ("",)
+
+    def _in_order(self, copies: Copies, goals: Sequence[str]) -> tuple[Copies, str]:
+        if self._findings:  # a goal may be unknown
+            return copies, goals[-1]
+        try:
+            return in_order(copies, goals)
+        except TooManyGoals as wrong:
+            self._add(("goal",), str(wrong))
+            self._findings.raise_all()
+            raise
+
     def _check_otherwise(self, situations: Mapping[str, object]) -> None:
         for name in self._otherwise():
             if situations and name not in situations:
@@ -259,8 +290,7 @@ class _Reader:
         ends = {name for each in repeats.values() for name in (each.start, each.goal)}
         parts = repetitions(repeats, entries.values(), set(self._otherwise()) - ends)
         faults = list(repeat_faults(parts, situations, entries, start, goal))
-        for path, fault in faults:
-            self._add(path, fault)
+        self._add_all(faults)
         if faults:  # which element an action belongs to can't be told
             self._findings.raise_all()
         try:
@@ -271,7 +301,7 @@ class _Reader:
             raise
 
     def _actions(self, copies: Copies, entries: Mapping[int, TaskEntry]) -> list[Action | None]:
-        self._check_start_place(self._place_names)
+        self._add_all(start_place_faults(self._document, self._place_names))
         reader = ParameterReader(self._document, self._findings, self._names)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
         copied = {each.entry for each in copies.actions}
@@ -314,40 +344,6 @@ class _Reader:
             self._lacking.add(extra)
         return None
 
-    def _check_start_place(self, names: list[str] | None) -> None:
-        node, there = self._document.root.deepest(("knowledge", "start"))
-        name = node.content
-        if is_start_unknown(self._document, names or ()):
-            return
-        if there and not self._document.root.deepest(("knowledge", "places"))[1]:
-            self._add(("knowledge", "start"), "names a place; needed: the key `places`, a file with places")
-        elif there and names is not None and isinstance(name, str) and name not in names:
-            said = suggest(name, [*names, UNKNOWN_START])
-            self._add(("knowledge", "start"), f"unknown place {name!r}{said}")
-
-    def _check_robot(self) -> None:
-        node, there = self._document.root.deepest(("robot",))
-        name = node.content
-        if (
-            there
-            and isinstance(name, str)
-            and not name.endswith((".yaml", ".yml"))
-            and find_robot(name) is None
-        ):
-            allowed = suggest(name, named_robots())
-            self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
-
-    def _check_files(self) -> None:
-        named = [("knowledge", name) for name in ("map", "keepout", PLACES_KIND, *domain_keys())]
-        for key in (("world",), *named, SPEED_MASK_KEYS):
-            try:
-                path = resolved(self._document, key)
-            except UnsafePath as unsafe:
-                self._add(key, str(unsafe))
-                continue
-            if path is not None and not path.is_file():
-                self._add(key, no_file(path))
-
     def _built(
         self,
         file: AnyTaskFile,
@@ -356,6 +352,7 @@ class _Reader:
         actions: list[Action | None],
         goal: str,
         otherwise: tuple[str, ...],
+        aims: Aims,
     ) -> Task:
         situations = [
             Situation(each, facts[each], element.words if element else None)
@@ -370,9 +367,10 @@ class _Reader:
         network = ActionNetwork.build(*parts, goal, otherwise)
         patience = Patience(file.restoring.attempts, file.restoring.wait_s)
         network = replace(network, policy=file.policy, person_s=file.person_s, restoring=patience)
+        network = replace(network, aims=aims)
+        self._add_all(round_faults(network))
         if file.policy != "rule":
-            for path, fault in chance_faults(file):
-                self._add(path, fault)
+            self._add_all(chance_faults(file))
         if copies.start == network.goal:
             wrong = f"the start is the goal, {goal!r}: a run would do nothing"
             self._add(("goal",), f"{wrong}; allowed: another situation, or a repeat over its part")

@@ -8,6 +8,7 @@ from pydantic import Field, TypeAdapter, create_model
 
 from handcart.files.models.model import FileModel
 from handcart.networks.entries.action_entry import ActionEntry as ActionEntry
+from handcart.networks.entries.aims_entry import AimsHead, ConditionInterrupt, SituationInterrupt
 from handcart.networks.entries.condition_entry import ConditionEntry, Conditions, Values
 from handcart.networks.graph.network import MAX_ATTEMPTS, Fact
 from handcart.primitives.knowledge.map_masks import SpeedMask
@@ -89,7 +90,7 @@ class Repeat(FileModel):
     """
 
 
-class TaskHead(FileModel):
+class TaskHead(AimsHead):
     """Keys of every task, however its network is given."""
 
     format: Literal["handcart-task/1"]
@@ -123,8 +124,10 @@ class TaskFile(TaskHead):
 
     start: str
     """The situation at the start."""
-    goal: str
-    """The situation to be reached."""
+    goal: str | Annotated[list[str], Field(min_length=1, max_length=1000)]
+    """The situation to be reached; a list is reached in its order."""
+    interrupts: Annotated[list[SituationInterrupt], Field(default_factory=list)]
+    """Goals that come first when a condition holds."""
     otherwise: str | list[str] | None = None
     """Situations to be reached when no route to the goal is left, in order of preference; the run then ends
     with status 3 all the same.
@@ -151,8 +154,10 @@ class ConditionFile(TaskHead):
     """What the robot knows, by name, each with its possible values; a Fail may change it."""
     start: Annotated[dict[str, Fact], Field(default_factory=dict)]
     """Facts at the start that are not the first of their values."""
-    goal: Annotated[Conditions, Field(min_length=1)]
-    """Facts that are to hold in the end."""
+    goal: Annotated[Conditions, Field(min_length=1)] | Annotated[list[Conditions], Field(min_length=1)]
+    """Facts that are to hold in the end; a list is reached in its order."""
+    interrupts: Annotated[list[ConditionInterrupt], Field(default_factory=list)]
+    """Goals that come first when a condition holds."""
     otherwise: Conditions | list[Conditions] | None = None
     """Facts that are to hold when no route to the goal is left, or a list in order of preference; the run
     then ends with status 3 all the same.

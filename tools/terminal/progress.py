@@ -15,7 +15,16 @@ from rich.markup import escape
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.printable import printable
-from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.events.events import (
+    AimChanged,
+    Ended,
+    Event,
+    LeftOut,
+    Planned,
+    Restoring,
+    RunEnded,
+    Started,
+)
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.graph.network import Action
 from handcart.networks.graph.planner import NoWay, Plan
@@ -84,6 +93,8 @@ class Progress(RunObserver):
                 self._ended(time, number, f"{action.do}: {action.source} to {action.target}", outcome)
             case LeftOut(time, action, reason):
                 self._line(time, f"{action.do} is not started: {reason}", "yellow")
+            case AimChanged(time, words):
+                self._line(time, words, "yellow")
             case RunEnded():
                 self._tell("writing down what was seen")
 

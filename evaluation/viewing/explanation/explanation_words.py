@@ -76,7 +76,26 @@ def _time_line(run: PastRun, chosen: PastAction | None) -> str:
         return "No action was started."
     do = max(len(each.do) for each in run.actions)
     way = max(len(f"{each.source} to {each.target}") for each in run.actions)
-    return "\n".join(_line(each, each is chosen, do, way) for each in run.actions)
+    lines = [(float(each["t"]), f"      {each['t']:8.1f} s  {words}") for each, words in aim_words(run)]
+    lines += [(each.start, _line(each, each is chosen, do, way)) for each in run.actions]
+    return "\n".join(line for _, line in sorted(lines, key=lambda each: each[0]))
+
+
+def aim_words(run: PastRun) -> Iterator[tuple[Mapping[str, Any], str]]:
+    """Yield the records of rounds, interrupts and abandoned goals, each in words."""
+    interrupts = run.network.network.aims.interrupts if run.network else ()
+    for record in run.records:
+        if record["kind"] != "AIM":
+            continue
+        if record["what"] == "round":
+            yield record, f"round {record['round']} may begin at {record.get('at_s', record['t']):.1f} s"
+        elif record["what"] == "abandon":
+            yield record, f"the goal is abandoned: {record['reason']}"
+        else:
+            number = record["interrupt"]
+            name = interrupts[number].name if number < len(interrupts) else f"interrupt {number}"
+            goal = f"first to {record['goal']}" if "goal" in record else "no route leads there"
+            yield record, f"{name}: {goal}"
 
 
 def _line(each: PastAction, chosen: bool, do: int, way: int) -> str:

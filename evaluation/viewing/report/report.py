@@ -15,6 +15,7 @@ import orjson
 
 from handcart.evaluation.viewing.explanation.explanation import Explanation, explain, relying_on_the_journal
 from handcart.evaluation.viewing.explanation.explanation_words import (
+    aim_words,
     cause_words,
     choice_words,
     measured_words,
@@ -71,6 +72,7 @@ def _page(run: PastRun) -> str:
         ended=end["outcome"] if end else "no end",
         network=network,
         actions=list(_actions(run)),
+        aims=[f"{record['t']:.1f} s: {words}" for record, words in aim_words(run)],
         task=_shown(run),
         command=_again(run),
         span=max((each.end for each in run.actions), default=0.0) or 1.0,

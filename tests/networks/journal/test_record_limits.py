@@ -24,6 +24,7 @@ LEAST: Mapping[str, dict[str, Any]] = {
     "RECON": {"situation": None},
     "NOT_STARTED": {"action": 0, "reason": "refused"},
     "SKIP": {"action": 0, "element": "book 1"},
+    "AIM": {"what": "abandon", "situation": "a"},
     "END": {"outcome": "Success", "situation": "z", "reason": ""},
     "ACK": {"record": 3, "of": "RESULT", "reason": "it squeaks"},
     "EPOCH": {"after": 3, "in_doubt": None},

@@ -1,0 +1,75 @@
+"""Watch over a run's time-out, interrupts and rounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from handcart.backends.capabilities.battery import Battery
+from handcart.backends.robot.robot import Robot
+from handcart.networks.graph.aims import Aims, Interrupt
+
+CHARGE_HYSTERESIS = 2.0
+"""Charge above its limit from which a battery's interrupt may come again, in [%]."""
+
+
+class AimWatch:
+    """Says when a round's time is over, when the next one begins, and which interrupt is due.
+
+    All times are the robot's.
+    """
+
+    def __init__(self, robot: Robot, aims: Aims, began: float, handled: Mapping[int, float]) -> None:
+        """Begin to watch.
+
+        Args:
+            robot: the robot.
+            aims: aims of the network.
+            began: when the round began, in [s].
+            handled: when interrupts came last, in [s], by their numbers; for the others, when the run began.
+        """
+        self._robot, self._aims = robot, aims
+        self._round_began = began
+        self._handled = {number: handled.get(number, began) for number in range(len(aims.interrupts))}
+        self._is_low: dict[int, bool] = {}
+        self._battery: Battery | None = robot.backend.get(Battery)  # type: ignore[type-abstract]
+
+    def begin_round(self) -> float:
+        """Return the time at which the next round may begin, in [s]; its time-out counts from then."""
+        every = 0.0 if self._aims.rounds is None else self._aims.rounds.every_s
+        self._round_began = max(self._robot.time, self._round_began + every)
+        return self._round_began
+
+    @property
+    def left_s(self) -> float | None:
+        """Time that is left for the round, in [s]; None if it is not limited."""
+        limit = self._aims.time_out_s
+        return None if limit is None else limit - (self._robot.time - self._round_began)
+
+    @property
+    def is_early(self) -> bool:
+        """True while the round may not begin yet."""
+        return self._robot.time < self._round_began
+
+    def due(self, priority: int | None) -> int | None:
+        """Return the number of the interrupt that is due, None if none is; each is returned once.
+
+        Args:
+            priority: that of the interrupt that is pursued, which has to be exceeded; None: none is.
+        """
+        numbered = sorted(enumerate(self._aims.interrupts), key=lambda each: -each[1].priority)
+        for number, each in numbered:
+            above = priority is None or each.priority > priority
+            if above and self._is_due(number, each):
+                self._handled[number] = self._robot.time
+                return number
+        return None
+
+    def _is_due(self, number: int, interrupt: Interrupt) -> bool:
+        if interrupt.every_s is not None:
+            return self._robot.time - self._handled[number] >= interrupt.every_s
+        if self._battery is None or interrupt.battery_below is None:
+            return False
+        charge, was_low = self._battery.charge_percent(), self._is_low.get(number, False)
+        limit = interrupt.battery_below + (CHARGE_HYSTERESIS if was_low else 0.0)
+        self._is_low[number] = charge < limit
+        return self._is_low[number] and not was_low

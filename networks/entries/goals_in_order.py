@@ -1,0 +1,61 @@
+"""Several goals in order: the network once for each goal, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from handcart.networks.graph.network import MAX_ACTIONS
+
+from .copied import Copied, Copies
+
+
+class TooManyGoals(ValueError):
+    """The network would be too large; the message says why."""
+
+
+def goal_copy(name: str, number: int) -> str:
+    """Return the name of a situation on the way to goal `number`, from 0."""
+    return name if number == 0 else f"{name} (goal {number + 1})"
+
+
+def goals_in_order(network: Copies, goals: Sequence[str]) -> Copies:
+    """Return a network in which one goal after the other is reached; its last copy has the last goal.
+
+    Args:
+        network: the network.
+        goals: its situations to be reached, in order.
+
+    Raises:
+        TooManyGoals: it would have more than `MAX_ACTIONS` actions.
+    """
+    count = len(network.actions) * len(goals)
+    if count > MAX_ACTIONS:
+        raise TooManyGoals(f"with its goals the network has {count} actions; allowed: at most {MAX_ACTIONS}")
+    situations = {
+        goal_copy(name, number): origin
+        for number in range(len(goals))
+        for name, origin in network.situations.items()
+    }
+    actions = tuple(
+        copied for number in range(len(goals)) for copied in _actions(network.actions, goals, number)
+    )
+    return Copies(situations, actions, network.start)
+
+
+def _actions(actions: Sequence[Copied], goals: Sequence[str], number: int) -> Iterator[Copied]:
+    def led(name: str) -> str:
+        is_reached = name == goals[number] and number + 1 < len(goals)
+        return goal_copy(name, number + is_reached)
+
+    for each in actions:
+        if each.source == goals[number] and number + 1 == len(goals):
+            continue  # the run is over
+        yield replace(
+            each,
+            source=goal_copy(each.source, number),
+            target=led(each.target),
+            on_fail=each.on_fail and led(each.on_fail),
+            others=tuple(map(led, each.others)),
+            fails=tuple(name and led(name) for name in each.fails),
+        )
