@@ -25,5 +25,9 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.objects.object_survey:ObjectSurvey",
     files={"objects": "handcart.primitives.objects.objects_file:ObjectsFile"},
-    rehearsals={_HERE / "fetch_and_carry" / "task.yaml": {}},
+    mutants="handcart.evaluation.objects.object_mutants:OBJECT_MUTANTS",
+    rehearsals={
+        _HERE / "fetch_and_carry" / "task.yaml": {},
+        _HERE / "fetch_and_carry" / "set_aside.yaml": {},
+    },
 )

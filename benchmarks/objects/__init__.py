@@ -1,0 +1,1 @@
+"""Benchmarks of fetching and carrying objects."""

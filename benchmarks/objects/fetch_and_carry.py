@@ -1,0 +1,134 @@
+"""Fetch a parcel with a tag from one table to another: `python -m benchmarks.objects.fetch_and_carry`.
+
+`tasks/fetch_and_carry` is run with each seed, as `handcart run` does it. The parcel is off its believed place
+by a standard deviation of 40 mm and 30 degrees; with every other seed a crate that no map shows stands about
+on the way between the tables, elsewhere with each seed. The parcel goes to the spot `left`, the spot `right`,
+or any free spot, by turns. Printed are the Successes, the outcomes that the ground truth contradicts, and the
+error of PLACE: of the parcel from its named spot, and of where it was seen to stand. Status 1 if an outcome
+was false.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from handcart.evaluation.trials.running import run_task
+from handcart.networks.runs.run_options import RunOptions
+
+TASK_FOLDER = Path(__file__).resolve().parents[2] / "tasks" / "fetch_and_carry"
+SPOTS = ("left", "right", None)
+WAY = ((2.2, 3.0), (4.3, 2.0))  # from the place at table A to that at table B [m]
+
+
+@dataclass
+class Figures:
+    """Results of some runs."""
+
+    runs: int
+    ends: Counter[str]
+    false: list[str]
+    placed_mm: list[float]
+    seen_mm: list[float]
+    simulated_s: float
+    cpu_s: float
+
+
+def main() -> None:
+    """Print a row for each backend."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--seeds", type=int, default=20, help="number of seeds, from --first")
+    words.add_argument("--first", type=int, default=0)
+    words.add_argument("--backends", nargs="+", default=["kinematic", "mujoco"])
+    words.add_argument("--robot", default="librarian")
+    asked = words.parse_args()
+    rows = {
+        name: measure(name, asked.robot, range(asked.first, asked.first + asked.seeds))
+        for name in asked.backends
+    }
+    print(f"{'backend':<11}{'Success':>9}{'false':>7}{'PLACE off its spot, 50/95 %':>30}", end="")
+    print(f"{'seen off, 50/95 %':>20}{'CPU: times real time':>22}  other ends")
+    for name, found in rows.items():
+        success = f"{found.ends['Success']}/{found.runs}"
+        print(f"{name:<11}{success:>9}{len(found.false):>7}{_spread(found.placed_mm):>30}", end="")
+        speed = found.simulated_s / found.cpu_s
+        print(f"{_spread(found.seen_mm):>20}{speed:>22.1f}  {_others(found.ends)}")
+    for name, found in rows.items():
+        for wrong in found.false:
+            print(f"{name}: {wrong}")
+    sys.exit(1 if any(found.false for found in rows.values()) else 0)
+
+
+def measure(backend: str, robot: str, seeds: range) -> Figures:
+    """Run the task with some seeds on a backend."""
+    found = Figures(0, Counter(), [], [], [], 0.0, 0.0)
+    for seed in seeds:
+        begun = time.process_time()
+        with TemporaryDirectory(prefix="fetch-") as folder:
+            summary = run_once(Path(folder), backend, robot, seed)
+        metrics = summary["metrics"]
+        found.runs += 1
+        found.cpu_s += time.process_time() - begun
+        found.simulated_s += summary["sim_time_s"]
+        found.ends[summary["outcome"] if not summary["reason"] else summary["reason"][:80]] += 1
+        found.false += [f"seed {seed}: {each}" for each in metrics["untrue"]]
+        if "placed_off_mm" in metrics:
+            found.placed_mm.append(metrics["placed_off_mm"])
+        if "placed_seen_off_mm" in metrics:
+            found.seen_mm.append(metrics["placed_seen_off_mm"])
+        print(f"{backend} seed {seed}: {summary['outcome']} {summary['reason']}", file=sys.stderr, flush=True)
+    return found
+
+
+def run_once(folder: Path, backend: str, robot: str, seed: int) -> dict[str, Any]:
+    """Run the task once below a folder; return its summary."""
+    spot = SPOTS[seed % len(SPOTS)]
+    settings = {"robot": robot, "world": str(write_world(folder, seed)), "spot": spot or "null"}
+    options = RunOptions(backend=backend, settings=settings, seed=seed)
+    summary, _ = run_task(TASK_FOLDER / "task.yaml", folder, options)
+    return summary
+
+
+def write_world(folder: Path, seed: int) -> Path:
+    """Write the task's world; with odd seeds with a crate on the way between the tables."""
+    text = (TASK_FOLDER / "world.yaml").read_text(encoding="utf-8")
+    if seed % 2:
+        rng = np.random.default_rng(seed)
+        along, aside, turn = rng.uniform(0.35, 0.65), rng.uniform(-0.25, 0.25), rng.uniform(0.0, 90.0)
+        (x, y), (ex, ey) = WAY
+        length = math.hypot(ex - x, ey - y)
+        x, y = (
+            x + along * (ex - x) - aside * (ey - y) / length,
+            y + along * (ey - y) + aside * (ex - x) / length,
+        )
+        crate = (
+            f"{{name: crate, x_m: {x:.3f}, y_m: {y:.3f}, heading_deg: {turn:.0f}, size_m: [0.4, 0.3, 0.4]}}"
+        )
+        text += f"surprises:\n  - {crate}\n"
+    path = folder / "world.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _spread(values: list[float]) -> str:
+    if not values:
+        return "-"
+    middle, high = np.percentile(values, [50.0, 95.0])
+    return f"{middle:.1f} / {high:.1f} mm"
+
+
+def _others(ends: Counter[str]) -> str:
+    return "; ".join(f"{count} x {end}" for end, count in ends.items() if end != "Success")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,123 @@
+"""Faulty primitives for objects, which the conformance kit has to find."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.conformance.faults.fail_is_true import Batch
+from handcart.evaluation.conformance.faults.fault import FaultKind
+from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
+from handcart.evaluation.conformance.planted.mutant import (
+    FAULT_INSTANTS,
+    TRIAL_LIMIT_S,
+    Mutant,
+    first_violations,
+)
+from handcart.evaluation.conformance.rig.bench import KitBench
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.objects.look_for import LookFor
+from handcart.primitives.objects.object_look import sighting
+from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.pick import Pick
+from handcart.primitives.objects.place_object import PlaceObject
+from handcart.primitives.objects.tag_readings import Located
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import Snapshot, settle
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+
+SET_ASIDE_TASK = Path(__file__).parents[2] / "tasks" / "fetch_and_carry" / "set_aside.yaml"
+LOOK_FOR_NUMBER, PICK_NUMBER, PLACE_NUMBER = 2, 3, 5
+"""Numbers of the actions of that task."""
+WRONG_HEADING_RAD = 0.2
+
+
+class DropsParcel(Pick):
+    """Faulty PICK that opens the hand before it goes back."""
+
+    @override
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        self._held = False
+        yield from open_to(robot, None)
+        yield from retrace(robot, start, trace)
+
+
+class TurnsSighting(LookFor):
+    """Faulty LOOK_FOR that notes a heading which it did not measure."""
+
+    @override
+    @classmethod
+    def label(cls) -> str:
+        return LookFor.label()
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        yield from super().motion(robot, model)
+        objects = model.of(Objects)
+        objects.sightings = tuple(
+            each._replace(pose=Pose2(each.pose.x, each.pose.y, each.pose.theta + WRONG_HEADING_RAD))
+            for each in objects.sightings
+        )
+
+
+class PlacesBlindly(PlaceObject):
+    """Faulty PLACE that lowers the object beside its goal, and claims the goal without a look."""
+
+    @override
+    def _lower(self, robot: Robot, base_T_hand: Transform) -> Periods:
+        beside = base_T_hand.copy()
+        beside[:2, 3] += 0.04
+        yield from super()._lower(robot, beside)
+
+    @override
+    def _verify(self, robot: Robot, model: ModelView, name: str, goal: Transform) -> Periods:
+        objects = model.of(Objects)
+        self._stands = Located(goal, 1e-6 * np.eye(3), 0.0)
+        seen = sighting(robot, model, name, self.surface, self._stands)
+        objects.sightings = (*objects.without(name), seen)
+        yield from settle(robot)
+
+
+def _violations(name: str, number: int, kind: type[ActionPrimitive], bench: KitBench) -> list[str]:
+    """Return the violations of a faulty primitive in the task set_aside."""
+    rehearsal = Rehearsal(SET_ASIDE_TASK, bench.backend, instead={name: kind})
+    batch = Batch(rehearsal, number, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
+    return first_violations(batch)
+
+
+NEEDED_CAPABILITIES = (Arm, Gripper, Camera, RangeSensor)
+OBJECT_MUTANTS: Sequence[Mutant] = (
+    Mutant(
+        "DropsParcel",
+        "opens the hand with the parcel before it goes back",
+        partial(_violations, "PICK", PICK_NUMBER, DropsParcel),
+        NEEDED_CAPABILITIES,
+    ),
+    Mutant(
+        "TurnsSighting",
+        "notes a heading that it did not measure",
+        partial(_violations, "LOOK_FOR", LOOK_FOR_NUMBER, TurnsSighting),
+        NEEDED_CAPABILITIES,
+        by_truth=True,
+    ),
+    Mutant(
+        "PlacesBlindly",
+        "puts the parcel beside its goal and claims the goal without a look",
+        partial(_violations, "PLACE", PLACE_NUMBER, PlacesBlindly),
+        NEEDED_CAPABILITIES,
+        by_truth=True,
+    ),
+)
