@@ -233,11 +233,12 @@ class MovingTracks:
 
     @staticmethod
     def _note_entered(body: _Body, share: float, now: float) -> None:
-        """Note whether a body is on ground that was free; a person who stood there has left its place."""
+        """Note whether a body is on ground that was free: who stood has left its place, others are people."""
         body.entered = body.entered + 1 if share >= EVIDENCE_SHARE else 0
         if body.entered < ENTERED_COUNT:
             return
         body.entered_at = now
+        body.is_person = body.is_person or body.entered >= EVIDENCE_COUNT
         if body.is_person and not body.is_moving:
             body.stands_since = now
 

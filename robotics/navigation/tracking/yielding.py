@@ -60,7 +60,7 @@ def safe_share(
         gaps, standing = least_gaps(paths, times, people, radius)
         leaves = (gaps >= standing - 1e-3) & ((gaps >= AWAY_GAP_M) | (people.stood_s >= STOOD_S))
         near = least_gaps(paths[:1], np.zeros(len(times)), people, radius)[0]
-        creeps = leaves & (people.stood_s >= STOOD_S) & (share * abs(speed) <= CREEPING_M_S)
+        creeps = leaves & (people.stood_s >= SETTLED_S) & (share * abs(speed) <= CREEPING_M_S)
         in_time = near >= sudden * (to_stop + TURN_BACK_S)
         if (((gaps >= needed) | leaves) & (in_time | creeps)).all():
             return share

@@ -109,7 +109,7 @@ def test_person_from_behind_while_restoring_is_let_pass(make_rig: Callable[..., 
 def test_standing_base_that_is_run_into_stays_and_knows_its_pose(make_rig: Callable[..., Rig]) -> None:
     head_on = "name: bert, waypoints_m: [[1.0, 5.4], [1.0, 0.5]], at_end: stay"
     rig = make_rig(people(head_on))
-    found = drive(rig, MoveTo(place="shelf_1"))
+    found = drive(rig, MoveTo(place="shelf_1", wait_s=10.0))
     assert isinstance(found.outcome, Success), found
     assert found.by_robot == 0
     assert rig.robot.localization.displacements == 0

@@ -19,6 +19,8 @@ PAUSES: dict[str, Any] = {
 }
 TURNS_BACK: dict[str, Any] = {"name": "bert", "waypoints_m": [[3.0, 0.2], [1.4, 0.2]]}
 GROUP: dict[str, Any] = {"name": "trio", "waypoints_m": [[1.5, -2.0], [1.5, 2.0]], "group_m": [0.7, -0.7]}
+STAYS: dict[str, Any] = {"name": "emma", "waypoints_m": [[1.3, -2.0], [1.3, 0.1]], "at_end": "stay"}
+PASSES: dict[str, Any] = {"name": "finn", "waypoints_m": [[1.7, -1.9], [1.75, 2.5]], "at_end": "stay"}
 CROSSES: dict[str, Any] = {"name": "dora", "waypoints_m": [[2.6, 1.6], [2.6, -1.6]]}
 
 
@@ -99,7 +101,9 @@ def test_who_left_is_forgotten_and_who_is_hidden_is_remembered() -> None:
     assert max(hidden) < 0.4
 
 
-@pytest.mark.parametrize("walks", [[PAUSES], [TURNS_BACK], [GROUP], [PAUSES, CROSSES], [TURNS_BACK, CROSSES]])
+@pytest.mark.parametrize(
+    "walks", [[PAUSES], [TURNS_BACK], [GROUP], [PAUSES, CROSSES], [TURNS_BACK, CROSSES], [STAYS, PASSES]]
+)
 def test_somebody_in_view_is_never_unknown_for_long(walks: list[dict[str, Any]]) -> None:
     """Whoever walks, stops, turns back or passes others has a track, or is a suspect."""
     unknown: dict[str, int] = {}
