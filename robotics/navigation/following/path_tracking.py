@@ -25,7 +25,9 @@ TANGENT_POINTS = 2  # reference points on each side that a tangent is taken over
 MIN_SPEED_M_S = 0.04  # [m/s]
 ZONE_MARGIN_POINTS = 3  # reference points before and behind a zone in which its limit holds
 SEARCH_AHEAD_M = 0.6  # [m] of route ahead in which the nearest point is looked for
-CLOSING_DISTANCE_M = 0.015  # [m] left, from where the goal's pose itself is regulated
+CLOSING_DISTANCE_M = 0.015  # [m] left, within which the goal's pose itself is regulated
+STOP_DISTANCE_M = 0.002  # [m] left, or what braking takes if that is more: nothing more is gained by driving
+MAX_CLOSING_PERIODS = 12  # within `CLOSING_DISTANCE_M`: a base that is held there gets no nearer
 
 
 class PathTracker:
@@ -98,7 +100,7 @@ class PathTracker:
         self._heading = _tangents(self._points)
         self._curvature = _curvatures(self._heading, self._along)
         self.limit_speeds(allowed)
-        self._progress = 0.0
+        self._progress, self._near_periods = 0.0, 0
         self._closing = len(self._points) < 2
 
     def stopped(self) -> None:
@@ -116,9 +118,18 @@ class PathTracker:
         """True if only the goal's pose is left to be regulated."""
         return self._closing
 
-    @property
-    def _is_near_end(self) -> bool:
-        return self.remaining < CLOSING_DISTANCE_M
+    def _is_at_end(self, dt: float) -> bool:
+        """Return whether the rest is what braking takes, or not driven for long; called once a period.
+
+        `dt` is the control period in [s].
+        """
+        if self.remaining >= CLOSING_DISTANCE_M:
+            self._near_periods = 0
+            return False
+        self._near_periods += 1
+        speed = abs(self._ramp.speed)
+        stop = speed * (speed / (2.0 * self._limits.acceleration) - 0.5 * dt)  # it brakes in this period
+        return self.remaining < max(STOP_DISTANCE_M, stop) or self._near_periods > MAX_CLOSING_PERIODS
 
     @property
     def progress(self) -> float:
@@ -147,7 +158,7 @@ class PathTracker:
         speed to the left in [m/s]. `most` limits the speed along the route, in [m/s].
         """
         self._advance(pose)
-        self._closing = self._closing or self._is_near_end
+        self._closing = self._closing or self._is_at_end(dt)
         if self._closing:
             return self._regulator.command(pose, dt)
         speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)), most)

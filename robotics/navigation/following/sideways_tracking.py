@@ -60,7 +60,7 @@ class SidewaysTracker(PathTracker):
     @override
     def command(self, pose: Pose2, dt: float, most: float = math.inf) -> tuple[float, ...]:
         self._advance(pose)
-        self._closing = self._closing or self._is_near_end
+        self._closing = self._closing or self._is_at_end(dt)
         if self._closing:
             return self._regulator.command(pose, dt)
         reference = self._reference()

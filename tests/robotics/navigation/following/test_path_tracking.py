@@ -194,3 +194,22 @@ def test_reroute_hands_the_motion_over_without_a_stop() -> None:
     after, _ = tracker.command(pose, DT)
     assert before > 0.9
     assert after > before - 1.0 * DT - 1e-9
+
+
+@pytest.mark.parametrize("top", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("reverse", [False, True])
+def test_tracker_comes_to_rest_at_the_end_itself(top: float, reverse: bool) -> None:
+    """Whoever stops short has to aim, drive and turn once more where the place allows little."""
+    limits = DriveLimits(speed=top, acceleration=top, turn_rate=2.0, turn_acceleration=6.0)
+    points = curve()
+    tracker = PathTracker(points, 1.5, limits, reverse, PoseTolerance(0.02, 0.01))
+    poses, _ = run(tracker, Pose2(0.0, 0.0, math.pi if reverse else 0.0))
+    assert math.dist(poses[-1][:2], points[-1]) < 0.0042
+
+
+def test_base_that_is_held_before_the_end_turns_to_the_goal() -> None:
+    points = np.column_stack([np.linspace(0.0, 1.0, 26), np.zeros(26)])
+    tracker = PathTracker(points, 0.0)
+    for x in (0.0, 0.5, *[0.99] * 20):
+        tracker.command(Pose2(x, 0.0, 0.0), DT)
+    assert tracker.closing
