@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from importlib.resources import files
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from handcart.networks.operator.accepting import accept_no_more
@@ -40,23 +42,28 @@ class Gate(OwnPage):
 
     @contextmanager
     def before_servers(self) -> Iterator[None]:
-        """Guard all servers made in this context, by a patch: viser does not pass such an option to its
-        server.
-        """
-        from websockets.asyncio import server
+        """Guard the servers that viser starts in this context.
 
-        real = server.serve
+        viser passes no option for it to its server, so viser's own name `websockets` is replaced here; other
+        servers of this process keep theirs. A reverse proxy would not do: viser would still answer every
+        client on its own port.
+        """
+        import viser.infra
+        import websockets
+        from websockets.asyncio import server
 
         def guarded(*args: Any, process_request: Answer, **options: Any) -> Any:
             self.guards = True
             answer = partial(self.answer, process_request)
-            return _drained(real)(*args, process_request=answer, logger=_unheard(), **options)
+            return _drained(server.serve)(*args, process_request=answer, logger=_unheard(), **options)
 
-        server.serve = guarded  # type: ignore[misc, assignment]
+        inner: Any = sys.modules[viser.infra.WebsockServer.__module__]
+        nearest = _with(websockets.asyncio, server=_with(server, serve=guarded))
+        inner.websockets = _with(websockets, asyncio=nearest)
         try:
             yield
         finally:
-            server.serve = real  # type: ignore[misc]
+            inner.websockets = websockets
 
     def answer(self, behind: Answer, connection: ServerConnection, request: Request) -> Response | None:
         """Return a refusal or the answer of the server `behind`; None: a WebSocket is opened."""
@@ -99,6 +106,11 @@ class Gate(OwnPage):
         }.items():
             page.headers[name] = value
         return page
+
+
+def _with(module: object, **changed: object) -> SimpleNamespace:
+    """Return the names of a module, some of them changed."""
+    return SimpleNamespace(**{**vars(module), **changed})
 
 
 def _drained(serve: type[serve]) -> type[serve]:

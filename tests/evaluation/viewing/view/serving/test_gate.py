@@ -20,6 +20,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from handcart.evaluation.viewing.view.serving.gate import Gate
 from handcart.evaluation.viewing.view.serving.server import LOOPBACK_HOST, NoView, Opened, open_server
 
 SECRET = "what only the operator sees"
@@ -199,11 +200,15 @@ def test_u11_nonsense_is_refused_and_prints_nothing(
 
 def test_a_library_that_lets_nobody_guard_it_serves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its server is made from elsewhere, say, in another version."""
-    from handcart.evaluation.viewing.view.serving.gate import Gate
-
     monkeypatch.setattr(Gate, "before_servers", lambda self: nullcontext())
     with pytest.raises(NoView, match="can't be guarded against strangers"), open_server(0, "test"):
         pass
+
+
+def test_other_servers_of_this_process_keep_their_library() -> None:
+    own = library.serve
+    with Gate(LOOPBACK_HOST).before_servers():
+        assert library.serve is own
 
 
 def test_no_socket_is_left_open_that_comes_while_the_server_ends() -> None:
