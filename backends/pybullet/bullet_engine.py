@@ -31,7 +31,7 @@ from .bullet import bullet, quiet
 from .bullet_pose import matrix, placed
 from .bullet_renderer import BulletRenderer
 from .bullet_shapes import floor_look, plain_box, thing_shape, tile_shape
-from .bullet_state import check_state
+from .state_signature import check_signature, sign
 
 ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
 _ITERATIONS = 100
@@ -252,10 +252,21 @@ class BulletEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """Return the state as Bullet writes it into a file, and the held connections, which Bullet does not
-        save.
+        """Return the state as Bullet writes it into a file, signed, and the held connections.
+
+        Bullet itself does not save the connections.
         """
-        return {"bullet": self._saved(), "pinned": to_plain(self._pinned, Pinned | None)}
+        content = self._saved()
+        pinned = to_plain(self._pinned, Pinned | None)
+        return {"bullet": content, "signature": sign(content, self._signed_form()), "pinned": pinned}
+
+    def _signed_form(self) -> str:
+        """Return the version of Bullet, and the number of joints of each body."""
+        p, client = self.p, self.client
+        numbers = range(p.getNumBodies(physicsClientId=client))
+        bodies = [p.getBodyUniqueId(number, physicsClientId=client) for number in numbers]
+        joints = [p.getNumJoints(body, physicsClientId=client) for body in bodies]
+        return f"{p.getAPIVersion(physicsClientId=client)} {joints}"
 
     def _saved(self) -> bytes:
         """Return the file that the engine writes now."""
@@ -270,13 +281,14 @@ class BulletEngine(Engine):
         For a body that rests on one of several shapes the run may then differ in the last digits: Bullet
         saves such contacts, but does not restore them exactly.
         """
-        if not isinstance(state, dict) or state.keys() != {"bullet", "pinned"}:
-            raise NotAState("no state of this engine; needed: bullet, pinned")
+        if not isinstance(state, dict) or state.keys() != {"bullet", "signature", "pinned"}:
+            raise NotAState("no state of this engine; needed: bullet, signature, pinned")
         content = from_plain(state["bullet"], bytes, "engine")
+        signature = from_plain(state["signature"], bytes, "signature")
         pinned = from_plain(state["pinned"], Pinned | None, "pinned")
+        check_signature(content, signature, self._signed_form())
         self._check_pinned(pinned)
         self.pin(None)
-        check_state(content, self._saved())
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "state.bullet"
             path.write_bytes(content)

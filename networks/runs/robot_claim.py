@@ -11,6 +11,7 @@ from pathlib import Path
 from handcart.backends.backend import Backend
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
+from handcart.files.state_folder import state_folder
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.waiting import waiting
@@ -129,15 +130,11 @@ class RobotClaim:
         return Path(text) if text else None
 
 
-def state_folder() -> Path:
-    """Return the folder of the robots' files, by default below `~/.local/state`.
-
-    It is `$XDG_STATE_HOME/handcart/robots`.
-    """
-    home = os.environ.get("XDG_STATE_HOME")
-    return (Path(home) if home else Path.home() / ".local" / "state") / "handcart" / "robots"
+def claims_folder() -> Path:
+    """Return the folder of the robots' claims."""
+    return state_folder() / "robots"
 
 
 def claimed(backend: Backend, own: Path | None = None) -> AbstractContextManager[RobotClaim | None]:
     """Claim the robot behind a backend for this process; None for a simulated robot."""
-    return nullcontext() if backend.simulated else RobotClaim(backend, state_folder(), own)
+    return nullcontext() if backend.simulated else RobotClaim(backend, claims_folder(), own)

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from handcart.backends.can.can_backend import CanBackend
-from handcart.networks.runs.robot_claim import RobotClaim, state_folder
+from handcart.networks.runs.robot_claim import RobotClaim, claims_folder
 from handcart.tools.command_line import OWN_COMMANDS
 from tests.tools.conftest import Said
 
@@ -76,10 +76,10 @@ def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path:
     holder = python(
         "import time",
         "from handcart.backends.can.can_backend import CanBackend",
-        "from handcart.networks.runs.robot_claim import RobotClaim, state_folder",
+        "from handcart.networks.runs.robot_claim import RobotClaim, claims_folder",
         "class Robot:",
         "    name, address = 'can', 'virtual cart'",
-        "claim = RobotClaim(Robot(), state_folder())",
+        "claim = RobotClaim(Robot(), claims_folder())",
         "print('held', flush=True)",
         "time.sleep(600)",
         stdout=subprocess.PIPE,
@@ -93,7 +93,7 @@ def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path:
     class Robot:
         name, address = "can", "virtual cart"
 
-    RobotClaim(Robot(), state_folder()).close()  # type: ignore[arg-type]
+    RobotClaim(Robot(), claims_folder()).close()  # type: ignore[arg-type]
 
 
 def test_a_library_that_is_missing_is_named(

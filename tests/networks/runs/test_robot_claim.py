@@ -12,7 +12,7 @@ import pytest
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
-from handcart.networks.runs.robot_claim import NoClaimFolder, RobotBusy, RobotClaim, claimed, state_folder
+from handcart.networks.runs.robot_claim import NoClaimFolder, RobotBusy, RobotClaim, claimed, claims_folder
 
 
 def robot(address: str = "can0 cart") -> Any:
@@ -111,7 +111,7 @@ def test_a_simulated_robot_is_nobodys(tmp_path: Path, monkeypatch: pytest.Monkey
         assert first is second is None
     monkeypatch.delenv("XDG_STATE_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert state_folder() == tmp_path / ".local" / "state" / "handcart" / "robots"
+    assert claims_folder() == tmp_path / ".local" / "state" / "handcart" / "robots"
 
 
 def test_the_run_is_named_for_good_before_anything_moves(

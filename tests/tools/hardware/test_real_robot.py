@@ -15,7 +15,7 @@ import pytest
 from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.runs.robot_claim import RobotClaim, state_folder
+from handcart.networks.runs.robot_claim import RobotClaim, claims_folder
 from tests.tools.conftest import Said
 
 TASK = """\
@@ -80,14 +80,14 @@ def stands_at(task: Path, x: float, y: float, heading_deg: float) -> None:
 def broke_off(folder: Path, kind: str, number: int) -> None:
     """Break the run off at a record, with its claim of the robot left behind."""
     cut(folder, kind, number)
-    (state_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
+    (claims_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
 
 
 @pytest.mark.slow
 def test_runs_follow_each_other_where_nothing_waits(run: Callable[..., Said]) -> None:
     for _ in range(2):
         assert run().status == 0
-    assert (state_folder() / "can-virtual_cart").read_text() == ""
+    assert (claims_folder() / "can-virtual_cart").read_text() == ""
 
 
 def give_up(folder: Path) -> int:
@@ -98,7 +98,7 @@ def give_up(folder: Path) -> int:
         fields = {"n": 2, "outcome": "GiveUp", "reason": "a wheel is stuck", "residuals": {}}
         number = journal.append("RESULT", 80.0, fields)
         journal.append("END", 80.0, {"outcome": "GiveUp", "situation": "at_shelf", "reason": "stuck"})
-    (state_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
+    (claims_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
     return number
 
 
@@ -182,7 +182,7 @@ def test_a_journal_that_is_gone_needs_a_person(run: Callable[..., Said], tmp_pat
     (folder / "journal.jsonl").unlink()
     said = run()
     assert said.status == 6
-    assert f"rm {state_folder() / 'can-virtual_cart'}" in said.err
+    assert f"rm {claims_folder() / 'can-virtual_cart'}" in said.err
 
 
 def test_two_runs_on_one_robot(run: Callable[..., Said], task: Path) -> None:
@@ -192,7 +192,7 @@ def test_two_runs_on_one_robot(run: Callable[..., Said], task: Path) -> None:
         name, address = "can", "virtual cart"
 
     real: Any = Real()
-    with RobotClaim(real, state_folder()) as other:
+    with RobotClaim(real, claims_folder()) as other:
         other.begin(Path("/other/run"))
         said = run()
     assert said.status == 2

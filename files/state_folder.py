@@ -1,0 +1,12 @@
+"""Folder for what this user's programs keep between runs."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+
+def state_folder() -> Path:
+    """Return `$XDG_STATE_HOME/handcart`, by default `~/.local/state/handcart`; it need not exist."""
+    home = os.environ.get("XDG_STATE_HOME")
+    return (Path(home) if home else Path.home() / ".local" / "state") / "handcart"
