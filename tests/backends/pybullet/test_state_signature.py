@@ -91,7 +91,7 @@ def test_a_state_of_another_user_is_refused(
         physics.set_state(state)
 
 
-def test_without_a_folder_for_the_key_a_process_restores_its_own_states(
+def test_without_a_key_folder_a_process_restores_its_own_states(
     physics: BulletEngine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").touch()
