@@ -1,4 +1,4 @@
-"""Maps on which robots are set down anywhere: shipped ones, generated ones, and real ones where they are."""
+"""Maps on which robots are set down anywhere: shipped ones, generated ones, and others from a folder."""
 
 from __future__ import annotations
 
@@ -23,9 +23,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.numerics.arrays import IntArray
 
 ROOT = Path(__file__).resolve().parents[2]
-REAL_MAPS = ROOT / "../shared/maps"
 SHIPPED = ("drive_map/map.yaml", "drive_map/twin_rooms.yaml", "return_book/map.yaml")
-REAL = ("depot/depot.yaml", "turtlebot3/map.yaml")
 OFFICE_SIZE_M = (22.0, 14.0)
 CORRIDOR_M = (30.0, 2.4)
 ROOM_M = 0.12  # beside the footprint, where a robot is set down
@@ -66,6 +64,7 @@ def start_options(description: str | None, runs: int) -> argparse.ArgumentParser
     words.add_argument("--map", default="", help="only maps with this word in their name")
     words.add_argument("--backend", choices=["kinematic", "mujoco", "pybullet"], default="kinematic")
     words.add_argument("--robot", default="cart")
+    words.add_argument("--maps", type=Path, help="folder with more maps in ROS format (default: none)")
     words.add_argument("--verbose", action="store_true", help="a line for each run")
     return words
 
@@ -73,15 +72,28 @@ def start_options(description: str | None, runs: int) -> argparse.ArgumentParser
 def chosen_charts(folder: Path, chosen: argparse.Namespace) -> list[Chart]:
     """Return the maps that `start_options` chose; generated ones are written into a folder."""
     radius = load_robot(chosen.robot).footprint_radius_m
-    return [chart for chart in charts(folder, radius) if chosen.map in chart.name]
+    if chosen.maps is None:
+        print("maps of real buildings are skipped: no --maps FOLDER", flush=True)
+    elif not (listed := map_files(chosen.maps)):
+        raise SystemExit(f"--maps {chosen.maps}: no map in ROS format is there; needed: *.yaml with `image`")
+    else:
+        print(f"maps of {chosen.maps}: {', '.join(path.stem for path in listed)}", flush=True)
+    return [chart for chart in charts(folder, radius, chosen.maps) if chosen.map in chart.name]
 
 
-def charts(folder: Path, radius: float) -> Iterator[Chart]:
+def map_files(folder: Path) -> list[Path]:
+    """Return the map files in ROS format in a folder and below, by name."""
+    found = sorted(folder.rglob("*.yaml"))
+    return [path for path in found if "image:" in path.read_text(encoding="utf-8", errors="replace")]
+
+
+def charts(folder: Path, radius: float, maps: Path | None = None) -> Iterator[Chart]:
     """Yield all maps; generated ones are written into a folder.
 
     Args:
         folder: for generated maps.
         radius: of the robot's footprint, in [m].
+        maps: folder with more maps.
     """
     for name in SHIPPED:
         yield _chart(name.removesuffix(".yaml"), ROOT / "tasks" / name, radius)
@@ -94,9 +106,8 @@ def charts(folder: Path, radius: float) -> Iterator[Chart]:
     niches = [(7.0, width - 0.25, 0.0, 0.5, 0.4), (19.0, 0.25, 0.0, 1.2, 0.3)]
     corridor = from_boxes([*sides, *ends, *niches], 0.05, (0.0, 0.0), CORRIDOR_M)
     yield _chart("corridor", _written(folder, "corridor", corridor), radius)
-    for name in REAL:
-        if (REAL_MAPS / name).is_file():
-            yield _chart(name.split("/")[0], (REAL_MAPS / name).resolve(), radius)
+    for path in [] if maps is None else map_files(maps):
+        yield _chart(path.stem if path.stem != "map" else path.parent.name, path.resolve(), radius)
 
 
 def _chart(name: str, path: Path, radius: float) -> Chart:

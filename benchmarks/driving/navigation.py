@@ -283,9 +283,11 @@ def odometry_row() -> Row:
     return Row("wheels alone, 17 m: mm, mean / worst", f"{1e3 * np.mean(away):.0f} / {1e3 * max(away):.0f}")
 
 
-def real_maps(folder: Path) -> list[tuple[str, GridMap, float]]:
-    """Return the maps that are there, with a robot's radius for each."""
-    found = []
+def real_maps(folder: Path | None) -> list[tuple[str, GridMap, float]]:
+    """Return the maps that are in a folder, with a robot's radius for each; none without a folder."""
+    found = list[tuple[str, GridMap, float]]()
+    if folder is None:
+        return found
     for name, path, origin, thresh, radius in (
         ("turtlebot3", "turtlebot3/map.pgm", -10.0, 0.196, 0.105),
         ("turtlebot3", "turtlebot3/map.pgm", -10.0, 0.196, 0.22),
@@ -304,9 +306,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--maps", type=Path, default=Path("../shared/maps"))
+    parser.add_argument("--maps", type=Path, help="folder with maps of real buildings (default: none)")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args()
+    if options.maps is None:
+        print("maps of real buildings are skipped: no --maps FOLDER", file=sys.stderr, flush=True)
     maps = [("office", office_map(0, 400, 300), 0.25), *real_maps(options.maps)]
     parts: list[tuple[str, Callable[[], list[Row]]]] = [("cold start", lambda: [cold_row()])]
     parts += [(f"{name}, {radius} m", partial(route_rows, name, grid, radius)) for name, grid, radius in maps]

@@ -140,11 +140,12 @@ def reduced(grid: GridMap, times: int) -> GridMap:
     return GridMap(occupied, np.zeros_like(occupied), grid.resolution * times, grid.origin_x, grid.origin_y)
 
 
-def maps(folder: Path) -> list[tuple[str, GridMap, float]]:
+def maps(folder: Path | None) -> list[tuple[str, GridMap, float]]:
     """Name, map and radius of all that lengths are compared on."""
     real = real_maps(folder)
     if not real:
-        print(f"no real maps: none in {folder} (turtlebot3/map.pgm, depot/depot.pgm)", file=sys.stderr)
+        where = "no --maps FOLDER" if folder is None else f"none in {folder}"
+        print(f"real maps are skipped: {where} (turtlebot3/map.pgm, depot/depot.pgm)", file=sys.stderr)
     office = ("office", office_map(0, 400, 300), 0.25)
     coarse = {name: grid for name, grid, _ in (office, *real)}
     found = [office, *real, *((f"{name} / 4", reduced(grid, 4), 0.3) for name, grid in coarse.items())]
@@ -203,7 +204,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--pairs", type=int, default=100, help="on each map")
-    parser.add_argument("--maps", type=Path, default=Path("../shared/maps"))
+    parser.add_argument("--maps", type=Path, help="folder with maps of real buildings (default: none)")
     options = parser.parse_args()
     exactness(options.samples, options.seed)
     print("\nroute / shortest 8-connected; / any-angle shortest; mean clearance / that one's; CPU ms a query")

@@ -46,13 +46,18 @@ def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) 
     It avoids everything on the map, and what was sensed; with `cells` also what beams may clear again.
     Without a route, the result holds the reason.
     """
-    grid = model.map
-    if cells and len(model.sensed_cells):
-        layer = ScanLayer(grid)
-        layer.restore(model.sensed_cells)
-        grid = layer.merged()
+    grid = map_with_cells(model) if cells else model.map
     ways = Ways(grid, robot.spec.footprint_shape, robot.pose, avoided_points(robot, model))
     return ways.to(goal.pose, goal.front if goal.docks else None)
+
+
+def map_with_cells(model: ModelView) -> GridMap:
+    """Return the map with the cells in which something was sensed lately that it does not show."""
+    if not len(model.sensed_cells):
+        return model.map
+    layer = ScanLayer(model.map)
+    layer.restore(model.sensed_cells)
+    return layer.merged()
 
 
 def no_way(name: str, way: Way) -> Discrepancy:

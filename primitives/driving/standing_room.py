@@ -41,7 +41,7 @@ class StandingRoom:
         Args:
             spec: of the robot; its posture `home` is the one that it drives in.
             arm: of the robot.
-            grid: the map.
+            grid: the map, with the cells in which something was sensed that it does not show.
             sensed: (n, 2) points that are not on it, in [m].
             here: map_T_base from where it sets out.
             boxes: that the arm must not touch, posed on the map.

@@ -12,6 +12,7 @@ from typing_extensions import override
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.driving.driving import map_with_cells
 from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
@@ -56,7 +57,7 @@ class Divide(ActionPrimitive):
     """
 
     needs: ClassVar = (Arm,)
-    reads: ClassVar = ("map", "seam", "work_piece", "obstacles", "bumps", "arm_bumps")
+    reads: ClassVar = ("map", "seam", "work_piece", "obstacles", "sensed_cells", "bumps", "arm_bumps")
     writes: ClassVar = ("places", "seam_work", "detour")
     only_knowledge: ClassVar = True
 
@@ -66,7 +67,8 @@ class Divide(ActionPrimitive):
         seam, work = seam_of(model), known.seam_work
         boxes = tuple(each.box for each in known.work_piece.boxes) if known.work_piece else ()
         avoided = avoided_points(robot, model)
-        room = StandingRoom(robot.spec, robot.arm_model, model.map, avoided, robot.pose, boxes, work.avoided)
+        grid = map_with_cells(model)
+        room = StandingRoom(robot.spec, robot.arm_model, grid, avoided, robot.pose, boxes, work.avoided)
         if work.tracked == len(seam.points) - 1 or self._stays(work, room):
             self.found(kept=len(work.rest))
             return

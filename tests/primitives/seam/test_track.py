@@ -126,6 +126,31 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
     assert {"place_3", "place_4"} <= rig.model.places.keys()
 
 
+def test_divide_keeps_off_what_was_sensed_beside_the_map(
+    make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Cells that beams may clear again block places to stand as the map does."""
+    rig, asked = make_stage(), list[Any]()
+    x, y = np.meshgrid(np.arange(-3.0, 3.0, 0.25), np.arange(-3.0, 3.0, 0.25))
+    spots = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]) + np.array([*rig.robot.pose[:2], 0.0])
+
+    def place(rest: Any, blocked: Any, *_: Any) -> Placements:
+        asked.append(blocked(spots))
+        return Placements(np.array([HERE]), (PathSegment(0, 0, len(rest.points) - 1),), (0.1,))
+
+    monkeypatch.setattr("handcart.primitives.seam.divide.placer_of", lambda _: SimpleNamespace(place=place))
+    rig.model.of(Seam).seam_work = SeamWork(0, None, (), 0)
+    assert isinstance(rig.do(Divide(placements=1)), Success)
+    rig.model.of(Seam).seam_work = SeamWork(0, None, (), 0)
+    free = spots[~asked[0]]
+    spot = free[np.argmax(np.hypot(*(free[:, :2] - rig.robot.pose[:2]).T))]
+    rig.model.sensed_cells = np.array([[*spot[:2], 12.0, 0.0]])
+    assert isinstance(rig.do(Divide(placements=1)), Success)
+    near = np.hypot(*(spots[:, :2] - spot[:2]).T) < 0.2
+    assert asked[1][near].all()
+    assert not asked[0][near].all()
+
+
 @pytest.mark.parametrize(
     ("sigmas", "known"),
     [((3e-4, 3e-4, 1e-4), True), ((1e-3, 3e-4, 1e-4), False), ((3e-4, 3e-4, 9e-4), False)],
