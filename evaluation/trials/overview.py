@@ -174,7 +174,8 @@ def _window(grid: GridMap, track: RunTrack, radius: float) -> FloatArray:
         low = np.maximum(start, grid.to_point(known.min(axis=0)[None])[0] - MAP_MARGIN_M)
         high = np.minimum(start + size, grid.to_point(known.max(axis=0)[None])[0] + MAP_MARGIN_M)
     else:
-        ways = track.pose[:, :2] if len(track.pose) else np.zeros((1, 2))
+        ways = track.pose[np.isfinite(track.pose[:, 0]), :2]
+        ways = ways if len(ways) else np.zeros((1, 2))
         low, high = ways.min(axis=0) - radius - MAP_MARGIN_M, ways.max(axis=0) + radius + MAP_MARGIN_M
     more = np.array([0.0, max(0.0, MIN_MAP_ASPECT * (high[0] - low[0]) - (high[1] - low[1])) / 2])
     return np.column_stack([low - more, high + more])
@@ -208,7 +209,7 @@ def _draw_robot(axis: Any, track: RunTrack, radius: float) -> None:
 def _draw_footprint(axis: Any, pose: FloatArray | None, radius: float, style: str, label: str) -> None:
     from matplotlib.patches import Circle
 
-    if pose is None:
+    if pose is None or not np.isfinite(pose).all():  # not recorded, or the robot did not know
         return
     x, y, heading = pose
     axis.add_patch(Circle((x, y), radius, fill=False, color=DRIVEN_COLOUR, ls=style, lw=1.2, label=label))

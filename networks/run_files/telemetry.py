@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from handcart.files.whole_file import write_whole
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array
 
 if TYPE_CHECKING:
@@ -21,7 +22,10 @@ class RunTrack(NamedTuple):
     time: FloatArray
     """(n,) the robot's time, in [s]."""
     pose: FloatArray
-    """(n, 3) estimated map_T_base: x and y in [m], heading in [rad]."""
+    """(n, 3) estimated map_T_base: x and y in [m], heading in [rad].
+
+    Poses from before the robot found out where it is are those that it knows afterwards; NaN if it never did.
+    """
     action: Int32Array
     """(n,) number of the action that ran, from 1; 0 before the first."""
     restoring: BoolArray
@@ -33,22 +37,47 @@ class Telemetry:
 
     def __init__(self) -> None:
         self._rows: list[tuple[float, float, float, float, int, bool]] = []
+        self._located: list[bool] = []
 
     def record(self, robot: Robot, action: int, restoring: bool) -> None:
         """Record the robot's present pose."""
         pose = robot.pose
         self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
+        self._located.append(robot.localization.is_located)
 
     def track(self) -> RunTrack:
         """Return the poses recorded so far."""
         table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
-        return RunTrack(table[:, 0], table[:, 1:4], table[:, 4].astype(np.int32), table[:, 5] > 0.5)
+        poses = on_the_map(table[:, 1:4], np.array(self._located, dtype=np.bool_))
+        return RunTrack(table[:, 0], poses, table[:, 4].astype(np.int32), table[:, 5] > 0.5)
 
     def save(self, path: Path) -> None:
         """Write the track into an .npz file."""
         packed = BytesIO()
         np.savez_compressed(packed, **self.track()._asdict())
         write_whole(path, packed.getvalue())
+
+
+def on_the_map(poses: FloatArray, located: BoolArray) -> FloatArray:
+    """Return poses (n, 3) on the map; those in a local frame are moved to where that turns out to be.
+
+    The pose of a robot at rest jumps from its local frame to the map when it is located.
+
+    Args:
+        poses: x and y in [m], heading in [rad].
+        located: (n,) whether each is on the map.
+    """
+    found = poses.copy()
+    ends = np.flatnonzero(np.diff(located.astype(np.int8)))
+    begins = np.concatenate([[0], ends + 1]) if len(located) else np.empty(0, dtype=np.int64)
+    for begin, end in zip(begins, np.append(ends + 1, len(located)), strict=False):
+        if located[begin]:
+            continue
+        found[begin:end] = np.nan
+        if end < len(located):
+            map_T_local = Pose2(*poses[end].tolist()).compose(Pose2(*poses[end - 1].tolist()).inverse())
+            found[begin:end] = [map_T_local.compose(Pose2(*pose)) for pose in poses[begin:end].tolist()]
+    return found
 
 
 def load_track(file: Path | BytesIO) -> RunTrack:

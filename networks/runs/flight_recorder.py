@@ -84,6 +84,7 @@ class FlightRecorder(RunObserver):
             "x_m": pose.x,
             "y_m": pose.y,
             "heading_rad": pose.theta,
+            "is_located": robot.localization.is_located,
             "position_sigma_m": sigma[0],
             "heading_sigma_rad": sigma[1],
             "scan_explained": robot.localization.explained,

@@ -150,7 +150,7 @@ class Locate(ActionPrimitive):
         beams = beams_of(lidar)
         yield from robot.compute(hypotheses.take, beams, robot.pose, takes=SEARCH_S)
         alive = hypotheses.alive
-        self.evidence.points["hypotheses"] = hypotheses.poses[alive][:, :2]
+        self.evidence.points["hypotheses"] = hypotheses.poses[alive]
         self.found(
             looks=len(hypotheses.looks),
             hypotheses=len(alive),

@@ -42,12 +42,23 @@ def compare(
             raise typer.BadParameter(f"{path} has no occupied cell; needed: a map with walls")
     with announced("aligning the maps"):
         found = compare_maps(*grids, Pose2(0.0, 0.0, 0.0) if keep else None)
-    report(found, first.name, second.name, as_json)
+    names = told_apart(first, second)
+    report(found, *names, as_json)
     if output is not None:
         try:
-            draw_comparison(grids, found.first_T_second, output, (first.name, second.name))
+            draw_comparison(grids, found.first_T_second, output, names)
         except OSError as error:
             raise NotWritable(output, error.strerror) from None
+
+
+def told_apart(first: Path, second: Path) -> tuple[str, str]:
+    """Return the shortest ends of two paths that differ: `office/map.yaml` and `other/map.yaml`."""
+    one, other = first.resolve().parts, second.resolve().parts
+    for count in range(1, max(len(one), len(other))):
+        names = "/".join(one[-count:]), "/".join(other[-count:])
+        if names[0] != names[1]:
+            return names
+    return str(first), f"{second} (the same file)"
 
 
 def report(found: MapComparison, first: str, second: str, as_json: bool) -> None:

@@ -153,11 +153,16 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         now = _deciding(explanation, readings)
         middle = np.array([readings["x_m"][now], readings["y_m"][now]])
         pose = Pose2(float(middle[0]), float(middle[1]), float(readings["heading_rad"][now]))
+        is_located = bool(readings["is_located"][now]) if "is_located" in readings else True
+        if not is_located and len(points.get("hypotheses", ())):
+            pose = _likeliest(points["hypotheses"], pose)
+            middle = np.array(pose[:2])
         _draw_robot(axis, readings, pose)
         if "ranges_m" in readings:
             axis.plot(*_scan(readings, now, pose).T, ".", color=GREY, ms=2.0, label="scan")
         way = _with_gaps(readings)
-        axis.plot(way["x_m"], way["y_m"], color=READING_COLOUR, lw=1.0, label="driven")
+        if is_located:
+            axis.plot(way["x_m"], way["y_m"], color=READING_COLOUR, lw=1.0, label="driven")
     for name, style in (("planned", ":"), ("ahead", "--")):
         if name in points:
             axis.plot(*points[name].T, style, color=COMMAND_COLOUR, lw=1.2, label=name)
@@ -169,8 +174,9 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         axis.plot(*points["in the way"].T, "x", color="black", ms=10, mew=2, label="in the way")
     shown = middle[None]
     if "hypotheses" in points:
-        shown = np.vstack([shown, points["hypotheses"]])
-        axis.plot(*points["hypotheses"].T, "*", color=COMMAND_COLOUR, ms=9.0, label="may be here")
+        places = points["hypotheses"][:, :2]
+        shown = np.vstack([shown, places])
+        axis.plot(*places.T, "*", color=COMMAND_COLOUR, ms=9.0, label="may be here")
     low, high = shown.min(axis=0) - VIEW_RADIUS_M, shown.max(axis=0) + VIEW_RADIUS_M
     axis.set_xlim(low[0], high[0])
     axis.set_ylim(low[1], high[1])
@@ -179,6 +185,12 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
     axis.set_ylabel("y [m]")
     axis.set_title("from above, when it decided", fontsize=8)
     add_legend(axis, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+
+
+def _likeliest(hypotheses: FloatArray, pose: Pose2) -> Pose2:
+    """Return the best of the poses (n, 3) at which the robot may be; files of old runs have no headings."""
+    x, y, heading = (*hypotheses[0].tolist(), pose.theta)[:3]
+    return Pose2(float(x), float(y), float(heading))
 
 
 def _deciding(explanation: Explanation, readings: Readings) -> int:

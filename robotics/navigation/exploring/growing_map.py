@@ -10,7 +10,7 @@ from handcart.robotics.navigation.localization.scan_matching import match_scan
 from handcart.robotics.navigation.mapping.keyframe_graph import KeyframeGraph
 from handcart.robotics.navigation.mapping.line_matching import LineMatch
 from handcart.robotics.navigation.mapping.map_building import BuiltMap, built_of
-from handcart.robotics.navigation.mapping.pose_graph import Edge, covariances
+from handcart.robotics.navigation.mapping.pose_graph import covariances
 from handcart.robotics.navigation.mapping.ray_counts import count_rays
 from handcart.robotics.navigation.mapping.scan_chain import (
     MIN_INLIERS,
@@ -85,7 +85,7 @@ class GrowingMap:
         number = len(graph.frames)
         self._chained.append(self._chained[-1].compose(match.pose))
         pose = Pose2(*map(float, poses[-1].compose(match.pose)))
-        graph.append(frame, pose, Edge(number - 1, number, *match[:2]))
+        graph.append(frame, pose, match)
         self._measure(number)
         return match
 

@@ -11,6 +11,7 @@ import numpy as np
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .line_matching import LineMatch
 from .loop_closure import KeyframeView, Loop, close_loop, place_at, track_loop
 from .loop_search import Candidate, candidates, supported
 from .pose_graph import (
@@ -22,6 +23,7 @@ from .pose_graph import (
     optimize,
     relative_covariances,
 )
+from .scan_chain import chain_edges
 from .scan_log import Keyframe
 
 Heard = Callable[[str, float], None]
@@ -64,12 +66,12 @@ class KeyframeGraph:
         """All edges."""
         return [*self._edges, *self.loop_edges]
 
-    def append(self, frame: Keyframe, pose: Pose2, edge: Edge) -> None:
-        """Add a keyframe at its pose, with the edge from the one before it."""
+    def append(self, frame: Keyframe, pose: Pose2, match: LineMatch) -> None:
+        """Add a keyframe at its pose, by its match with those before it."""
         self._travel = np.append(self._travel, self._travel[-1] + pose.distance(self.poses[-1]))
         self.frames.append(frame)
         self.poses.append(pose)
-        self._edges.append(edge)
+        self._edges += chain_edges(self.poses, match, len(frame.surface.points))
 
     def measure(self, number: int, pose: Pose2, information: FloatArray) -> None:
         """Add the measured pose of a keyframe in the graph's frame, with its information (3, 3).

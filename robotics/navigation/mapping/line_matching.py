@@ -24,7 +24,7 @@ MIN_SIGMA_M = 0.005
 """Lower limit in [m] of the residuals' sigma: surfaces are rough, and beams of one surface are correlated."""
 CORRELATED_POINTS = 4.0
 """Points that count as one: neighbours on a surface share its errors."""
-BIAS_SHARE, BIAS_SHARE_RAD = 0.3, 0.1
+BIAS_SHARE, BIAS_SHARE_RAD = 0.15, 0.05
 """Errors of a pose, in [m] and [rad] per metre of the residuals' sigma, that all points share."""
 DAMPING = np.diag([1.0, 1.0, 1.0])
 """Information (3, 3) that keeps a pose in place along directions that no surface determines."""

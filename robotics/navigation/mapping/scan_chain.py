@@ -17,6 +17,12 @@ from .window_search import search_window
 
 RECENT_KEYFRAMES = 10
 """Keyframes before the current one that it is matched with."""
+MAX_EDGES, POINTS_PER_EDGE = 5, 60
+"""Keyframes before one that share the information of its match: one for so many points, at most five.
+
+Measured with 360 beams: the errors of neighbouring motions have a correlation of -0.5, and 100 keyframes
+drift three times as far as one. With 120 beams the correlation is -0.3.
+"""
 MIN_INLIERS = 0.4
 """Share of points that must be explained; with fewer, only the odometry counts."""
 GOOD_INLIERS = 0.7
@@ -58,9 +64,34 @@ def chain(
         match = matched_motion(reference, frame.surface, moved)
         blind += match.inliers < MIN_INLIERS
         poses.append(poses[number - 1].compose(match.pose))
-        edges.append(Edge(number - 1, number, match.pose, match.information))
+        edges += chain_edges(poses, match, len(frame.surface.points))
         heard(number / len(keyframes))
     return poses, edges, blind
+
+
+def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[Edge]:
+    """Return the edges of the last keyframe, which was matched with those before it together.
+
+    It is measured against all of them: its error is that of one match, and does not add to the errors of the
+    matches before. So several edges share the information of the match, more in dense scans. A motion by
+    odometry alone is measured from the last keyframe.
+
+    Args:
+        poses: of the keyframes in order, that of the last one as the match found it.
+        match: of the last keyframe, in the frame of the one before.
+        points: number of the keyframe's points on surfaces.
+    """
+    last = len(poses) - 1
+    shared = max(1, min(MAX_EDGES, points // POINTS_PER_EDGE, last))
+    count = shared if match.inliers >= MIN_INLIERS else 1
+    edges = list[Edge]()
+    for first in range(last - count, last):
+        turn = poses[first].theta - poses[last - 1].theta
+        cos, sin = np.cos(turn), np.sin(turn)
+        rotation = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        information = rotation @ match.information @ rotation.T / count
+        edges.append(Edge(first, last, poses[last].relative_to(poses[first]), information))
+    return edges
 
 
 def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMatch:

@@ -123,6 +123,17 @@ def test_comparison_reports_what_is_missing(plan: Path, tmp_path: Path, handcart
     assert "<svg" in (tmp_path / "a.svg").read_text(encoding="utf-8")
 
 
+def test_compared_maps_of_one_name_are_told_apart(tmp_path: Path, handcart: Handcart) -> None:
+    for folder in ("office", "other"):
+        (tmp_path / folder).mkdir()
+        write_grid(tmp_path / folder / "map.yaml", room())
+    said = handcart(
+        "map", "compare", tmp_path / "office" / "map.yaml", tmp_path / "other" / "map.yaml", "--keep"
+    )
+    assert "the frame of other/map.yaml is at" in said.out
+    assert "walls of office/map.yaml: median 0.0 cm" in said.out
+
+
 def test_world_walls_report_things_that_a_map_lacks(plan: Path, tmp_path: Path, handcart: Handcart) -> None:
     (tmp_path / "world.yaml").write_text(WORLD, encoding="utf-8")
     said = handcart("map", "walls", plan, tmp_path / "world.yaml", "--json")
