@@ -56,8 +56,7 @@ class SurveyedRun:
     @property
     def world_T_map(self) -> Pose2:
         """Pose of the robot's map in the world: by its start if it has no map, otherwise the same frame."""
-        start = self.robot.own_start
-        return Pose2(0.0, 0.0, 0.0) if start is None else self.world.start.compose(start.inverse())
+        return self.world.world_T_map(self.robot.own_start)
 
     @property
     def base_on_map(self) -> Pose2:

@@ -116,6 +116,15 @@ class Scene:
         """Return the floor plan of bodies that any part of the robot may run into."""
         return FloorPlan(self.solids, 0.02, 2.0)
 
+    def world_T_map(self, own_start: Pose2 | None) -> Pose2:
+        """Return the pose of a robot's map in the world.
+
+        Args:
+            own_start: pose that the robot gives its start because it has no map; None with a map, which has
+                the world's frame.
+        """
+        return Pose2(0.0, 0.0, 0.0) if own_start is None else self.start.compose(own_start.inverse())
+
     @property
     def held_name(self) -> str | None:
         """Name of the held object, or None."""

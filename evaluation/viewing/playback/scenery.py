@@ -93,7 +93,7 @@ class RobotShape(FileModel):
 
 
 class Scenery(FileModel):
-    """Constant data of a recorded run, in the world's frame, which is the map's frame if there is a map."""
+    """Constant data of a recorded run; map and places in the map's frame, all else in the world's."""
 
     format: Literal["handcart-playback/1"] = "handcart-playback/1"
     robot: RobotShape
@@ -104,6 +104,8 @@ class Scenery(FileModel):
     map: MapShape | None = None
     places: dict[str, tuple[float, float, float]] = Field(default_factory=dict)
     """Places by name: x, y in [m], heading in [rad]."""
+    world_t_map: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Pose of the map's frame in the world: x, y in [m], heading in [rad]. Not zero only without a map."""
 
 
 def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
@@ -116,6 +118,7 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
         solids=() if scene is None else tuple(map(_solid, _without_ground(scene.solids))),
         map=_map(prepared.model.map),
         places={name: (pose.x, pose.y, pose.theta) for name, pose in places.items()},
+        world_t_map=(0.0, 0.0, 0.0) if scene is None else tuple(scene.world_T_map(prepared.robot.own_start)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 SEE_THROUGH_HEIGHT_M = 1.6  # higher solids are drawn transparent
 SEE_THROUGH_OPACITY = 0.28
+ON_MAP = "/on_map"  # node of what is known in the map's frame
 TRACK_HEIGHT_M = 0.05  # of the tracks of people
 LINE_HEIGHT_M = 0.015  # of lines above the floor
 ELLIPSE_CORNERS = 48
@@ -45,23 +47,28 @@ class WorldNodes:
         self._things: dict[str, tuple[Any, FloatArray]] = {}
         self._at: dict[str, FloatArray | None] = {}
         self._ground(scenery)
+        x, y, heading = scenery.world_t_map
+        turn = (math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading))
+        self._scene.add_frame(ON_MAP, wxyz=turn, position=(x, y, 0.0), show_axes=False)
         if scenery.map is not None:
             self._map(scenery.map, raised=not scenery.simulated)
         self._solids(scenery.solids)
         for thing in things:
             self.add_thing(thing)
         for name, (x, y, _) in scenery.places.items():
-            self._scene.add_label(f"/places/{name}", name, position=(x, y, 0.05), font_screen_scale=0.8)
+            self._scene.add_label(
+                f"{ON_MAP}/places/{name}", name, position=(x, y, 0.05), font_screen_scale=0.8
+            )
         none = np.zeros((0, 2, 3), np.float32)
         self.rays = self._lines("/rays", none, colours.RAY_RGB, 0.003)
         self.hits = self._points("/hits", colours.HIT_RGB, 0.025)
-        self.bumped = self._points("/bumped", colours.BUMPED_RGB, 0.04)
-        self.planned = self._lines("/planned", none, colours.PLANNED_RGB, 0.015)
-        self.people = self._lines("/people", none, colours.PEOPLE_RGB, 0.02)
+        self.bumped = self._points(f"{ON_MAP}/bumped", colours.BUMPED_RGB, 0.04)
+        self.planned = self._lines(f"{ON_MAP}/planned", none, colours.PLANNED_RGB, 0.015)
+        self.people = self._lines(f"{ON_MAP}/people", none, colours.PEOPLE_RGB, 0.02)
         self.driven = self._lines("/driven", none, colours.DRIVEN_RGB, 0.012)
         self.restored = self._lines("/restored", none, colours.RESTORED_RGB, 0.015)
-        self.ellipse = self._lines("/ellipse", none, colours.CLOUD_RGB, 0.015)
-        self.cloud = self._points("/cloud", colours.CLOUD_RGB, 0.04)
+        self.ellipse = self._lines(f"{ON_MAP}/ellipse", none, colours.CLOUD_RGB, 0.015)
+        self.cloud = self._points(f"{ON_MAP}/cloud", colours.CLOUD_RGB, 0.04)
 
     # What moves
 
@@ -162,7 +169,7 @@ class WorldNodes:
         middle = (x0 + width * cell / 2, y0 + height * cell / 2, -0.008)
         turned = seven(np.diag([1.0, -1.0, -1.0, 1.0]))  # a picture's y goes down
         self._scene.add_image(
-            "/map",
+            f"{ON_MAP}/map",
             rgba,
             width * cell,
             height * cell,
@@ -172,7 +179,7 @@ class WorldNodes:
             cast_shadow=False,
         )
         if raised:
-            add_boxes(self._scene, "/map/raised", *_runs(shape, picture), colours.WALL_RGB, 1.0)
+            add_boxes(self._scene, f"{ON_MAP}/map/raised", *_runs(shape, picture), colours.WALL_RGB, 1.0)
 
     def _solids(self, solids: Iterable[SolidShape]) -> None:
         passing = [each for each in solids if each.appears_s > 0.0 or each.leaves_s is not None]

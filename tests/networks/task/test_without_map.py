@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.evaluation.judging.survey import SurveyedRun
 from handcart.evaluation.trials.running import run_task
+from handcart.evaluation.viewing.playback.scenery import scenery_of
 from handcart.files.errors import FileError
-from handcart.networks.task.preparing import check
+from handcart.networks.task.preparing import check, prepare
 from handcart.networks.task.without_map import MARGIN_M, open_floor
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -69,6 +71,25 @@ def test_mask_and_unknown_start_need_a_map(tmp_path: Path) -> None:
     task = TASK.replace("map: none,", "map: none, start: unknown,")
     with pytest.raises(FileError, match=r"task.yaml:5:.*found by scans on a map; needed: the key `map`"):
         check(written(tmp_path, 500, task))
+
+
+def test_its_frame_is_that_of_the_start_wherever_that_is(tmp_path: Path) -> None:
+    """Judge and pictures move what the robot knows to where it began."""
+    path = written(tmp_path, 500)
+    world = (tmp_path / "world.yaml").read_text(encoding="utf-8")
+    moved = world.replace("{x_m: 0.0, y_m: 0.0, heading_deg: 0}", "{x_m: 1.0, y_m: -1.5, heading_deg: 90}")
+    (tmp_path / "world.yaml").write_text(moved, encoding="utf-8")
+    with prepare(path) as prepared:
+        run = SurveyedRun.of(prepared)
+        assert run.world.base == pytest.approx(Pose2(1.0, -1.5, np.pi / 2))
+        assert run.base_on_map == pytest.approx(Pose2(0.0, 0.0, 0.0))
+        scenery = scenery_of(prepared, run.world)
+        assert scenery.world_t_map == pytest.approx((1.0, -1.5, np.pi / 2))
+        for _ in range(20):
+            prepared.robot.base.drive(0.3, 0.0)
+            prepared.robot.step()
+        assert run.base_on_map.x > 0.1
+        assert run.base_on_map == pytest.approx(prepared.robot.pose, abs=0.02)
 
 
 @pytest.mark.slow
