@@ -111,6 +111,7 @@ class Scenery(FileModel):
 def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
     """Return the scenery of a prepared run; `scene` is its simulated world, or None for a real robot."""
     places = {name: place.pose for name, place in prepared.model.places.items()}
+    frame = Pose2(0.0, 0.0, 0.0) if scene is None else scene.world_T_map(prepared.robot.own_start)
     return Scenery(
         robot=_robot(prepared),
         simulated=scene is not None,
@@ -118,7 +119,7 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
         solids=() if scene is None else tuple(map(_solid, _without_ground(scene.solids))),
         map=_map(prepared.model.map),
         places={name: (pose.x, pose.y, pose.theta) for name, pose in places.items()},
-        world_t_map=(0.0, 0.0, 0.0) if scene is None else tuple(scene.world_T_map(prepared.robot.own_start)),
+        world_t_map=(frame.x, frame.y, frame.theta),
     )
 
 
