@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 @dataclass(frozen=True)
 class Body:
-    """Something that can be moved."""
+    """True state of a movable body."""
 
     support: str
     """Supporting body: "hand", "tray", or its name; "floor" if the body fell."""

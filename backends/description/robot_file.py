@@ -122,7 +122,7 @@ class SuspensionSpec(FileModel):
 
 
 class Tolerance(FileModel):
-    """Within which a measured situation counts as the one that was."""
+    """Tolerances within which a measured state counts as equal to an earlier one."""
 
     base_mm: Positive
     base_deg: Positive
@@ -205,7 +205,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @property
     def whole(self) -> RobotUrdf:
-        """The robot put together from its URDFs; raises `UrdfError` where that can't be done."""
+        """Return the robot assembled from its URDFs; raises `UrdfError` if they do not fit together."""
         if self._whole is None:
             own = PartSpec(urdf=self.urdf, srdf=self.srdf, onto="")
             self._whole = robot_urdf(
@@ -236,11 +236,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return found
 
     def arm_model(self) -> ArmModel:
-        """Kinematics of the arm, a new object; raises ValueError where the robot has none.
-
-        A joint without a speed limit in the URDF (0, or a continuous joint without `<limit>`) has the speed
-        of the robot's file.
-        """
+        """Return a new kinematic model of the arm; raises ValueError without an arm."""
         from handcart.robotics.kinematics.arm_model import ArmModel
 
         if self.arm is None:

@@ -37,12 +37,8 @@ SPEED_RATIOS = (
 
 
 class GuardedBase(HolonomicBase):
-    """Passes on the part of each command that can be driven, and braked from, without a contact.
-
-    The area that the footprint sweeps until the base could stop is compared with the map at the estimated
-    pose, with the scan, which needs no pose, and with points where the base ran into an obstacle that
-    neither shows. Ground that the lidar does not see is not free, unless the base has just driven there.
-    A footprint that is a disc sweeps no area as it turns; a polygon does, so its turns are guarded too.
+    """Guard of a base: passes on the part of each command that can be driven, and braked from, without a
+    contact.
     """
 
     def __init__(
@@ -147,7 +143,9 @@ class GuardedBase(HolonomicBase):
         self._starts = True
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Until it starts elsewhere, the base may come as near to what the map shows as map_T_base is."""
+        """Allow the base to come as near to mapped obstacles as it is at a pose map_T_base, until it starts
+        elsewhere.
+        """
         self._begin()
         self._guard.may_stand_at(pose)
 

@@ -38,7 +38,7 @@ OLD_PARTS = {
 
 
 class ChangingPart(Protocol):
-    """Something that changes in a run."""
+    """Base class of parts whose state changes during a run."""
 
     @property
     def STATE(self) -> Kinds:

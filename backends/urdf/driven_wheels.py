@@ -23,7 +23,7 @@ class DrivenWheels(NamedTuple):
     right: tuple[str, ...]
 
     def check(self) -> None:
-        """Raise `NoWheels` where a side has none."""
+        """Raise `NoWheels` if a side has no wheel."""
         for side, names in self._asdict().items():
             if not names:
                 raise NoWheels(
@@ -32,12 +32,12 @@ class DrivenWheels(NamedTuple):
 
     @property
     def all(self) -> tuple[str, ...]:
-        """Left ones first."""
+        """Names of all driven wheels, those of the left side first."""
         return (*self.left, *self.right)
 
 
 def driven_wheels(names: Iterable[str]) -> DrivenWheels:
-    """Those among the names of joints or links, each side in alphabetical order."""
+    """Return the driven wheels among the names of joints or links, each side in alphabetical order."""
     found = sorted((match[1], name) for name in names if (match := _NAME.fullmatch(name)))
     left, right = (tuple(name for side, name in found if side == wanted) for wanted in ("left", "right"))
     return DrivenWheels(left, right)

@@ -128,7 +128,7 @@ class BlockSurvey(Survey):
         return found
 
     def figures(self) -> dict[str, Any]:
-        """See `Survey`; none where no blocks are to be stacked."""
+        """Return the errors of the placed blocks by name; empty if no block is to be stacked."""
         if self.plan is None:
             return {}
         errors = self.errors()

@@ -37,7 +37,7 @@ class PlainNode(canopen.RemoteNode):
 
 
 def read_object(line: CanLine, node: int, index: int, subindex: int = 0) -> int | None:
-    """Return an object of a node as a number; None where it has none, or doesn't answer."""
+    """Return an object of a node as a number; None if the node lacks it or doesn't answer."""
     if node not in line:
         line.add_node(PlainNode(node))
     try:

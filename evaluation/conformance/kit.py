@@ -176,7 +176,7 @@ Job = OneCheck | OneMutant | Batch | OneRun
 
 
 def jobs_of(setting: KitSetting) -> list[Job]:
-    """Return all that is to be done, in an order in which processes side by side end together."""
+    """Return all jobs, in an order in which parallel processes end at about the same time."""
     parts = setting.chosen_parts
     jobs: list[Job] = list(setting.task_runs()) if "tasks" in parts else []
     jobs += setting.batches() if "faults" in parts else []

@@ -46,7 +46,7 @@ class NoToolArm(InputError):
 
 
 class PlacedSeam(NamedTuple):
-    """A seam that can be tracked, and from where."""
+    """A seam that can be tracked, with the poses of the base for it."""
 
     seam: ToolPath
     placements: Placements

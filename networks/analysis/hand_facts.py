@@ -15,9 +15,8 @@ IN_HAND = ("in hand", "in the hand")
 
 
 def hand_by_facts(facts: Mapping[str, Fact]) -> tuple[Hand, str]:
-    """Return what facts say of the hand, and the fact in words; `Hand.ANY` where they say nothing of it.
-
-    Read are `hand: empty`, `hand: holds a cup` and `cup: in hand`, and words like these.
+    """Return the content of the hand by some facts, and the deciding fact as text; `Hand.ANY` if none
+    decides.
     """
     for name, value in facts.items():
         if not isinstance(value, str):

@@ -13,7 +13,7 @@ from .figures import missing_chances, network_chances
 
 
 class NoOutlook(Exception):
-    """Nothing can be computed; the message says why."""
+    """Error: nothing can be computed; the message gives the reason."""
 
 
 class Outlook(NamedTuple):

@@ -67,21 +67,7 @@ def policy(
     start: State | None = None,
     chances: Chances | None = None,
 ) -> Policy:
-    """Return all that can happen from the start of a network.
-
-    Fails of actions that cannot come up again are forgotten: the paper's task then has some hundred states,
-    not hundreds of thousands.
-
-    Args:
-        network: the network.
-        for_good: whether to consider Fails that use up all attempts at once.
-        effort: budget of the computation; None: `budget_of`.
-        start: another state to begin at than the network's start.
-        chances: probabilities; what has none is not considered. None: all may happen.
-
-    Raises:
-        TooLarge: the budget does not suffice for the number of states.
-    """
+    """Return the decisions of the rule in all states that runs can reach from the start."""
     found = explored(network, for_good, effort, start, chances)
     if not found.is_complete:
         raise TooLarge(network, len(found.steps))

@@ -18,7 +18,7 @@ _NEVER = 1e-12
 
 
 class State(NamedTuple):
-    """A state in which the coordinator decides."""
+    """State of a network in which a policy decides: a situation with the counted Fails."""
 
     situation: str
     fails: tuple[tuple[int, int], ...]
@@ -54,7 +54,7 @@ class Step(NamedTuple):
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
-        """States after its Fails, that of all causes without a situation of their own first."""
+        """States after the Fails of the action, that of causes without an own situation first."""
         return (self.failed, *self.failed_by)
 
 
@@ -155,10 +155,7 @@ class Aftermath:
         return self.at(action.on_fail or action.source, {**fails, action.counter: after})
 
     def fails(self, action: Action, fails: Mapping[int, int], happens: bool = True) -> list[State | None]:
-        """Return the states after a Fail, of all causes without a situation of their own first.
-
-        Those are None that never happen.
-        """
+        """Return the states after a Fail, that of causes without an own situation first."""
         if not happens:
             return [None] * (1 + len(action.fail_endings))
         after = {**fails, action.counter: action.allowance.failed(fails.get(action.counter, 0))}

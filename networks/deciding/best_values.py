@@ -34,7 +34,7 @@ MAX_TIGHT_SITUATIONS = 30
 
 
 class Decision(NamedTuple):
-    """The best that can be done in a state."""
+    """Best decision in a state, with its value."""
 
     action: Action | None
     """The action; None if calling a person costs no more than any action."""

@@ -53,7 +53,7 @@ def may_have_begun(records: Sequence[Record]) -> bool:
 
 
 def broken_off(start: Record) -> str:
-    """Return a START without a RESULT, in words."""
+    """Return a description of an action that started and has no result."""
     action = start["action"]
     return f"action {start['n']}, {action['do']} from {action['from']}, was broken off"
 

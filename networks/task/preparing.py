@@ -39,7 +39,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Prepared:
-    """A run that could start. A context manager: leaving it closes the backend."""
+    """A task with robot, world model and backend, ready to run; as a context manager it closes the
+    backend.
+    """
 
     task: Task
     backend_name: str

@@ -54,7 +54,7 @@ class TaskKnowledge:
         return {name: place for each in self.sections.values() for name, place in each.places().items()}
 
     def fresh_sections(self) -> dict[str, Section]:
-        """Sections of their own for a run, which learns."""
+        """Return new copies of the domains' sections for a run, which changes them."""
         return {name: replace(section) for name, section in self.sections.items()}
 
 

@@ -52,7 +52,7 @@ else:
 
 
 class RestoringEntry(FileModel):
-    """How often restoring is tried where a fault breaks it off."""
+    """Limits on repeating the restoring after a fault."""
 
     attempts: Annotated[int, Field(ge=1, le=MAX_RESTORINGS)] = 1
     """Maximum number of tries before a person is called."""

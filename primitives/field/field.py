@@ -71,7 +71,12 @@ class Field(FileModel):
         return finger_tip + (self.sensor_mm[2] - self.gripped_mm) / 1e3
 
     def held(self, finger_tip: float, name: str) -> Box:
-        """Return a sensor in the hand, posed in the hand's frame: its height along x."""
+        """Return a sensor in the hand, posed in the hand's frame: its height along x.
+
+        Args:
+            finger_tip: distance of the finger tips from the hand's origin, in [m].
+            name: name of the box.
+        """
         length, width, height = (each / 1e3 for each in self.sensor_mm)
         middle = transform((self.below(finger_tip) - height / 2, 0.0, 0.0))
         return Box(middle, (height, width, length), name)

@@ -189,7 +189,13 @@ class SensorArm:
         return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = SLIDE_SPEED_M_S) -> Generator[None, None, float]:
-        """Move the slide to `goal` [m], or until the hand meets something; gives the force from below [N]."""
+        """Move the slide to a position, or until the hand meets something; return the force from below, in
+        [N].
+
+        Args:
+            goal: position of the slide, in [m].
+            speed: speed of the slide, in [m/s].
+        """
         robot = self._robot
         step = min(speed, float(robot.joint_speeds[2])) * robot.period * (1.0 - 1e-6)
         while abs(goal - (at := robot.arm.command()[2])) > 1e-6:

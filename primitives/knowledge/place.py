@@ -120,7 +120,7 @@ class Place(FileModel):
 
 
 class Places(FileModel):
-    """The places of a map."""
+    """Places of a map, by name."""
 
     format: Literal["handcart-places/1"]
     places: dict[str, Place]

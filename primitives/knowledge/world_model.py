@@ -39,7 +39,7 @@ class Declares(Protocol):
 
 
 class UnknownFact(HandcartError, LookupError):
-    """Something that the robot doesn't know (yet)."""
+    """Error: the world model has no such entry, or does not know its value yet."""
 
 
 class UndeclaredAccess(HandcartError, AttributeError):

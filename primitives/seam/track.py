@@ -126,7 +126,9 @@ class Track(ActionPrimitive):
         known.seam_work = work.done()
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Something in the way of a base that drives: remembered, so that DIVIDE finds another."""
+        """Record an obstacle in the way of a driving base, so that DIVIDE plans around it, and raise
+        `Discrepancy`.
+        """
         if self._at is None or self._driven is None or self._monitor is None:
             return
         sensed = self._monitor.unexpected(robot)

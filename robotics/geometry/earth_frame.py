@@ -34,6 +34,11 @@ class EarthFrame:
         return np.stack(self._to_field.transform(longitudes_deg, latitudes_deg), axis=1)
 
     def to_earth(self, x: float, y: float) -> tuple[float, float]:
-        """Latitude and longitude in [deg] of x and y in [m]."""
+        """Return latitude and longitude in [deg] of a place in the field.
+
+        Args:
+            x: east of the origin, in [m].
+            y: north of the origin, in [m].
+        """
         longitude, latitude = self._to_field.transform(x, y, direction="INVERSE")
         return float(latitude), float(longitude)

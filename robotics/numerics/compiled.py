@@ -116,7 +116,7 @@ def compile_early(kernel: Callable[..., Any], arguments: Arguments, module: str)
 
 @contextmanager
 def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
-    """Call `heard` with True as compiling begins, and with False as it is over; not for what is on disk.
+    """Call `heard` with True when compiling begins and with False when it ends; not for code cached on disk.
 
     Numba is not imported for it: listening begins with the first kernel that is called.
     """

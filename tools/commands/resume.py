@@ -71,9 +71,8 @@ def ack(
     run: RunFolder,
     record: Annotated[int, typer.Argument(help="the record that waits, as `run` or `resume` shows it")],
 ) -> None:
-    """Acknowledge a GiveUp, or a real robot's action that was broken off: all is as it was before it.
-
-    Then the run may be resumed, and the robot may start another one.
+    """Acknowledge a GiveUp, or a real robot's interrupted action: everything is as it was before the
+    action.
     """
     from handcart.files.printable import printable
     from handcart.networks.operator.acknowledging import acknowledge

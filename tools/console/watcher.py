@@ -40,7 +40,7 @@ class Watcher:
         self._changed = asyncio.Condition()
 
     async def watch(self) -> None:
-        """Look at the runs periodically, until cancelled."""
+        """Check the runs periodically until cancelled."""
         count = 0
         while True:
             before = self.states()

@@ -31,7 +31,7 @@ class FolderInUse(InputError):
 
 
 class Starter(NamedTuple):
-    """Something new that can be made from templates."""
+    """Kind of project, task or part that templates can create."""
 
     help: str
     parts: tuple[tuple[str, str], ...]

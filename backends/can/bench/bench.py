@@ -101,7 +101,7 @@ class Bench:
             act()
 
     def close(self) -> None:
-        """Let go of bus and robot. A second call does nothing."""
+        """Close bus and robot; a second call does nothing."""
         self._drives.close()
         if self.master is not None:
             self.master.shutdown()

@@ -15,7 +15,7 @@ from .bench import Act, Bench
 
 
 class UnknownFault(InputError):
-    """Nothing of that name can go wrong."""
+    """Error: the bench has no fault of a requested name."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"unknown fault {name!r}{suggest(name, INJECTED_FAULTS)}")

@@ -49,7 +49,7 @@ class CanLine(canopen.Network):
         """The last of these frames, as text; empty before the first."""
 
     def listen(self, heard: Heard) -> None:
-        """Have one more called with each frame."""
+        """Register a function that is called with each frame."""
         self._heard.append(heard)
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:

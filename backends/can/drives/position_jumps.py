@@ -48,7 +48,7 @@ class PositionJumps:
         return moved - min(max(float(moved), lowest), highest)
 
     def forget(self) -> None:
-        """Begin again from another position, at rest."""
+        """Start monitoring again, from another position at rest."""
         self._speeds.clear()
 
 

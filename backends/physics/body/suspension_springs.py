@@ -49,7 +49,7 @@ class SuspensionSprings:
         return float(roll), float(pitch)
 
     def act(self) -> None:
-        """Let the springs work for the next chunk."""
+        """Apply the forces of the springs for the next chunk of the period."""
         self._joints.spring(self._stiffness, self._damping, -self._trim)
 
 

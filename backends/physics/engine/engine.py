@@ -131,7 +131,7 @@ class Engine(ABC):
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
-        """Have a thing's faces show parts of another picture (h, w), grey."""
+        """Change the grey picture (h, w), parts of which are shown on a thing's faces."""
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:

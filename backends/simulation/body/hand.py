@@ -79,7 +79,7 @@ class SimulatedHand:
         return NO_TOUCH if there.depth <= here.depth else there
 
     def follow_base(self) -> None:
-        """Take along what is held after the base was moved."""
+        """Move the held object along after the base was moved."""
         if self.scene.held is not None:
             self.carry(self.scene.joints)
 

@@ -35,12 +35,7 @@ class MecanumWheels:
         self._slip = errors.slip_percent / 100
 
     def motion(self, way: WheelTravel, period: int) -> Pose2:
-        """Pose of the base after a period in that before it, if nothing is in its way.
-
-        Args:
-            way: travel of the base in it as its wheels were commanded, in [m].
-            period: its number, on which slip depends.
-        """
+        """Return the pose of the base after a period in its pose before, if nothing stops it."""
         if not any(way):
             return Pose2(0.0, 0.0, 0.0)
         ahead, left, turn = self.twist(way, period).tolist()

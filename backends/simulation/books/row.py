@@ -21,7 +21,7 @@ _DEEP = 0.035  # behind the board's front edge [m]: further back than a book end
 
 
 class Member(NamedTuple):
-    """Something of the row, in S in [m]: `right` < `left`; `front` is x of its spine."""
+    """Book or panel in a row, in the frame S, in [m]: `right` < `left`; `front` is the x of its spine."""
 
     right: float
     left: float
@@ -41,12 +41,12 @@ class FreeInterval(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """y of its middle."""
+        """Middle of the interval: y in the frame S, in [m]."""
         return (self.right + self.left) / 2
 
     @property
     def width(self) -> float:
-        """Between its two sides."""
+        """Width of the interval, in [m]."""
         return self.left - self.right
 
 

@@ -12,7 +12,7 @@ from handcart.files.models.model import FileModel
 
 
 class MarkSpec(FloorPose):
-    """Something painted on a level surface; its pose is that of its middle."""
+    """Mark painted on a level surface; its pose is that of its middle."""
 
     kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"
     """Landmark, decoy, or board to calibrate cameras with."""

@@ -72,4 +72,4 @@ class HandRule:
         return float("inf")
 
     def gripped(self, thing: Thing) -> None:
-        """Handle a grasp: the fingers have closed on a thing, whose pose is still the one before."""
+        """Handle a grasp: the fingers have closed on a thing, whose pose is still that before the grasp."""

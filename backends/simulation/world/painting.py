@@ -43,7 +43,7 @@ _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
 
 
 class Painted(NamedTuple):
-    """Something that can be painted at once, before what is nearer."""
+    """Drawable object; more distant objects are painted first."""
 
     middle: FloatArray
     """(3,) in [m]: more distant objects are painted first."""
@@ -56,7 +56,7 @@ def paint_thing(thing: Thing) -> Painted:
 
 
 def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 1, 2, 3, 4, 5)) -> None:
-    """Those sides of a box that the camera sees, each in its shade."""
+    """Paint the sides of a box that face the camera, each in its shade."""
     normals = SIDE_NORMALS @ box.pose[:3, :3].T
     corners = (SIDE_CORNERS * np.array(box.size)) @ box.pose[:3, :3].T + box.pose[:3, 3]
     for i in sides:

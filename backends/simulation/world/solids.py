@@ -24,7 +24,7 @@ _FOREVER = math.inf
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A box with upright sides, and when it is there, in [s] of simulated time."""
+    """Box with upright sides, and the simulated times at which it is present, in [s]."""
 
     box: Box
     appears: float = 0.0

@@ -58,7 +58,7 @@ class Thing(ABC):
     @property
     @abstractmethod
     def size(self) -> tuple[float, float, float]:
-        """Along x, y, z of its frame, in [m]."""
+        """Length, width and height along x, y and z of the thing's frame, in [m]."""
 
     @property
     def carrier(self) -> str:

@@ -42,8 +42,10 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
-    """Return the file as it is, with the place of each value, and what `load_world` gives; raises
-    `FileError`.
+    """Return the file's own content with the place of each value, and the world that `load_world` returns.
+
+    Raises:
+        FileError: the file is invalid.
     """
     loaded = load_document(read_document(path), world_model())
     world = loaded.value

@@ -43,7 +43,7 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Check:
-    """Something that must hold of every backend."""
+    """Requirement on every backend, with the function that checks it."""
 
     name: str
     holds: str

@@ -99,7 +99,7 @@ def after_a_step(bench: KitBench, finding: CheckResult) -> None:
 
 
 def one_period(bench: KitBench, finding: CheckResult) -> None:
-    """Not renewed, the base stops; arm and gripper hold."""
+    """Check that the base stops, and arm and gripper hold, if a command is not renewed."""
     with bench.rig() as rig:
         backend = rig.backend
         for _ in range(SETTLING_PERIODS):
@@ -118,7 +118,7 @@ def one_period(bench: KitBench, finding: CheckResult) -> None:
 
 
 def stop(bench: KitBench, finding: CheckResult) -> None:
-    """After `stop` nothing that was commanded before moves the robot, soon or later."""
+    """Check that no earlier command moves the robot after `stop`, neither soon nor later."""
     seconds = 2.0
     for when in ("before its step", "in motion"):
         with bench.rig() as rig:

@@ -23,7 +23,9 @@ TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
 
 
 def imu(bench: KitBench, finding: CheckResult) -> None:
-    """At rest gravity alone is felt, upwards; turning left is positive about z, in [rad/s]."""
+    """Check that at rest gravity alone is felt, upwards, and that turning left is positive about z, in
+    [rad/s].
+    """
     spec = bench.spec().imu
     with bench.rig() as rig:
         unit, backend = needed(rig.backend, Imu), rig.backend

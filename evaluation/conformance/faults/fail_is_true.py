@@ -111,6 +111,8 @@ class Batch:
 
 
 def spread(count: int, periods: int) -> Sequence[int]:
-    """At most `count` instants, evenly over a run of that many periods; before 1 nothing has begun."""
+    """Return at most `count` instants, evenly over a run of `periods`; instant 0, before the start, is
+    excluded.
+    """
     instants = np.linspace(1, max(2, periods), count, endpoint=False)
     return sorted({int(each) for each in instants})

@@ -21,7 +21,7 @@ def part_of(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT |
 
 
 def needed(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT:
-    """Return the part; raises `Skipped` where the robot has none."""
+    """Return the part of a backend; raises `Skipped` if the robot lacks it."""
     part = part_of(backend, kind)
     if part is None:
         raise Skipped(f"the robot has no {cast('type[CapabilityT]', kind).words()}")

@@ -132,7 +132,7 @@ class PosedBox(Protocol):
 
     @property
     def size(self) -> Size:
-        """Along x, y, z of its frame, in [m]."""
+        """Length, width and height along x, y and z of the box's frame, in [m]."""
 
     @property
     def grey(self) -> int:

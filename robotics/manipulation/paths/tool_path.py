@@ -61,7 +61,11 @@ class ToolPath(NamedTuple):
         return cut._replace(lengths=cut.lengths - cut.lengths[0])
 
     def at(self, lengths: FloatArray) -> ToolPath:
-        """At arc lengths (k,), in [m], on straight lines between the points."""
+        """Return the path at other points, on straight lines between its own.
+
+        Args:
+            lengths: (k,) arc lengths, in [m].
+        """
         points, tangents, turns = (
             np.column_stack([np.interp(lengths, self.lengths, axis) for axis in field.T])
             for field in (self.points, self.tangents, self.turns)

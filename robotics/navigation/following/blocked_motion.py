@@ -85,14 +85,14 @@ class BlockedMotion:
     def update(
         self, speed: float, rolled: float, before: Pose2, now: Pose2, direction: float = 0.0
     ) -> Blocked | None:
-        """Take in a period; return why the base does not get on, or None.
+        """Take in a period's motion; return the evidence that the base is blocked, or None.
 
         Args:
-            speed: commanded in the period, in [m/s].
-            rolled: what the wheels rolled in it that way, in [m].
-            before: map_T_base at its start, as estimated.
-            now: map_T_base at its end.
-            direction: in which it is driven against its heading, in [rad].
+            speed: commanded speed, in [m/s].
+            rolled: travel of the wheels in the direction of travel, in [m].
+            before: estimated map_T_base before the period.
+            now: estimated map_T_base after the period.
+            direction: direction of travel against the heading, in [rad].
         """
         if direction != 0.0:
             before, now = (pose.compose(Pose2(0.0, 0.0, direction)) for pose in (before, now))

@@ -62,7 +62,7 @@ class FootprintGuard:
         self._stands = (_Stand(pose, (self._map_room(pose), self._room(scan))),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Besides, the robot may come as near to what the map shows as map_T_base is."""
+        """Allow the robot to come as near to mapped obstacles as it is at a pose map_T_base."""
         self._stands += (_Stand(pose, (self._map_room(pose), math.inf)),)
 
     def free_motion(

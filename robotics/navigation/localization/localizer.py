@@ -124,7 +124,11 @@ class Localizer(ABC):
         self.extend_map(field)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Take over another pose if a scan's end points (n, 2), in [m], clearly fit there; whether so."""
+        """Take over another pose if a scan clearly fits there; return whether it was taken over.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+        """
         return False
 
     @abstractmethod

@@ -106,7 +106,7 @@ class Odometry:
 
     @property
     def origin(self) -> Pose2:
-        """map_T_base at `set_origin`, as it was estimated then."""
+        """Estimate of map_T_base at the time of `set_origin`."""
         return Pose2(*self._origin.belief.mean.tolist())
 
     @property
@@ -152,9 +152,12 @@ class Odometry:
         self._origin.shared[:, :3] = spread @ carry.T
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Move by the travel of both wheels since the last call, in [m].
+        """Move the pose by the travel of the wheels since the last call.
 
-        `sideways` in [m] is what a base drove to the left that can; see `HolonomicOdometry`.
+        Args:
+            left: travel of the left wheel, in [m].
+            right: travel of the right wheel, in [m].
+            sideways: travel to the left of a base that drives sideways, in [m]; see `HolonomicOdometry`.
         """
         if left == 0.0 and right == 0.0:
             self.pose = self.pose._replace(theta=wrap(self.pose.theta))

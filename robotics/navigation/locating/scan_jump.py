@@ -60,7 +60,7 @@ class ScanJump:
         return False
 
     def reset(self) -> None:
-        """Begin again with the next scan."""
+        """Discard all scans so far."""
         self._reference, self._moved, self._changes = None, Pose2(0.0, 0.0, 0.0), 0
 
     def _is_changed(self, before: ScanBeams, beams: ScanBeams) -> bool:

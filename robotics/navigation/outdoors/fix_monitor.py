@@ -78,7 +78,7 @@ class FixMonitor:
         return True
 
     def reset(self) -> None:
-        """Begin again with the filter."""
+        """Discard the residuals and doubts so far."""
         self.doubting = False
         self._sums, self._doubted = [], []
 

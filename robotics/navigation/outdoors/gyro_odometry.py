@@ -68,7 +68,7 @@ class GyroOdometry:
 
     @property
     def height(self) -> float:
-        """Above the start, in [m]."""
+        """Height above the start, in [m]."""
         return float(self._state[2])
 
     @property

@@ -53,7 +53,7 @@ class Route(NamedTuple):
 
     @property
     def mean_clearance(self) -> float:
-        """Over the length, in [m]."""
+        """Mean clearance over the length of the route, in [m]."""
         return float(self.clearance.mean())
 
 

@@ -143,7 +143,8 @@ class Ways:
         return found if found.route is not None or not found.fits else before._to(here, stands, front)
 
     def route_to(self, goal: Pose2 | tuple[float, float]) -> Route | None:
-        """Return the route to a goal without a front, as `to` does, but no reason where it has none: faster.
+        """Return the route to a goal without a front, faster than `to`; None, without a reason, if no route
+        exists.
 
         Args:
             goal: only x and y count, in [m].

@@ -89,7 +89,7 @@ def find_slots(
 
 
 class OffsetView(NamedTuple):
-    """A view, and what is to be added to its positions in [m]."""
+    """A view, with the offset of its lateral positions, in [m]."""
 
     view: SpineView
     offset: float

@@ -63,8 +63,13 @@ class Strips(NamedTuple):
         return np.where(inside, grey, np.nan)
 
     def brightness(self, left: float, right: float, lowest: float) -> float | None:
-        """Median over the strips above height `lowest` of the mean grey from y `left` to `right`; None if
-        less than half of it was seen.
+        """Return the mean grey of an interval, as the median over the strips above a height; None if half is
+        unseen.
+
+        Args:
+            left: left end y in the shelf frame, in [m].
+            right: right end y in the shelf frame, in [m].
+            lowest: height in the shelf frame above which strips count, in [m].
         """
         part = self._part(left, right)[self.z > lowest]
         seen = ~np.isnan(part)

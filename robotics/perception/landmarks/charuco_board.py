@@ -14,8 +14,8 @@ _FEWEST_CORNERS = 6
 
 
 class CharucoBoard(CalibrationBoard):
-    """A board whose corners are identified by the tags around them: it may lie anyhow and stick out of the
-    image.
+    """A board whose corners are identified by the tags around them, so that parts of it suffice in any
+    orientation.
     """
 
     def __init__(

@@ -63,5 +63,5 @@ def tags_of(family: TagFamily) -> int:
 
 
 def modules_of(family: TagFamily) -> int:
-    """Along the side of the black square: its bits and the frame."""
+    """Return the number of modules along the side of a tag's black square: its bits and the frame."""
     return int(dictionary(family).markerSize) + 2
