@@ -81,9 +81,9 @@ class GuardedBase(HolonomicBase):
         self._felt = NO_STANDS
         self._is_located, self._on_map = is_located, True
         self._people: People | None = None
-        self._yielded = False
-        self.yields = False
-        """True if the base stood in the last period although driven, because of a person."""
+        self._share = 1.0
+        self.share_for_people = 1.0
+        """Share of the commanded speed in the last period that people left; 0: the base stood for them."""
 
     @cached_property
     def _map_guard(self) -> WayGuard | FootprintGuard:
@@ -167,8 +167,13 @@ class GuardedBase(HolonomicBase):
         pose, command = self._pose().compose(Pose2(0.0, 0.0, direction)), (speed, turn_rate)
         share = safe_share(pose, command, self._people, self._radius, self._braking, self._period)
         if share < 1.0:
-            self._slowed_to, self._yielded = share * abs(speed), share == 0.0
+            self._slowed_to, self._share = share * abs(speed), share
         return share * speed, share * turn_rate
+
+    @property
+    def yields(self) -> bool:
+        """True if the base stood in the last period although driven, because of a person."""
+        return self.share_for_people == 0.0
 
     @property
     def felt(self) -> FloatArray:
@@ -181,7 +186,7 @@ class GuardedBase(HolonomicBase):
         The command is zero if there was none: it ends with its period.
         """
         taken = self._command, self._held
-        self.yields, self._yielded, self._people = self._yielded, False, None
+        self.share_for_people, self._share, self._people = self._share, 1.0, None
         self._command, self._held = DriveCommand(), None
         return taken
 

@@ -239,8 +239,9 @@ class MoveTo(ActionPrimitive):
         anew, looks = 0, LooksAtRest(robot.localization)
         while not tracker.finished(robot.pose):
             yield from self._replanned(robot, tracker)
-            waits = self._blocked_since is not None or looks.due(tracker.remaining)
-            robot.base.drive(*self._command(robot, tracker, looks.due(tracker.remaining)))
+            due = looks.due(tracker.remaining)
+            waits = due or self._blocked_since is not None or robot.base.share_for_people < 1.0
+            robot.base.drive(*self._command(robot, tracker, due))
             self._ahead = tracker.ahead
             if abs(tracker.progress - progress) > 0.01 or waits:
                 progress, since, rolled = tracker.progress, robot.time, 0.0
@@ -275,9 +276,7 @@ class MoveTo(ActionPrimitive):
             yield from self._follow(robot, model, tracker)
 
     def _held_by_map(self, robot: Robot, model: ModelView) -> bool:
-        """Return whether the base came off its route towards a wall, so that another route must lead away
-        first.
-        """
+        """Return whether the base came off its route towards a wall, so that a new one leads away first."""
         detour = model.detour is not None and model.detour.goal == self.place
         return robot.held is not None and robot.held.shown_by == "map" and not detour
 
