@@ -27,6 +27,8 @@ def somebody(x: float, y: float, vx: float, vy: float, stood_s: float = 0.0) -> 
         (somebody(5.0, 0.0, -1.2, 0.0), 1.0, 1.0),
         (somebody(0.0, 2.5, 0.0, 1.2), 1.0, 1.0),  # walks away
         (somebody(-0.5, 0.0, 0.0, 0.0, 5.0), 0.1, 0.3),  # stands close behind: the base may leave
+        (somebody(-0.5, 0.0, 0.0, 0.0, 2.0), 0.0, 0.0),  # has stood for a moment: may walk on at once
+        (somebody(1.45, 0.0, 0.3, 0.0), 0.0, 0.7),  # walks away, and would be met if she turned back
     ],
 )
 def test_share_of_a_command_leads_into_nobody(person: People, low: float, high: float) -> None:
