@@ -33,6 +33,7 @@ PREPARED = {
     "docs/how_to/conditions.md": [],
     "docs/how_to/explore.md": [],
     "docs/how_to/export.md": [],
+    "docs/how_to/interchange.md": [],
     "docs/how_to/locate.md": [],
     "docs/how_to/new.md": [],
     "docs/how_to/obstacles.md": [],

@@ -87,7 +87,9 @@ def test_a_tree_that_asks_the_robot_while_it_is_built_is_not_shown(
 def test_schema_is_json(handcart: Callable[..., Said], kind: str) -> None:
     schema = json.loads(handcart("schema", kind).out)
     assert schema["$schema"]
-    assert "format" in schema["properties"]
+    ways = [schema["$defs"][each["$ref"].rpartition("/")[2]] for each in schema.get("anyOf", ())]
+    assert all("format" in way["properties"] for way in ways or [schema])
+    assert len(ways) == (2 if kind == "task" else 0)  # written, and generated from conditions
 
 
 @pytest.mark.parametrize("ending", ["png", "pdf"])

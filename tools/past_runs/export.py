@@ -12,15 +12,24 @@ from handcart.files.printable import counted
 
 
 def export(
-    folder: Annotated[Path, typer.Argument(help="a run's folder, or a campaign's")],
+    folder: Annotated[Path, typer.Argument(help="a run's folder, or a campaign's; with --to: a task")],
     file: Annotated[
-        Path, typer.Option("--output", "-o", help="*.mcap: a run; *.parquet: a campaign, a row each trial")
-    ],
+        Path | None,
+        typer.Option("--output", "-o", help="*.mcap: a run; *.parquet: a campaign, a row each trial"),
+    ] = None,
+    to: Annotated[
+        str | None, typer.Option("--to", help="format of a task: bt (BehaviorTree.CPP), scxml, jani")
+    ] = None,
 ) -> None:
-    """Write a run as MCAP, or the trials of a campaign as Parquet."""
+    """Write a run as MCAP, the trials of a campaign as Parquet, or a task as a tree, a chart or a model."""
     from handcart.files.printable import printable
     from handcart.tools.terminal.writing import NotWritable
 
+    if to is not None:
+        _task(folder, to, file)
+        return
+    if file is None:
+        raise typer.BadParameter("needed: -o FILE, or --to FORMAT for a task")
     write = EXPORT_BY_SUFFIX.get(file.suffix)
     if write is None:
         raise NotWritable(file, f"nothing is written with the suffix {file.suffix!r}", "*.mcap, *.parquet")
@@ -29,6 +38,29 @@ def export(
     except OSError as error:
         raise NotWritable(file, error.strerror) from None
     print(printable(f"written: {file}, {words}"))
+
+
+def _task(path: Path, to: str, file: Path | None) -> None:
+    """Write a task in a format; without a file to stdout."""
+    import sys
+
+    from handcart.evaluation.interchange.exporting import FORMATS, exported
+    from handcart.files.printable import printable
+    from handcart.files.suggest import suggest
+    from handcart.networks.task.task_file import load_task
+    from handcart.tasks.task_names import task_path
+    from handcart.tools.terminal.writing import write_text
+
+    if to not in FORMATS:
+        raise typer.BadParameter(f"unknown format {to!r}{suggest(to, FORMATS)}")
+    text, lost = exported(load_task(task_path(path)), to)
+    for each in lost:
+        print(printable(f"{path}: kept, but not carried out: {each}"), file=sys.stderr)
+    if file is None:
+        print(text, end="")
+    else:
+        write_text(file, text)
+        print(printable(f"written: {file}"))
 
 
 def _mcap(folder: Path, file: Path) -> str:

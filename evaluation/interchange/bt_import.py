@@ -1,0 +1,91 @@
+"""Reading of BehaviorTree.CPP's XML, versions 3 and 4, as a task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.suggest import suggest
+
+from .lost import Imported, LostConstruct
+from .task_draft import TaskDraft
+from .tree_flow import TreeFlow
+from .tree_node import BehaviourNode
+from .xml_tree import XmlElement, read_xml_tree
+
+VERBOSE_TAGS = ("Action", "Condition", "Control", "Decorator")
+"""Tags whose attribute ID names the node."""
+SCRIPTS = ("Script", "ScriptCondition", "SetBlackboard", "UnsetBlackboard", "Precondition")
+QUIET_ATTRIBUTES = ("_description", "_fullpath", "_uid")
+
+
+def import_tree(path: Path | str) -> Imported:
+    """Return the task in a file of BehaviorTree.CPP; raises `FileError` for what is no tree."""
+    root = read_xml_tree(path)
+    if root.tag != "root":
+        wrong = f"the root element is {root.tag!r}; allowed: root, as BehaviorTree.CPP has it"
+        raise FileError([Finding(str(path), root.line, root.column, wrong)])
+    lost: dict[LostConstruct, None] = {}
+    trees = {}
+    for element in root.children:
+        if element.tag == "BehaviorTree":
+            name = element.attributes.get("ID", "MainTree")
+            trees[name] = _tree(element, lost)
+        elif element.tag != "TreeNodesModel":
+            meaning = "a file that is included is not read" if element.tag == "include" else "it is left out"
+            lost[LostConstruct(element.line, element.column, f"<{element.tag}>", meaning)] = None
+    main = _main(path, root, trees)
+    draft = TaskDraft(main)
+    flow = TreeFlow(draft, trees)
+    start = flow.translate(main)
+    return Imported(draft.data(start, backwards=True), tuple(sorted({**lost, **flow.lost})))
+
+
+def _main(path: Path | str, root: XmlElement, trees: dict[str, BehaviourNode]) -> str:
+    """Return the name of the main tree."""
+    if not trees:
+        wrong = "there is no BehaviorTree; needed: at least one"
+        raise FileError([Finding(str(path), root.line, root.column, wrong)])
+    main = root.attributes.get("main_tree_to_execute", next(iter(trees)))
+    if main not in trees:
+        wrong = f"unknown tree {main!r}{suggest(main, trees)}"
+        raise FileError([Finding(str(path), root.line, root.column, wrong)])
+    return main
+
+
+def _tree(element: XmlElement, lost: dict[LostConstruct, None]) -> BehaviourNode:
+    children = tuple(_node(each, lost) for each in element.children)
+    if len(children) == 1:
+        return children[0]
+    return BehaviourNode("Sequence", "", {}, children, element.line, element.column)
+
+
+def _node(element: XmlElement, lost: dict[LostConstruct, None]) -> BehaviourNode:
+    ports = dict(element.attributes)
+    name = ports.pop("name", "")
+    kind = ports.pop("ID", element.tag) if element.tag in VERBOSE_TAGS else element.tag
+    if "BTCPP_format" in ports:
+        ports.pop("BTCPP_format")
+    for each in _losses(element, kind, ports):
+        lost[each] = None
+    plain = {key: text for key, text in ports.items() if not key.startswith("_")}
+    children = tuple(_node(each, lost) for each in element.children)
+    if kind.startswith("Switch") and kind[6:].isdigit():
+        return BehaviourNode("Fallback", name, {}, children, element.line, element.column)
+    return BehaviourNode(kind, name, plain, children, element.line, element.column, f"<{kind}>")
+
+
+def _losses(element: XmlElement, kind: str, ports: dict[str, str]) -> Iterator[LostConstruct]:
+    here = element.line, element.column
+    for key in ports:
+        if key.startswith("_") and key not in QUIET_ATTRIBUTES:
+            yield LostConstruct(*here, f"{key} of <{kind}>", "the attribute is left out")
+    if kind in SCRIPTS:
+        yield LostConstruct(
+            *here, f"<{kind}>", "scripts on the blackboard are not carried out; it is an action"
+        )
+    if kind.startswith("Switch") and kind[6:].isdigit():
+        yield LostConstruct(*here, f"<{kind}>", "its cases are tried in order, whatever its variable is")
+    if kind.startswith("Loop") and element.children:
+        yield LostConstruct(*here, f"<{kind}>", "its child is done once, not for each entry of a queue")

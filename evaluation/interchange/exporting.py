@@ -1,0 +1,41 @@
+"""Writing of tasks in formats of other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from handcart.files.errors import InputError
+from handcart.networks.task.task_file import Task
+
+from .bt_export import tree_text
+from .jani import model_text
+from .scxml import chart_text
+from .task_parts import TaskParts
+
+FORMATS: Mapping[str, tuple[Callable[[TaskParts], str], str]] = {
+    "bt": (tree_text, ".xml"),
+    "scxml": (chart_text, ".scxml"),
+    "jani": (model_text, ".jani"),
+}
+"""Writers and suffixes of the formats, by their names."""
+
+
+class NotExpressed(InputError):
+    """A task that a format cannot hold; the message says why."""
+
+
+def exported(task: Task, kind: str) -> tuple[str, tuple[str, ...]]:
+    """Return a task as text in a format, and what that keeps but does not carry out.
+
+    Args:
+        task: the task.
+        kind: name of the format.
+
+    Raises:
+        NotExpressed: a name cannot be written in the format.
+    """
+    parts = TaskParts.of_task(task)
+    try:
+        return FORMATS[kind][0](parts), tuple(parts.lost())
+    except ValueError as error:
+        raise NotExpressed(str(error)) from None

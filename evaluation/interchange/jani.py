@@ -1,0 +1,202 @@
+"""Tasks as models in JANI (Budde and others, 2017), and back; foreign models where they are finite and plain.
+
+A situation is a location, an action an edge with its outcomes as destinations. A bounded variable counts the
+Fails of each action. Without `p` Success and Fail are edges of their own, so that their choice is open.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import decode_text, read_regular_file
+
+from .lost import Imported, LostConstruct
+from .task_draft import GOAL_NAME, TaskDraft, primitive_name
+from .task_parts import TaskParts, failures, most_attempts, successes
+
+MAX_JANI_BYTES = 1 << 24
+MAX_JANI_DEPTH = 200
+PREFIX = "handcart: "
+"""Begin of comments with what a model does not express."""
+
+
+def model_text(parts: TaskParts) -> str:
+    """Return a task as a JANI model."""
+    return json.dumps(_model(parts), indent=1, ensure_ascii=False) + "\n"
+
+
+def _model(parts: TaskParts) -> dict[str, Any]:
+    head = {**parts.head, "order": list(parts.order)}
+    has_p = all(p is not None for row in parts.actions for _, _, p in successes(row))
+    locations = [
+        {"name": name, "comment": PREFIX + json.dumps(facts)} for name, facts in parts.situations.items()
+    ]
+    edges = [edge for number, row in enumerate(parts.actions) for edge in _edges(number, row)]
+    return {
+        "jani-version": 1,
+        "name": str(parts.head["title"]),
+        "type": "mdp",
+        "metadata": {"description": PREFIX + json.dumps(head)},
+        "actions": [{"name": _label(number, row)} for number, row in enumerate(parts.actions)],
+        "variables": [
+            *_counters(parts),
+            {"name": "cost_s", "type": "real", "transient": True, "initial-value": 0},
+            {"name": "at_goal", "type": "bool", "transient": True, "initial-value": False},
+        ],
+        "properties": [_goal_property()] if has_p else [],
+        "automata": [
+            {
+                "name": "task",
+                "locations": [_with_goal(each, parts.goal) for each in locations],
+                "initial-locations": [parts.start],
+                "edges": edges,
+            }
+        ],
+        "system": {"elements": [{"automaton": "task"}]},
+    }
+
+
+def _with_goal(location: dict[str, Any], goal: str) -> dict[str, Any]:
+    values = [{"ref": "at_goal", "value": True}]
+    return {**location, "transient-values": values} if location["name"] == goal else location
+
+
+def _goal_property() -> dict[str, Any]:
+    reached = {"op": "F", "exp": "at_goal"}
+    values = {"op": "filter", "fun": "max", "values": {"op": "Pmax", "exp": reached}}
+    return {"name": "P(goal)", "expression": {**values, "states": {"op": "initial"}}}
+
+
+def _counters(parts: TaskParts) -> Iterator[dict[str, Any]]:
+    for number, row in enumerate(parts.actions):
+        if most := most_attempts(row):
+            yield _counter(number, most)
+
+
+def _counter(number: int, most: int) -> dict[str, Any]:
+    kind = {"kind": "bounded", "base": "int", "lower-bound": 0, "upper-bound": most}
+    return {"name": f"fails_{number}", "type": kind, "initial-value": 0}
+
+
+def _label(number: int, row: Any) -> str:
+    return f"{number} {row['do']}"
+
+
+def _edges(number: int, row: Any) -> Iterator[dict[str, Any]]:
+    """Yield the edges of an action; the first one has what is not expressed as its comment."""
+    most = most_attempts(row)
+    count: dict[str, Any] = {}
+    edge: dict[str, Any] = {"location": row["from"], "action": _label(number, row)}
+    if most:
+        name = f"fails_{number}"
+        edge["guard"] = {"exp": {"op": "<", "left": name, "right": most}}
+        count = {"assignments": [{"ref": name, "value": {"op": "+", "left": name, "right": 1}}]}
+    good = [({"location": to}, p) for to, _, p in successes(row)]
+    bad = [({"location": to, **count}, p) for to, _, p in failures(row)]
+    comment = PREFIX + json.dumps({**row, "keys": list(row)})
+    if all(p is not None for _, p in good):
+        rest = 1.0 - sum(p for _, p in good) - row.get("p_give_up", 0.0) - sum(p or 0.0 for _, p in bad[:-1])
+        bad[-1] = bad[-1][0], max(0.0, rest)
+        every = [{**to, "probability": {"exp": p}} for to, p in (*good, *bad) if p]
+        yield {**edge, "destinations": every, "comment": comment}
+        return
+    for place, (to, _) in enumerate((*good, *bad)):
+        yield {**edge, "destinations": [to], **({} if place else {"comment": comment})}
+
+
+def import_model(path: Path | str) -> Imported:
+    """Return the task in a JANI model; raises `FileError` for what is no model."""
+    text = decode_text(read_regular_file(path, MAX_JANI_BYTES), str(path), longest_line=None)
+    try:
+        model = json.loads(text)
+        if isinstance(model, Mapping) and "jani-version" in model:
+            described = str(model.get("metadata", {}).get("description", ""))
+            if described.startswith(PREFIX):
+                return Imported(_own(model, described).data(), ())
+            return _Foreign(model, Path(path).stem).imported()
+        raise ValueError("the key 'jani-version' is missing; needed: a model in JANI")
+    except json.JSONDecodeError as error:
+        wrong = f"the file is no JSON: {error.msg}; allowed: a model in JANI"
+        raise FileError([Finding(str(path), error.lineno, error.colno, wrong)]) from None
+    except RecursionError:
+        wrong = "the model is nested too deeply; allowed: flatter"
+        raise FileError([Finding(str(path), 1, 1, wrong)]) from None
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise FileError([Finding(str(path), 1, 1, f"no usable model: {error}")]) from None
+
+
+def _own(model: Any, described: str) -> TaskParts:
+    head = json.loads(described.removeprefix(PREFIX))
+    order, automaton = head.pop("order"), model["automata"][0]
+    situations = {
+        each["name"]: json.loads(each["comment"].removeprefix(PREFIX)) for each in automaton["locations"]
+    }
+    rows = []
+    edges = [each for each in automaton["edges"] if each.get("comment", "").startswith(PREFIX)]
+    for edge in edges:
+        row = json.loads(edge["comment"].removeprefix(PREFIX))
+        keys = row.pop("keys")
+        row |= {"do": edge["action"].partition(" ")[2], "from": edge["location"]}
+        if "to" in row:
+            row["to"] = edge["destinations"][0]["location"]
+        rows.append({key: row[key] for key in keys})
+    return TaskParts(head, situations, rows, order)
+
+
+class _Foreign:
+    """A model of others: one automaton whose locations are the states."""
+
+    def __init__(self, model: Mapping[str, Any], title: str) -> None:
+        self._model = model
+        self._draft = TaskDraft(str(model.get("name", title)))
+        self._lost: dict[LostConstruct, None] = {}
+
+    def imported(self) -> Imported:
+        automata = self._model.get("automata", [])
+        if len(automata) != 1:
+            raise ValueError(f"it has {len(automata)} automata; allowed: one, as others run at the same time")
+        automaton = automata[0]
+        for key in ("variables", "constants", "properties", "functions", "restrict-initial"):
+            if self._model.get(key):
+                self._lose(key, "it is left out")
+        if automaton.get("variables"):
+            self._lose(f"variables of {automaton.get('name')}", "locations alone are states")
+        names = {each["name"]: self._draft.situation(each["name"]) for each in automaton["locations"]}
+        for number, edge in enumerate(automaton["edges"]):
+            self._edge(number, edge, names)
+        ends = set(names.values()) - {names[each["location"]] for each in automaton["edges"]}
+        data = self._draft.data(names[automaton["initial-locations"][0]])
+        if len(ends) == 1:  # nothing leads on from the only absorbing location
+            data["goal"] = ends.pop()
+            data["situations"].pop(GOAL_NAME, None)
+        else:
+            self._lose("properties", f"{len(ends)} locations have no edges; the goal has to be named")
+        return Imported(data, tuple(self._lost))
+
+    def _edge(self, number: int, edge: Mapping[str, Any], names: Mapping[str, str]) -> None:
+        label = str(edge.get("action", f"edge {number}"))
+        for key in ("guard", "rate", "assignments"):
+            if edge.get(key):
+                self._lose(f"{key} of edge {number} ({label})", "the edge can always be taken")
+        found = []
+        for each in edge["destinations"]:
+            p = each.get("probability", {}).get("exp", 1.0)
+            if not isinstance(p, int | float) or isinstance(p, bool):
+                self._lose(f"probability of edge {number} ({label})", "it is no number, and is left out")
+                p = None
+            if each.get("assignments"):
+                self._lose(f"assignments of edge {number} ({label})", "variables do not change")
+            found.append((names[each["location"]], p))
+        found.sort(key=lambda each: -(each[1] or 0.0))
+        then = [{"to": to, "p": p, **({"result": str(n)} if n else {})} for n, (to, p) in enumerate(found)]
+        if len(then) == 1 or any(each["p"] is None for each in then):
+            self._draft.action(primitive_name(label), names[edge["location"]], found[0][0], p=found[0][1])
+        else:
+            self._draft.action(primitive_name(label), names[edge["location"]], None, then=then)
+
+    def _lose(self, construct: str, meaning: str) -> None:
+        self._lost[LostConstruct(1, 1, construct, meaning)] = None

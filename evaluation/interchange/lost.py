@@ -1,0 +1,32 @@
+"""Constructs of other formats that a task cannot express."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from handcart.files.errors import Finding
+
+
+class LostConstruct(NamedTuple):
+    """A construct that is not in the task, or has another meaning there."""
+
+    line: int
+    """Its line in the file, from 1; 0 for objects in memory."""
+    column: int
+    construct: str
+    """The construct as the file names it."""
+    meaning: str
+    """What the task has instead."""
+
+    def finding(self, file: str) -> Finding:
+        """Return it with its place in a file."""
+        return Finding(file, self.line, self.column, f"{self.construct} is not expressed; {self.meaning}")
+
+
+class Imported(NamedTuple):
+    """A task that was read from another format."""
+
+    data: dict[str, Any]
+    """Content of the task's file."""
+    lost: tuple[LostConstruct, ...]
+    """Everything that could not be expressed, in the order of the lines."""

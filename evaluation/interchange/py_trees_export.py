@@ -1,0 +1,84 @@
+"""Tasks as trees of py_trees, in memory, and back.
+
+The blackboard's key `situation` holds the situation. In each tick the tree does the first action that starts
+in it and has attempts left; a leaf calls the function that carries a primitive out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from py_trees import behaviour, common, composites
+
+from .task_parts import TaskParts, failures, most_attempts, successes
+
+Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
+"""Carries a primitive out with its parameters; returns whether it succeeded, and its result or cause."""
+
+
+@dataclass
+class TreeMemory:
+    """Situation of a tree, and the Fails of each action."""
+
+    situation: str
+    fails: dict[int, int] = field(default_factory=dict)
+
+
+class AtGoal(behaviour.Behaviour):
+    """Success at the goal."""
+
+    def __init__(self, memory: TreeMemory, goal: str) -> None:
+        super().__init__(f"at {goal}")
+        self.memory, self.goal = memory, goal
+
+    def update(self) -> common.Status:
+        """Return Success at the goal, otherwise Failure."""
+        there = self.memory.situation == self.goal
+        return common.Status.SUCCESS if there else common.Status.FAILURE
+
+
+class DoAction(behaviour.Behaviour):
+    """An action of the task: Failure where it does not start, otherwise Running while the task goes on."""
+
+    def __init__(self, number: int, row: Mapping[str, Any], memory: TreeMemory, carry: Carried) -> None:
+        super().__init__(f"{number} {row['do']}")
+        self.number, self.row, self.memory, self._carry = number, dict(row), memory, carry
+
+    def update(self) -> common.Status:
+        """Do the action if it starts here."""
+        memory, row, most = self.memory, self.row, most_attempts(self.row)
+        is_out = most is not None and memory.fails.get(self.number, 0) >= most
+        if memory.situation != row["from"] or is_out:
+            return common.Status.FAILURE
+        succeeded, word = self._carry(row["do"], row.get("with", {}))
+        ends = successes(row) if succeeded else failures(row)
+        usual = ends[0][0] if succeeded else ends[-1][0]
+        memory.situation = next((to for to, name, _ in ends if word and name == word), usual)
+        if not succeeded:
+            memory.fails[self.number] = memory.fails.get(self.number, 0) + 1
+        return common.Status.RUNNING
+
+
+class TaskTree(composites.Selector):
+    """A task: Success at the goal, Failure where no action is left."""
+
+    def __init__(self, parts: TaskParts, carry: Carried) -> None:
+        super().__init__(str(parts.head["title"]), memory=False)
+        self.head, self.situations, self.order = dict(parts.head), dict(parts.situations), list(parts.order)
+        self.state = TreeMemory(parts.start)
+        self.add_child(AtGoal(self.state, parts.goal))
+        for number, row in enumerate(parts.actions):
+            self.add_child(DoAction(number, row, self.state, carry))
+
+
+def py_tree(parts: TaskParts, carry: Carried) -> TaskTree:
+    """Return a task as a tree whose leaves call a function for each primitive."""
+    return TaskTree(parts, carry)
+
+
+def parts_of_py_tree(tree: TaskTree) -> TaskParts:
+    """Return the task that a tree was made from, with the actions that are in it now."""
+    actions = [each.row for each in tree.children if isinstance(each, DoAction)]
+    return TaskParts(tree.head, tree.situations, actions, tree.order)

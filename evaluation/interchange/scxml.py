@@ -1,0 +1,103 @@
+"""Tasks as state charts (SCXML, W3C 2015), and back.
+
+A situation is a state that an event `do.N` leaves for the state of action N, which invokes the primitive; its
+events `done.success` and `done.fail`, followed by a result or a cause, lead to situations.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+from .task_parts import TaskParts, failures, successes
+from .xml_tree import XmlElement
+
+SPACE = "handcart"
+"""Prefix of the attributes with what a state chart does not express."""
+SUCCESS_EVENT, FAIL_EVENT = "done.success", "done.fail"
+
+
+def chart_text(parts: TaskParts) -> str:
+    """Return a task as a state chart."""
+    return "\n".join(_lines(parts)) + "\n"
+
+
+def _lines(parts: TaskParts) -> Iterator[str]:
+    ids = {name: f"s{number}" for number, name in enumerate(parts.situations)}
+    head = _json({**parts.head, "order": list(parts.order)})
+    yield '<?xml version="1.0" encoding="UTF-8"?>'
+    yield f'<scxml xmlns="http://www.w3.org/2005/07/scxml" xmlns:{SPACE}="urn:handcart:task" version="1.0"'
+    yield f"       initial={quoteattr(ids[parts.start])} {SPACE}:task={head}>"
+    for name, facts in parts.situations.items():
+        tag = "final" if name == parts.goal else "state"
+        named = f"{SPACE}:name={quoteattr(name)} {SPACE}:facts={_json(facts)}"
+        yield f"  <{tag} id={quoteattr(ids[name])} {named}>"
+        for number, row in enumerate(parts.actions):
+            if row["from"] == name and tag == "state":
+                yield f'    <transition event="do.{number}" target="a{number}"/>'
+        yield f"  </{tag}>"
+    for number, row in enumerate(parts.actions):
+        yield from _action(number, row, ids)
+    yield "</scxml>"
+
+
+def _action(number: int, row: Any, ids: dict[str, str]) -> Iterator[str]:
+    more = {key: value for key, value in row.items() if key not in ("do", "with")}
+    yield f'  <state id="a{number}" {SPACE}:action={_json({**more, "keys": list(row)})}>'
+    yield f"    <invoke type={quoteattr(SPACE)} src={quoteattr(row['do'])}>"
+    for name, value in row.get("with", {}).items():
+        yield f"      <param name={quoteattr(name)} expr={_json(value)}/>"
+    yield "    </invoke>"
+    # The longer event first: SCXML takes the first transition that matches.
+    for to, result, _ in reversed(successes(row)):
+        event = f"{SUCCESS_EVENT}.{result}" if result else SUCCESS_EVENT
+        yield f"    <transition event={quoteattr(event)} target={quoteattr(ids[to])}/>"
+    for to, cause, _ in failures(row):
+        event = f"{FAIL_EVENT}.{cause}" if cause else FAIL_EVENT
+        yield f"    <transition event={quoteattr(event)} target={quoteattr(ids[to])}/>"
+    yield "  </state>"
+
+
+def is_own_chart(root: XmlElement) -> bool:
+    """Return whether a state chart was written from a task."""
+    return f"{SPACE}:task" in root.attributes
+
+
+def parts_of_chart(root: XmlElement) -> TaskParts:
+    """Return the task that a state chart was written from.
+
+    Raises:
+        LookupError, TypeError, ValueError: the chart was changed so that it is none any more.
+    """
+    head = json.loads(root.attributes[f"{SPACE}:task"])
+    order = head.pop("order")
+    places = [each for each in root.children if f"{SPACE}:name" in each.attributes]
+    names = {each.attributes["id"]: each.attributes[f"{SPACE}:name"] for each in places}
+    situations = {
+        each.attributes[f"{SPACE}:name"]: json.loads(each.attributes[f"{SPACE}:facts"]) for each in places
+    }
+    sources = {
+        to.attributes["target"]: names[each.attributes["id"]] for each in places for to in each.children
+    }
+    actions = [_row(each, names, sources) for each in root.children if f"{SPACE}:action" in each.attributes]
+    return TaskParts(head, situations, actions, order)
+
+
+def _row(element: XmlElement, names: dict[str, str], sources: dict[str, str]) -> dict[str, Any]:
+    row = json.loads(element.attributes[f"{SPACE}:action"])
+    keys, (invoke, *transitions) = row.pop("keys"), element.children
+    targets = {each.attributes["event"]: names[each.attributes["target"]] for each in transitions}
+    row |= {"do": invoke.attributes["src"], "from": sources.get(element.attributes["id"], row["from"])}
+    given = {each.attributes["name"]: json.loads(each.attributes["expr"]) for each in invoke.children}
+    row |= {"with": given} if given else {}
+    if "to" in row:
+        row["to"] = targets[SUCCESS_EVENT]
+    if isinstance(row.get("on_fail"), str):
+        row["on_fail"] = targets[FAIL_EVENT]
+    return {key: row[key] for key in keys}
+
+
+def _json(value: Any) -> str:
+    return quoteattr(json.dumps(value, ensure_ascii=False))

@@ -1,0 +1,166 @@
+"""A task's file in parts, as other formats hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from handcart.files.yaml.yaml_document import parse_document
+from handcart.networks.graph.network import Action
+from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_model import MAX_TASK_NODES, ConditionFile
+
+Row = Mapping[str, Any]
+FLOW_KEYS = ("do", "from", "to", "then", "on_fail", "attempts", "with")
+"""Keys of an action that the other formats express by themselves."""
+
+
+@dataclass(frozen=True)
+class TaskParts:
+    """Content of a task's file."""
+
+    head: Mapping[str, Any]
+    """All keys but `situations` and `actions`."""
+    situations: Mapping[str, Any]
+    actions: Sequence[Row]
+    order: Sequence[str]
+    """All keys in their order."""
+
+    @classmethod
+    def of_data(cls, data: Mapping[str, Any]) -> TaskParts:
+        """Return the parts of a written task's content."""
+        head = {key: value for key, value in data.items() if key not in ("situations", "actions")}
+        return cls(head, data["situations"], data["actions"], list(data))
+
+    @classmethod
+    def of_task(cls, task: Task) -> TaskParts:
+        """Return the parts of a task; a network that its conditions span is written out."""
+        document = task.document
+        data = parse_document(document.content, document.file, max_nodes=MAX_TASK_NODES).data
+        return cls.of_data(_written(task, data) if isinstance(task.file, ConditionFile) else data)
+
+    def data(self) -> dict[str, Any]:
+        """Return the content of the file."""
+        every = {**self.head, "situations": dict(self.situations), "actions": [dict(e) for e in self.actions]}
+        return {key: every[key] for key in self.order}
+
+    @property
+    def start(self) -> str:
+        """The situation at the start."""
+        return str(self.head["start"])
+
+    @property
+    def goal(self) -> str:
+        """The situation to be reached last."""
+        goal = self.head["goal"]
+        return str(goal[-1] if isinstance(goal, list) else goal)
+
+    def lost(self) -> Iterator[str]:
+        """Yield what other formats keep as a comment alone, and do not carry out."""
+        words = {
+            "policy": "the policy",
+            "time_out_s": "the time-out of the task",
+            "interrupts": "interrupts",
+            "rounds": "rounds",
+            "otherwise": "otherwise",
+            "repeat": "repeat: its part is there once",
+            "budgets": "shared attempts",
+        }
+        yield from (meaning for key, meaning in words.items() if key in self.head)
+        if isinstance(self.head["goal"], list):
+            yield "several goals: the last one alone ends it"
+        if any(isinstance(attempts_of(row), Mapping) for row in self.actions):
+            yield "attempts that are shared, or given back"
+        if any("permit" in row for row in self.actions):
+            yield "permits of an operator"
+
+
+def attempts_of(row: Row) -> Any:
+    """Return the limit on an action's Fails as it is in the file; 3 if there is none."""
+    return row.get("attempts", 3)
+
+
+def most_attempts(row: Row) -> int | None:
+    """Return the number of Fails after which an action is excluded; None: never, or shared."""
+    given = attempts_of(row)
+    most = given.get("most", None if "budget" in given else 3) if isinstance(given, Mapping) else given
+    return most if isinstance(most, int) else None
+
+
+def successes(row: Row) -> list[tuple[str, str, Any]]:
+    """Return situation, result and probability of each Success of an action, the usual one first."""
+    if "then" not in row:
+        return [(row["to"], "", row.get("p"))]
+    return [(each["to"], each.get("result", ""), each.get("p")) for each in row["then"]]
+
+
+def failures(row: Row) -> list[tuple[str, str, Any]]:
+    """Return situation, cause and probability of each Fail of an action, that of unnamed causes last."""
+    given = row.get("on_fail")
+    if not isinstance(given, Mapping):
+        return [(given or row["from"], "", None)]
+    named = [(cause, {"to": each} if isinstance(each, str) else each) for cause, each in given.items()]
+    here = row["from"]
+    found = [(each.get("to") or here, cause, each.get("p")) for cause, each in named if cause != "else"]
+    rest = next((each.get("to") for cause, each in named if cause == "else"), None)
+    return [*found, (rest or row["from"], "", None)]
+
+
+def further_keys(row: Row) -> dict[str, Any]:
+    """Return the keys of an action that the other formats do not express by themselves."""
+    return {key: value for key, value in row.items() if key not in FLOW_KEYS}
+
+
+def _written(task: Task, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the content of a file with the network that conditions span."""
+    network = task.network
+    kept = {key: value for key, value in data.items() if key not in ("facts", "known", "interrupts")}
+    aims = [
+        {**given, "goal": each.goals[0]}
+        for given, each in zip(data.get("interrupts", ()), network.aims.interrupts, strict=True)
+        if each.goals
+    ]
+    return {
+        **kept,
+        "start": network.start,
+        "goal": network.goal,
+        **({"otherwise": list(network.otherwise)} if network.otherwise else {}),
+        **({"interrupts": aims} if aims else {}),
+        "situations": {each.name: dict(each.facts) for each in network.situations.values()},
+        "budgets": {each.budget: each.attempts for each in network.actions if not each.unlimited},
+        "actions": [_row(each) for each in network.actions],
+    }
+
+
+def _row(action: Action) -> dict[str, Any]:
+    """Return an action of a generated network as its entry in a file would be."""
+    row: dict[str, Any] = {"do": action.do, "from": action.source}
+    if action.others:
+        usual = {"to": action.target, "p": action.p}
+        others = [{"to": each.target, "p": each.p, "result": each.result} for each in action.others]
+        row["then"] = [_without_none(each) for each in (usual, *others)]
+    else:
+        row["to"] = action.target
+    fails = {each.cause: {"to": each.target, "p": each.p} for each in action.fail_endings}
+    plain = {cause: _without_none(each) for cause, each in fails.items()}
+    if plain:
+        row["on_fail"] = {**plain, **({"else": action.on_fail} if action.on_fail else {})}
+    elif action.on_fail:
+        row["on_fail"] = action.on_fail
+    row["cost_s"] = action.cost_s
+    row["attempts"] = "unlimited" if action.unlimited else {"budget": action.budget}
+    row |= _without_none(
+        {
+            "p": None if action.others else action.p,
+            "p_give_up": action.p_give_up or None,
+            "time_out_s": action.time_out_s,
+            "permit": "operator" if action.permit else None,
+        }
+    )
+    given = action.binding.given() if action.binding else {}
+    return {**row, "with": given} if given else row
+
+
+def _without_none(fields: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in fields.items() if value is not None}

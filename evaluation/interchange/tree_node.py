@@ -1,0 +1,26 @@
+"""A node of a behaviour tree, whatever program it is of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class BehaviourNode:
+    """A node, by the names of BehaviorTree.CPP."""
+
+    kind: str
+    """Name of a control, decorator or leaf node."""
+    name: str = ""
+    ports: Mapping[str, str] = field(default_factory=dict)
+    children: tuple[BehaviourNode, ...] = ()
+    line: int = 0
+    column: int = 0
+    shown: str = ""
+    """The node as its file names it (default: its kind)."""
+
+    @property
+    def construct(self) -> str:
+        """The node in messages."""
+        return self.shown or (f"{self.kind} {self.name!r}" if self.name else self.kind)
