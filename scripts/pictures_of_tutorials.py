@@ -41,7 +41,7 @@ STILLS: Mapping[str, Still] = {
     "soap": Still(
         "object.md",
         ("handcart make-map",),
-        Moment("soap/task.yaml", "STACK", 1, 3.2, (-0.9, 1.5, 1.25), (0.14, 0.35, 0.45), 1200.0),
+        Moment("soap/task.yaml", "PLACE", 1, 6.8, (-0.1, 1.3, 1.3), (0.4, 0.0, 0.68), 1200.0),
     ),
 }
 

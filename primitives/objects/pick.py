@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Sequence
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import PrivateAttr
+from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
@@ -26,16 +26,17 @@ from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Seen, Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .carrying import stow
 from .grasp_plan import LIFT_M, OPENING_CLEARANCE_M, PlannedGrasp, gripped, plan_grasps
 from .object_kind import ObjectKind
 from .object_look import ObjectLook, conclude, look_closely
-from .object_names import ObjectName, name_in_world
+from .object_names import ObjectName, SurfaceName, name_in_world
 from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
 from .objects import HeldObject, Objects, ObjectSighting
+from .placing_plan import goals_on, plan_placing
 from .tag_readings import Located
 
 GRASP_SPEED_M_S = 0.10
@@ -60,11 +61,15 @@ class Pick(ActionPrimitive):
     """Name of the object."""
     grasp: Literal["best", "next"] = "best"
     """Which of the free grasps: the best one, or the best one from another side or with another turn."""
+    to: SurfaceName | None = None
+    """Surface that it goes to: grasps with which it can be put down there come first."""
+    spot: Annotated[str, Field(min_length=1)] | None = None
+    """Spot of that surface (default: any)."""
     stow: bool = True
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
-    reads: ClassVar = ("objects",)
+    reads: ClassVar = ("objects", "places")
     writes: ClassVar = ("sightings", "held_object")
     hand: ClassVar = TAKES_OBJECT
 
@@ -190,13 +195,42 @@ class Pick(ActionPrimitive):
             if not choice.reached:
                 raise Discrepancy(f"{self.object} is out of reach", measured=free, cause=causes.OUT_OF_REACH)
             raise Discrepancy(f"no grasp of {self.object} is free", measured=free, cause=causes.NO_ARM_PATH)
-        first = choice.planned[0]
+        planned = yield from self._leading_on(robot, model, kind, base_T_object, choice.planned)
+        first = planned[0]
         if self.grasp == "best":
             return first
-        others = [each for each in choice.planned if not _alike(each, first)]
+        others = [each for each in planned if not _alike(each, first)]
         if not others:
             raise Discrepancy(f"{self.object} has only one free grasp", cause=causes.NO_ARM_PATH)
         return others[0]
+
+    def _leading_on(
+        self,
+        robot: Robot,
+        model: ModelView,
+        kind: ObjectKind,
+        base_T_object: Transform,
+        planned: Sequence[PlannedGrasp],
+    ) -> Generator[None, None, Sequence[PlannedGrasp]]:
+        """Return the grasps, those first with which the object can be put down where it goes."""
+        if self.to is None:
+            return planned
+        surface = surface_of(model, self.to)
+        place = model.places.get(surface.place or self.to)
+        if place is None:
+            return planned
+        goals = [np.asarray(inverse(place.pose.lift()) @ each) for each in goals_on(surface, self.spot)]
+        around = [box.seen_from(inverse(place.pose.lift())) for box in surface.boxes(self.to)]
+        fits: list[PlannedGrasp] = []
+        others: list[PlannedGrasp] = []
+        for each in planned:
+            hand_T_object = gripped(each.base_T_grip, base_T_object)
+            found = yield from robot.compute(
+                plan_placing, robot, kind, hand_T_object, goals, around, each.grasp.width
+            )
+            (others if found is None else fits).append(each)
+        self.found(grasps_leading_on=len(fits))
+        return [*fits, *others]
 
     def _close_on(
         self, robot: Robot, model: ModelView, kind: ObjectKind, plan: PlannedGrasp, base_T_object: Transform

@@ -43,8 +43,8 @@ from .placing_plan import (
     FOOT_MARGIN_M,
     PlannedPlacing,
     free_spots,
-    goal_poses,
     plan_placing,
+    turned,
 )
 from .surface import ObjectSurface
 from .tag_readings import Located, locate
@@ -158,8 +158,8 @@ class PlaceObject(ActionPrimitive):
         why = "nothing of it is free of known objects"
         for place, any_heading in self._candidates(robot, model, surface, radius):
             around = surroundings(robot, model)
-            spot = base_T_map(robot) @ place.lift(surface.height_m)
-            goals = [np.asarray(spot @ each.lift()) for each in goal_poses(Pose2(0.0, 0.0, 0.0), any_heading)]
+            to_base = base_T_map(robot)
+            goals = [np.asarray(to_base @ each) for each in turned(place, surface.height_m, any_heading)]
             plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
             if plan is None:
                 why = "the arm doesn't reach it freely"

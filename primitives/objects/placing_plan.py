@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -42,10 +42,18 @@ class PlannedPlacing(NamedTuple):
     """(4, 4) of the hand at the goal."""
 
 
-def goal_poses(place: Pose2, any_heading: bool) -> Iterator[Pose2]:
-    """Yield poses of the object's foot at a spot, in the frame of the spot."""
-    for turn in ANY_TURNS_RAD if any_heading else (0.0,):
-        yield Pose2(place.x, place.y, place.theta + turn)
+def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
+    """Return map_T_object (4, 4) at a spot of a surface, or in its middle; in any heading if any will do."""
+    if spot is None or spot not in surface.spots:
+        return turned(surface.floor, surface.height_m, True)
+    named = surface.spots[spot]
+    return turned(named.pose, surface.height_m, named.heading_deg is None)
+
+
+def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
+    """Return poses (4, 4) of an object's foot at a place, in the heading of the place or in any."""
+    turns = ANY_TURNS_RAD if any_heading else (0.0,)
+    return [Pose2(place.x, place.y, place.theta + turn).lift(height) for turn in turns]
 
 
 def plan_placing(
@@ -54,17 +62,19 @@ def plan_placing(
     hand_T_object: Transform,
     goals: Sequence[Transform],
     around: Sequence[Box],
+    width: float | None = None,
 ) -> PlannedPlacing | None:
     """Return the placing with the best clearance among goals; None if none is free.
 
     Args:
-        robot: robot that holds the object.
+        robot: robot that holds the object, or will.
         kind: kind of the object.
         hand_T_object: (4, 4).
         goals: base_T_object (4, 4) of allowed poses at the goal.
         around: what arm and object must not touch, in the base frame.
+        width: opening of the fingers then, in [m]; None: as it is now.
     """
-    arm = _with_hand(robot)
+    arm = _with_hand(robot, robot.gripper.width() if width is None else width)
     collision = CollisionModel(arm, around, held_box(kind, hand_T_object), margin=ARM_MARGIN_M)
     best, most, here = None, 0.0, robot.arm.command()
     for goal in goals:
@@ -105,8 +115,8 @@ def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float])
     return sorted(spots, key=lambda each: math.hypot(each[0] - near[0], each[1] - near[1]))
 
 
-def _with_hand(robot: Robot) -> ArmModel:
-    half = math.ceil(robot.gripper.width() / 2 * 1e3) / 1e3
+def _with_hand(robot: Robot, width: float) -> ArmModel:
+    half = math.ceil(width / 2 * 1e3) / 1e3
     return robot.arm_model.with_others({"left_finger": half, "right_finger": half})
 
 

@@ -30,6 +30,7 @@ PREPARED = {
         "campaign tasks/drive_map/task.yaml --robot cart --trials 3 --jobs 1 --out before",
         "campaign tasks/drive_map/task.yaml --robot cart --trials 3 --jobs 1 --out after",
     ],
+    "docs/how_to/objects.md": [],
     "docs/how_to/conditions.md": [],
     "docs/how_to/explore.md": [],
     "docs/how_to/export.md": [],
