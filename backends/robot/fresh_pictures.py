@@ -1,14 +1,31 @@
-"""Detection of a camera that returns an old picture for a new one."""
+"""Pictures of a camera with its pose, and detection of an old picture returned for a new one."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .robot_errors import StaleReading
 
 STALE_PICTURE_MOTION = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
+
+
+class Photo(NamedTuple):
+    """A picture, with the camera and its pose at the instant when it was taken."""
+
+    pixels: ByteArray
+    """(height, width), grey."""
+    camera: CameraModel
+    """Intrinsics and distortion, as calibrated."""
+    base_T_camera: Transform
+    """Pose (4, 4) of the optical frame by the measured joints."""
+    time: float
+    """The robot's time, in [s]."""
 
 
 class FreshPictures:

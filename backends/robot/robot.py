@@ -37,7 +37,7 @@ from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .averaged_scan import AveragedScan
 from .beside import beside
-from .fresh_pictures import FreshPictures
+from .fresh_pictures import FreshPictures, Photo
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
 from .robot_errors import MissingCapability, MissingSensor, NoSidewaysDrive, UnknownStart
@@ -324,6 +324,10 @@ class Robot:
         """
         noisy = self.spec.errors.image_noise_grey > 0.0
         return self._pictures.take(self.camera.image(), self._carried_by(), noisy)
+
+    def photo(self) -> Photo:
+        """Return the picture of the hand's camera with its pose and the time; errors as `picture`."""
+        return Photo(self.picture(), self.camera.model, self.base_T_camera(self.camera), self.time)
 
     def _carried_by(self) -> FloatArray:
         """Return what moves the camera: distances driven by the wheels in [m], then the arm's command."""

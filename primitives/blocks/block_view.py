@@ -48,15 +48,14 @@ def see_block(
     for _ in range(BLOCK_MAX_PICTURES):
         yield from settle(robot)
         yield
-        image = robot.picture()
-        base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
-        camera_T_top = inverse(base_T_camera) @ _flat(top[2, 3])
+        photo = robot.photo()
+        camera_T_top = inverse(photo.base_T_camera) @ _flat(top[2, 3])
         seen = find_block(
-            image, robot.camera.model, camera_T_top, (length, width), on_level(top), BLOCK_SEARCH_RADIUS_M
+            photo.pixels, photo.camera, camera_T_top, (length, width), on_level(top), BLOCK_SEARCH_RADIUS_M
         )
         drawn = [] if seen is None else [_outline(seen, camera_T_top, length, width)]
-        outlines = [robot.camera.model.project(each) for each in drawn]
-        evidence.pictures["block"] = draw_overlay(image, outlines=outlines)
+        outlines = [photo.camera.project(each) for each in drawn]
+        evidence.pictures["block"] = draw_overlay(photo.pixels, outlines=outlines)
         if seen is not None:
             return _as_block(seen, on_level(top))
     return None
@@ -65,10 +64,9 @@ def see_block(
 def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
     """Return what the camera sees instead of a block, right after `see_block` has found none."""
     length, width, height = plan.block
-    camera_T_top = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ _flat(
-        float(base_T_block[2, 3]) + height
-    )
-    face = nearest_face(robot.picture(), robot.camera.model, camera_T_top, on_level(base_T_block))
+    photo = robot.photo()
+    camera_T_top = inverse(photo.base_T_camera) @ _flat(float(base_T_block[2, 3]) + height)
+    face = nearest_face(photo.pixels, photo.camera, camera_T_top, on_level(base_T_block))
     needed = (
         f"needed: {_size(max(length, width), min(length, width))}, brighter than its surroundings, at most "
         f"{1e3 * BLOCK_SEARCH_RADIUS_M:.0f} mm and {math.degrees(MAX_TURN_RAD):.0f} deg off"

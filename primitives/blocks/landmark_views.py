@@ -84,13 +84,13 @@ class LandmarkViews:
         robot = self._robot
         yield from settle(robot)
         yield
-        image = robot.picture()
+        photo = robot.photo()
         if robot.localization.displacements != self._displaced:
             self._seen, self._cameras, self._displaced = [], [], robot.localization.displacements
-        camera = robot.base_T("hand") @ robot.camera.hand_T_camera
-        self._last = self._found(image, camera)
+        camera = photo.base_T_camera
+        self._last = self._found(photo.pixels, camera)
         self._evidence.pictures["landmark"] = draw_overlay(
-            image, landmarks=[each.landmark for each in self._last]
+            photo.pixels, landmarks=[each.landmark for each in self._last]
         )
         kept = [each for each in self._seen if not self._is_over(each, camera)]
         self._seen = kept + self._last

@@ -45,9 +45,9 @@ def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[N
         held: object in the hand, posed in the hand frame.
     """
     yield from settle(robot)
-    base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
-    mask = _free(robot, held)
-    return HandView(robot.picture(), robot.camera.model, inverse(base_T_camera) @ base_T_shelf, mask)
+    photo = robot.photo()
+    camera_T_shelf = inverse(photo.base_T_camera) @ base_T_shelf
+    return HandView(photo.pixels, photo.camera, camera_T_shelf, _free(robot, held))
 
 
 def held_book(robot: Robot, book: Book) -> Box | None:

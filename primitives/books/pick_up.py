@@ -98,10 +98,11 @@ class PickUp(TreePrimitive):
         yield from settle(robot)
         for _ in range(TAG_MAX_PICTURES):
             yield
-            for tag in read_tags(robot.picture(), family=books.catalogue.tags):
+            photo = robot.photo()
+            for tag in read_tags(photo.pixels, family=books.catalogue.tags):
                 if tag.id == books.book.accession:
-                    camera_T_tag = tag_pose(tag, robot.camera.model, TAG_SIDE)
-                    place = robot.base_T("hand") @ robot.camera.hand_T_camera @ camera_T_tag[:, 3]
+                    camera_T_tag = tag_pose(tag, photo.camera, TAG_SIDE)
+                    place = photo.base_T_camera @ camera_T_tag[:, 3]
                     self._stands = True
                     return {"book": (float(place[0]), float(place[1]), float(place[2]))}
         return {}

@@ -81,15 +81,14 @@ class Recognize(ActionPrimitive):
     def _read(self, robot: Robot, family: TagFamily) -> Generator[None, None, None]:
         """Look for a tag from here."""
         yield from settle(robot)
-        base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
         for _ in range(VIEW_MAX_PICTURES):
             yield
-            image = robot.picture()
+            photo = robot.photo()
             self._looks += 1
-            tags = read_tags(image, family=family)
-            found = [(tag, _sighting(tag, robot.camera.model, base_T_camera)) for tag in tags]
+            tags = read_tags(photo.pixels, family=family)
+            found = [(tag, _sighting(tag, photo.camera, photo.base_T_camera)) for tag in tags]
             found = [(tag, sighting) for tag, sighting in found if _on_tray(robot, sighting.place)]
-            self._show(image, [tag for tag, _ in found])
+            self._show(photo.pixels, [tag for tag, _ in found])
             if found:
                 self._seen += [sighting for _, sighting in found]
                 return

@@ -161,14 +161,14 @@ class Release(HeldBookPrimitive):
         if model.of(Books).book is None:
             return False
         yield
-        image = robot.picture()
-        camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
+        photo = robot.photo()
+        camera_T_shelf = inverse(photo.base_T_camera) @ self._shelf
         known = [
             number for book in model.of(Books).catalogue.books if (number := parse(book.call)) is not None
         ]
         reader = OcrLabelReader(known or None)
-        labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
-        self.evidence.pictures["after_release"] = draw_overlay(image, labels=labels)
+        labels = yield from robot.compute(reader.read, photo.pixels, photo.camera, camera_T_shelf)
+        self.evidence.pictures["after_release"] = draw_overlay(photo.pixels, labels=labels)
         stands = self._stands(labels, model)
         yield from self._put_away(robot, model)
         return stands

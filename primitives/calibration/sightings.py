@@ -92,15 +92,13 @@ def see(
     """
     yield from settle(robot)
     yield
-    image = robot.picture()
-    base_T_hand = robot.base_T("hand")
-    base_T_camera = base_T_hand @ robot.camera.hand_T_camera
-    away = float(base_T_camera[2, 3] - base_T_mark[2, 3])
+    photo, base_T_hand = robot.photo(), robot.base_T("hand")
+    away = float(photo.base_T_camera[2, 3] - base_T_mark[2, 3])
     span = (away - LANDMARK_DEPTH_TOLERANCE_M, away + LANDMARK_DEPTH_TOLERANCE_M)
-    found = find_landmarks(image, robot.camera.model, mark.side_mm / 1e3, span)
-    evidence.pictures["landmark"] = draw_overlay(image, landmarks=found)
+    found = find_landmarks(photo.pixels, photo.camera, mark.side_mm / 1e3, span)
+    evidence.pictures["landmark"] = draw_overlay(photo.pixels, landmarks=found)
     level = Pose2(0.0, 0.0, 0.0).lift(float(base_T_mark[2, 3]))
-    camera_T_level = inverse(base_T_camera) @ level
+    camera_T_level = inverse(photo.base_T_camera) @ level
     expected = on_level(base_T_mark)
     seen = [Seen(each, base_T_hand, planar_pose(each, camera_T_level)) for each in found]
     near = [each for each in seen if each.base_T_landmark.distance(expected) < LANDMARK_RADIUS_M]

@@ -56,11 +56,10 @@ class ObjectLook:
         self.views += 1
         for _ in range(PICTURES_PER_VIEW):
             yield
-            image = robot.picture()
-            base_T_camera = robot.base_T_camera(robot.camera)
-            found = read_objects(image, robot.camera.model, base_T_camera, model.of(Objects).objects)
+            photo = robot.photo()
+            found = read_objects(photo.pixels, photo.camera, photo.base_T_camera, model.of(Objects).objects)
             if found or not self.reads:
-                evidence.pictures["objects"] = draw_overlay(image, [each.tag for each in found])
+                evidence.pictures["objects"] = draw_overlay(photo.pixels, [each.tag for each in found])
             self.reads += found
             if any(each.object == name for each in found):
                 return

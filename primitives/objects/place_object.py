@@ -208,12 +208,10 @@ class PlaceObject(ActionPrimitive):
             raise Discrepancy(f"no view of {self.surface} is free", cause=causes.NO_ARM_PATH)
         yield from settle(robot)
         yield
-        image, camera = robot.picture(), robot.camera.model
-        base_T_camera = robot.base_T_camera(robot.camera)
-        corners = _foot(kind, base_T_goal)
-        share = edge_share(image, camera, base_T_camera, corners)
-        outline = camera.project(apply(inverse(base_T_camera), corners))
-        self.evidence.pictures["spot"] = draw_overlay(image, outlines=[outline])
+        photo, corners = robot.photo(), _foot(kind, base_T_goal)
+        share = edge_share(photo.pixels, photo.camera, photo.base_T_camera, corners)
+        outline = photo.camera.project(apply(inverse(photo.base_T_camera), corners))
+        self.evidence.pictures["spot"] = draw_overlay(photo.pixels, outlines=[outline])
         return is_plain(share)
 
     def _lower(self, robot: Robot, base_T_hand: Transform) -> Periods:

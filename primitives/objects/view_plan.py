@@ -89,14 +89,17 @@ def view_joints(
     towards: Sequence[FloatArray],
     distances: Sequence[float],
 ) -> tuple[FloatArray, Transform] | None:
-    """Return joints (n,) from which the hand's camera looks at a point, and base_T_camera; None if none.
+    """Return joints (n,), in [rad] or [m], from which the hand's camera looks at a point, and base_T_camera
+    (4, 4).
+
+    None if no such joints are found.
 
     Args:
         robot: robot with a camera on the hand.
         collision: the arm among its surroundings.
         point: (3,) in the base frame, in [m].
         towards: unit vectors (3,) from the point to the camera, the best ones first.
-        distances: from the camera to the point in [m], the best ones first.
+        distances: from the camera to the point, in [m], the best ones first.
     """
     camera_T_hand = inverse(robot.camera.hand_T_camera)
     here = robot.arm.command()

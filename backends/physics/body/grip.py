@@ -71,7 +71,9 @@ class Grip:
 
 
 def pads_in(engine: Engine) -> ContactSurface:
-    """Return the surface of the fingers; `Grip` carries the rest of its friction."""
+    """Return the contact surface of the fingers in an engine; `Grip` adds the friction that the surface
+    lacks.
+    """
     return PAD_SURFACE._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 
 

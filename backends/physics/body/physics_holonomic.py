@@ -35,7 +35,7 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given, self._periods = 0.0, 0
 
     def begin(self, period: int) -> None:
-        """Start the command of a period."""
+        """Start a period with the base's last command."""
         speed, turn_rate, sideways = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         rims = (speed - half, speed + half, sideways)

@@ -39,7 +39,7 @@ CHI2_LIMIT = 3.0 * SCALING_CHI2
 
 
 def ignore_stage(words: str, share: float) -> None:
-    """Ignore a report."""
+    """Ignore a report of progress: the default listener of the construction of a map."""
 
 
 class KeyframeGraph:
@@ -74,9 +74,14 @@ class KeyframeGraph:
         self._edges += chain_edges(self.poses, match, len(frame.surface.points))
 
     def measure(self, number: int, pose: Pose2, information: FloatArray) -> None:
-        """Add the measured pose of a keyframe in the graph's frame, with its information (3, 3).
+        """Add the measured pose of a keyframe in the graph's frame.
 
         The frame is that of the first keyframe's pose, which stays where it is.
+
+        Args:
+            number: number of the keyframe.
+            pose: measured pose.
+            information: (3, 3) of x, y and heading, in [1/m²] and [1/rad²].
         """
         cos, sin = math.cos(self.poses[0].theta), math.sin(self.poses[0].theta)
         turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -258,6 +258,19 @@ def test_a_picture_that_stays_the_same_as_it_moves_is_stale(
     assert robot.picture() is grey
 
 
+def test_a_photo_has_the_cameras_pose_at_its_own_instant(robot: Robot) -> None:
+    first, start = robot.photo(), robot.arm.joints()
+    for share in np.linspace(0.05, 1.0, 20):
+        robot.arm.move(start + 0.1 * share * np.eye(len(start))[0])
+        robot.step()
+    photo = robot.photo()
+    assert photo.pixels is robot.seen
+    assert photo.time == robot.time > first.time
+    hand = robot.arm_model.forward(robot.arm.joints())
+    assert np.array_equal(photo.base_T_camera, hand @ robot.camera.hand_T_camera)
+    assert not np.allclose(photo.base_T_camera, first.base_T_camera, atol=1e-3)
+
+
 def test_a_checkpoint_keeps_the_ground_that_was_driven(make_stage: Callable[..., Rig]) -> None:
     half = RangeSpec(beams=360, reach_m=12.0, sigma_mm=10.0, masked_deg=((100.0, 260.0),))
     robots = [make_stage("cart", HALL).robot for _ in range(2)]
