@@ -36,6 +36,9 @@ def import_tree(path: Path | str) -> Imported:
             meaning = "a file that is included is not read" if element.tag == "include" else "it is left out"
             lost[LostConstruct(element.line, element.column, f"<{element.tag}>", meaning)] = None
     main = _main(path, root, trees)
+    if len(trees) > 1 and "main_tree_to_execute" not in root.attributes:
+        meaning = f"main_tree_to_execute is missing; it begins with {main!r}"
+        lost[LostConstruct(root.line, root.column, "<root>", meaning)] = None
     draft = TaskDraft(main)
     flow = TreeFlow(draft, trees)
     start = flow.translate(main)

@@ -83,6 +83,9 @@ class _SmachReader:
         self._lose_keys(node, CONTAINER_KEYS, prefix.rstrip("/"))
         begins = {name: self._draft.placeholder() for name, _ in states}
         for name, state in states:
+            if name in exits or name in _outcomes(node):
+                self._lose(state, f"state {name!r}", "an outcome is called so too; transitions lead here")
+        for name, state in states:
             inside = _State(f"{prefix}{name}", state)
             targets = _Exits({**exits, **begins})
             found = self._state(inside, targets, depth, _next(states, name))

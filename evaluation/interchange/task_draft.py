@@ -98,7 +98,7 @@ class TaskDraft:
             while part in self._same and part not in seen:
                 seen.add(part)
                 part = self._same[part]
-            return GOAL_NAME if part in seen else part  # an empty loop leads nowhere
+            return FAILED_NAME if part in seen else part  # a loop without a leaf never ends
         if isinstance(part, Mapping):
             return {key: value if key == "with" else self._resolved(value) for key, value in part.items()}
         if isinstance(part, list):

@@ -80,7 +80,8 @@ def leaves(network: ActionNetwork, ends: Mapping[str, str] | None = None) -> tup
 
 
 def tree(body: str) -> str:
-    return f'<root BTCPP_format="4"><BehaviorTree ID="t">{body}</BehaviorTree></root>'
+    head = '<root BTCPP_format="4" main_tree_to_execute="t">'
+    return f'{head}<BehaviorTree ID="t">{body}</BehaviorTree></root>'
 
 
 @pytest.mark.parametrize(
@@ -259,3 +260,55 @@ def test_damage_is_drawn_from_a_seed() -> None:
     from benchmarks.deciding.interchange import damaged
 
     assert damaged("abcdef" * 9, random.Random(3)) == damaged("abcdef" * 9, random.Random(3))
+
+
+@pytest.mark.parametrize(
+    ("body", "construct"),
+    [
+        ('<SubTree ID="p" __autoremap="true"/>', "__autoremap of <SubTree>"),  # BehaviorTree.CPP 563
+        ("<RoundRobin><A/><B/></RoundRobin>", "<RoundRobin>"),  # navigation2 5033
+        ('<SubTree ID="nowhere"/>', "<SubTree>"),  # BehaviorTree.CPP 259
+        ('<A goal="{x}"/>', 'goal="{x}"'),  # navigation2 4004
+    ],
+)
+def test_peers_reports_of_trees_are_named(tmp_path: Path, body: str, construct: str) -> None:
+    part = '<BehaviorTree ID="p"><B/></BehaviorTree>'
+    text = tree(body).replace("</root>", f"{part}</root>")
+    (tmp_path / "t.xml").write_text(text)
+    assert [each.construct for each in import_file(tmp_path / "t.xml").lost] == [construct]
+
+
+def test_includes_without_a_path_are_named(tmp_path: Path) -> None:  # BehaviorTree.CPP 1003
+    (tmp_path / "t.xml").write_text(tree("<A/>").replace("<BehaviorTree", "<include/><BehaviorTree", 1))
+    assert [each.construct for each in import_file(tmp_path / "t.xml").lost] == ["<include>"]
+
+
+@pytest.mark.parametrize("attempts", ["-1", "10"])
+def test_retries_of_what_always_fails_never_succeed(read: Import, attempts: str) -> None:  # BT.CPP 888
+    body = f'<RetryUntilSuccessful num_attempts="{attempts}"><AlwaysFailure/></RetryUntilSuccessful>'
+    with pytest.raises(FileError) as error:
+        read("t.xml", tree(body))
+    assert "to done; allowed: a goal that can be reached" in str(error.value)
+
+
+def test_conditions_that_are_retried_for_ever_end(read: Import) -> None:  # BehaviorTree.CPP 395
+    body = '<RetryUntilSuccessful num_attempts="-1"><IsThere/></RetryUntilSuccessful>'
+    found, situation = leaves(read("t.xml", tree(body)).network, {"IsThere": "F" * 10_000})
+    assert 20 < len(found) < 10_000
+    assert situation == "IsThere"
+
+
+def test_main_tree_that_is_not_named_is_reported(tmp_path: Path) -> None:  # BehaviorTree.CPP 384
+    part = '<BehaviorTree ID="other"><B/></BehaviorTree>'
+    (tmp_path / "t.xml").write_text(
+        tree("<A/>").replace(' main_tree_to_execute="t"', "").replace("</root>", f"{part}</root>")
+    )
+    (lost,) = import_file(tmp_path / "t.xml").lost
+    assert "main_tree_to_execute is missing; it begins with 't'" in lost.meaning
+
+
+def test_states_called_like_an_outcome_are_reported(tmp_path: Path) -> None:  # yasmin 40
+    states = "states:\n  succeeded:\n    type: Say\n    transitions: {succeeded: succeeded}\n"
+    text = f"outcomes: [succeeded]\n{states}"
+    (tmp_path / "m.yaml").write_text(text)
+    assert "state 'succeeded'" in {each.construct for each in import_file(tmp_path / "m.yaml").lost}
