@@ -35,15 +35,21 @@ def findings_of(
 _Placed = tuple[SchemaPlace, Any]
 
 
-def _meant(errors: list[_Placed]) -> Iterable[_Placed]:
-    """Yield the errors without those of union members that the value was not meant to be."""
+def _meant(errors: list[_Placed], depth: int = 0) -> Iterable[_Placed]:
+    """Yield the errors without those of union members that the value was not meant to be.
+
+    Args:
+        errors: errors of one value.
+        depth: number of the unions around it whose members are decided.
+    """
     tried: dict[KeyPath, dict[str, list[_Placed]]] = {}
     for placed in errors:
-        for path, label in placed[0].unions[:1]:
+        for path, label in placed[0].unions[depth : depth + 1]:
             tried.setdefault(path, {}).setdefault(label, []).append(placed)
-    yield from (placed for placed in errors if not placed[0].unions)
+    yield from (placed for placed in errors if len(placed[0].unions) <= depth)
     for path, members in tried.items():
-        near = [found for found in members.values() if not _other_kind(path, found)]
+        within = [found for found in members.values() if not _other_kind(path, found)]
+        near = [list(_meant(found, depth + 1)) for found in within]
         if near:
             yield from min(near, key=len)
         else:
@@ -51,7 +57,13 @@ def _meant(errors: list[_Placed]) -> Iterable[_Placed]:
 
 
 def _other_kind(path: KeyPath, errors: list[_Placed]) -> bool:
-    return any(place.path == path and each["type"] in _OTHER_KIND for place, each in errors)
+    return any(place.path == path and _is_other_kind(each) for place, each in errors)
+
+
+def _is_other_kind(error: Any) -> bool:
+    """Return whether a value has not the kind; no list or mapping is meant to be one of some words."""
+    structured = error["type"] in ("literal_error", "enum") and isinstance(error["input"], dict | list)
+    return error["type"] in _OTHER_KIND or structured
 
 
 def _none_of(path: KeyPath, errors: list[_Placed]) -> _Placed:

@@ -220,7 +220,8 @@ class Search(ActionPrimitive):
             reading.intervals, key=lambda gap: abs(gap.left + gap.right - 2 * seen.centre), default=None
         )
         if near is None:
-            return NoGap("the slot isn't seen any more from nearby", "slots seen there", 0, 1, at=seen.centre)
+            words = "the slot isn't seen any more from nearby"
+            return NoGap(words, "slots seen there", 0, 1, at=seen.centre, is_unread=True)
         leaning = self._leaning_in(near, reading.offsets)
         if leaning is not None:
             lean, limit = abs(math.degrees(leaning.lean)), math.degrees(MIN_LEAN_RAD)
@@ -262,7 +263,8 @@ class Search(ActionPrimitive):
         if isinstance(found, NoGap):
             self._decided_by(found)
             read = Measured("Camera", found.what, found.value, found.limit, found.unit)
-            raise Discrepancy(found.reason, permanent=True, measured=read, cause=book_causes.NO_SLOT)
+            cause = causes.NOT_SEEN if found.is_unread else book_causes.NO_SLOT
+            raise Discrepancy(found.reason, permanent=True, measured=read, cause=cause)
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))

@@ -41,6 +41,7 @@ class NoGap(NamedTuple):
     """Reason why the book has no slot: as text, and as a number with its unit and its limit.
 
     `at` is y in the shelf frame in [m] of the position at which the book belongs, None if unknown.
+    `is_unread` is True if there may be a slot, but what is beside it could not be read or seen.
     """
 
     reason: str
@@ -49,6 +50,7 @@ class NoGap(NamedTuple):
     limit: float
     unit: str = ""
     at: float | None = None
+    is_unread: bool = False
 
 
 def find_gap(
@@ -69,7 +71,7 @@ def find_gap(
     """
     numbers = [book.call_number for book in reading.books]
     if all(number is None for number in numbers):
-        return NoGap("no call number could be read on the shelf", "call numbers read", 0, 1)
+        return NoGap("no call number could be read on the shelf", "call numbers read", 0, 1, is_unread=True)
     places = _best_places(numbers, call_number) if misplacement else _naive_places(numbers, call_number)
     if not places:
         return NoGap(f"no two neighbours on the shelf enclose {call_number}", "places for it", 0, 1)
@@ -100,7 +102,7 @@ def find_gap(
         reason = (
             f"{call_number} belongs {where}; beside the slot there stands a book whose label can't be read"
         )
-        return NoGap(reason, "books beside it that aren't read", unread, 0, at=chosen.left)
+        return NoGap(reason, "books beside it that aren't read", unread, 0, at=chosen.left, is_unread=True)
     before, after = _neighbours(numbers, call_number, [place])
     return GapFound(chosen.left, chosen.right, before, after, _misplaced(numbers, call_number, place))
 

@@ -203,3 +203,18 @@ def test_drawings_name_the_causes(load: Load) -> None:
 def test_a_walk_without_a_robot_refuses_causes(load: Load) -> None:
     with pytest.raises(NotWalked, match="by result or cause"):
         WalkTable(load(HEAD + NETWORK).network)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("{to: b, p: 0.2}", "{too: b, p: 0.2}", "unknown key 'too'; did you mean 'to'? allowed: p, to"),
+        ("{to: b, p: 0.2}", "3", "blocked is 3; allowed: text in quotes or a mapping with the keys p, to"),
+        ("attempts: 2", "attempts: {mst: 2}", "unknown key 'mst'; did you mean 'most'?"),
+    ],
+)
+def test_wrong_key_inside_a_choice_has_one_message(load: Load, old: str, new: str, message: str) -> None:
+    with pytest.raises(FileError) as raised:
+        load(HEAD + NETWORK.replace(old, new, 1))
+    (finding,) = raised.value.findings
+    assert finding.message.startswith(message)

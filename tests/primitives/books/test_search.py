@@ -11,11 +11,14 @@ import pytest
 
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.books.standing_book import leaned
+from handcart.primitives.books.book_causes import NO_SLOT
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.search import Search, _end_of_row
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.perception.books.call_number import parse
+from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReading
 from tests.primitives.conftest import Rig
 
@@ -98,9 +101,20 @@ def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Ca
     outcome = rig.run(Search(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "510.35 ZUS belongs between 510.3 ABE and 510.4 ABE, and there is no free slot"
-    assert outcome.permanent
+    assert outcome.permanent and outcome.cause is NO_SLOT
     assert np.array_equal(rig.robot.arm.command(), before)
     assert rig.model.of(Books).slot is None
+
+
+def test_where_no_label_is_read_the_slot_is_not_seen(
+    docked: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The cause tells that another look may help."""
+    rig = docked(0)
+    monkeypatch.setattr(OcrLabelReader, "read", lambda *_: [])
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert (outcome.reason, outcome.cause) == ("no call number could be read on the shelf", causes.NOT_SEEN)
 
 
 def in_slot(front_mm: float, grey: int = 120) -> str:

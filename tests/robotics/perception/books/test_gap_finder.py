@@ -89,6 +89,7 @@ def test_unread_books_are_allowed_but_not_beside_the_slot() -> None:
         found = find_gap(_shelf(beside), _number("512 AAA"), 0.03)
         assert isinstance(found, NoGap)
         assert "beside the slot there stands a book whose label can't be read" in found.reason
+        assert found.is_unread
 
 
 def test_of_two_slots_the_one_that_fits_best_is_taken() -> None:
@@ -119,6 +120,7 @@ def test_no_gap_says_why(row: list[str | float | None], reason: str) -> None:
     found = find_gap(_shelf(row), _number("512 AAA"), 0.03)
     assert isinstance(found, NoGap)
     assert reason in found.reason
+    assert found.is_unread is reason.startswith("no call number")
 
 
 def test_longest_order_of_a_sequence() -> None:
