@@ -27,9 +27,12 @@ from .explored_picture import explored_picture
 from .exploring_drive import GOAL_NAME, ExploringDrive, looking_at
 from .exploring_look import ExploringLook, FrontierGoal, FrontierLook
 from .exploring_return import drive_to_start
+from .exploring_turn import turn_by
 from .lidar_watch import LidarWatch
 from .scan_collector import ScanCollector
 
+ALL_AROUND_RAD = math.radians(300.0)  # of view, from where turning on the spot shows nothing new
+TURN_STEPS = 3  # of a full turn
 LOOK_DISTANCE_M = 1.5  # driven, after which the map is drawn again
 LOOK_PERIOD_S = 3.0  # the same in time
 LOOK_S = 0.2  # of the robot's time, for drawing and planning
@@ -90,6 +93,7 @@ class Explore(ActionPrimitive):
         known = model.map if model.map.occupied.any() else None
         self._scans = ScanCollector(robot, robot.lidar, known)
         self._look = ExploringLook(robot, self._scans.map, self.radius_m)
+        yield from self._look_around(robot)
         target = yield from self._next_target(robot, model)
         while target is not None:
             target = yield from self._drive(robot, model, target)
@@ -127,6 +131,18 @@ class Explore(ActionPrimitive):
         yield from drive_to_start(robot, model, start, self._scans, self._look)
 
     # Driving
+
+    def _look_around(self, robot: Robot) -> Periods:
+        """Turn once on the spot if the lidar does not see all around: a route begins on ground that is seen.
+
+        A base that is held back where it stands looks as far as it can turn.
+        """
+        assert robot.lidar is not None
+        if float(np.ptp(robot.lidar.scan().angles)) >= ALL_AROUND_RAD:
+            return
+        for _ in range(TURN_STEPS):
+            if not (yield from turn_by(robot, 2.0 * math.pi / TURN_STEPS)):
+                return
 
     def _next_target(self, robot: Robot, model: ModelView) -> Generator[None, None, FrontierGoal | None]:
         """FrontierLook from where the base stands."""

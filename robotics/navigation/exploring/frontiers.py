@@ -75,13 +75,14 @@ def find_border(
     """
     free = ~grid.blocked
     row, column = _clipped(grid, here)
-    border = free & (cv2.dilate(grid.unknown.astype(np.uint8), ALL_AROUND) > 0)
+    unknown = np.pad(grid.unknown, 1, constant_values=True).astype(np.uint8)  # so is what is off the map
+    border = free & (cv2.dilate(unknown, ALL_AROUND)[1:-1, 1:-1] > 0)
     border &= _connected(free, row, column, radius / grid.resolution)
-    could_be = _clearance(~grid.occupied) >= (radius + TRAVEL_ROOM_M) / grid.resolution + HALF_CELL
+    could_be = _clearance(~grid.occupied, True) >= (radius + TRAVEL_ROOM_M) / grid.resolution + HALF_CELL
     passable = border & _connected(could_be, row, column, radius / grid.resolution + 2.0)
     count = int(passable.sum())
     counts = [_take_out(grid, passable, point, left_radius) for point in left]
-    clearance = _clearance(free) * grid.resolution - HALF_CELL * grid.resolution
+    clearance = (_clearance(free, False) - HALF_CELL) * grid.resolution
     way = _connected(clearance >= radius + TRAVEL_ROOM_M, row, column, 2.0 * radius / grid.resolution + 2.0)
     start = _nearest(way, row, column)
     lengths = np.full(free.shape, np.inf) if start is None else travel(way, *start)
@@ -106,9 +107,12 @@ def _clipped(grid: GridMap, point: tuple[float, float]) -> tuple[int, int]:
     return int(cell[0]), int(cell[1])
 
 
-def _clearance(open_: BoolArray) -> FloatArray:
-    """Return the distance (h, w), in cells, of each cell's centre to the nearest centre that is not open."""
-    padded = np.pad(open_, 1, constant_values=True).astype(np.uint8)
+def _clearance(open_: BoolArray, is_open_beyond: bool) -> FloatArray:
+    """Return the distance (h, w), in cells, of each cell's centre to the nearest centre that is not open.
+
+    Cells off the map are open or not.
+    """
+    padded = np.pad(open_, 1, constant_values=is_open_beyond).astype(np.uint8)
     found = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     return np.asarray(found[1:-1, 1:-1], dtype=np.float64)
 

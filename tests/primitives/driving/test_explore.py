@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
+from benchmarks.driving.cluttered_robot import write_robot
 from handcart.evaluation.judging.map_survey import MapFigures, compare_with_world
 from handcart.evaluation.judging.survey import SurveyedRun, simulated_world
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
@@ -107,6 +108,19 @@ def test_cancelled_exploration_is_restored(robot: str, tmp_path: Path) -> None:
                 next(periods)
         assert isinstance(end.value.value, Fail), end.value.value
         assert truth_of(rig).distance(begun) < 0.025
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("view_deg", "sides"), [(90.0, (0.22,)), (270.0, (0.5, 0.43))])
+def test_lidar_that_does_not_see_all_around_maps_it_all(
+    view_deg: float, sides: tuple[float, ...], tmp_path: Path
+) -> None:
+    """It turns on the spot first: no route begins on ground that was not seen."""
+    path = write_robot(tmp_path, sides, 0.6, "scan", view_deg)
+    with build_rig(world(tmp_path, TWO_ROOMS), robot=str(path)) as rig:
+        made = Explore()
+        assert isinstance(rig.do(made), Success), made.facts
+        assert figures(rig, made).mapped_percent > 98.0
 
 
 @pytest.mark.slow

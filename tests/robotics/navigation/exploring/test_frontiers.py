@@ -49,6 +49,17 @@ def test_frontier_is_looked_at_from_a_place_where_the_robot_fits() -> None:
     assert found.distance == pytest.approx(math.hypot(2.7, 1.1), rel=0.1)
 
 
+def test_edge_of_the_map_is_a_frontier() -> None:
+    """Maps are cut where nothing more was hit: beams into the open end beyond."""
+    grid = room(1.0)
+    cut = GridMap(grid.occupied[:, :84], grid.unknown[:, :84], CELL_M, 0.0, 0.0)
+    found = border(cut, 0.3).frontiers
+    assert len(found) == 1
+    assert found[0].middle == pytest.approx((4.17, 2.1), abs=0.06)
+    assert found[0].view is not None
+    assert found[0].view[0] < 4.2 - 0.3
+
+
 def test_frontier_behind_a_narrow_passage_has_no_view() -> None:
     """A wall across the room leaves a slit, through which the robot sees the door and cannot come."""
     grid = room(1.0)
