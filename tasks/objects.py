@@ -25,6 +25,7 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.objects.object_survey:ObjectSurvey",
     files={"objects": "handcart.primitives.objects.objects_file:ObjectsFile"},
+    faults="handcart.evaluation.objects.object_faults:OBJECT_FAULTS",
     mutants="handcart.evaluation.objects.object_mutants:OBJECT_MUTANTS",
     rehearsals={
         _HERE / "fetch_and_carry" / "task.yaml": {},

@@ -54,6 +54,10 @@ class CarriedObject(PlacedThing):
     def faces(self) -> Mapping[Side, GreyImage]:
         return self._faces
 
+    def print_over(self, faces: Mapping[Side, GreyImage]) -> None:
+        """Print other pictures over its printed sides: damage, or something that covers the tags."""
+        self.__dict__["_faces"] = dict(faces)
+
     @cached_property
     def _faces(self) -> Mapping[Side, GreyImage]:
         return printed_faces(self.spec.tags, self.spec.size_mm, self.spec.grey)
