@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +32,7 @@ class Moment(NamedTuple):
 NEAR_PERIODS = 200  # the last ones, in which a place is looked for
 RAD_M = 0.3  # that a turn of a radian counts as, in [m]
 JOINT_M = 0.5  # that a radian of a joint counts as, in [m]
+STEP_ROUNDING = 1e-6  # of a period
 GRIP_WEIGHT = 100.0  # of the fingers' opening: a motion of theirs is never skipped
 
 
@@ -70,7 +74,7 @@ class Trace:
                 last -= 1
             begin = number if last < before else begin
         left = Trace(self._robot)
-        left.moments = [*self.moments[: last + 1], *back.moments[begin:]]
+        left.moments = _small_steps(self._robot, [*self.moments[: last + 1], *back.moments[begin:]])
         left.is_rest = bool(left.moments)
         return left
 
@@ -81,6 +85,22 @@ class Trace:
         joints = arm.command().copy() if arm else np.empty(0)
         grip = gripper.command() if gripper else 0.0
         self.moments.append(Moment(self._robot.pose, joints, grip, self._robot.localization.odometry_pose))
+
+
+def _small_steps(robot: Robot, moments: Sequence[Moment]) -> list[Moment]:
+    """Return the moments, with more between two whose joints are further apart than they move in a period.
+
+    A stuck arm accepts commands that it could not follow.
+    """
+    found = list(moments[:1])
+    for before, after in pairwise(moments):
+        step = after.joints - before.joints
+        periods = float((np.abs(step) / (robot.joint_speeds * robot.period)).max()) if len(step) else 1.0
+        count = max(1, math.ceil(periods - STEP_ROUNDING))
+        between = after._replace(grip=before.grip)
+        found += [between._replace(joints=before.joints + k / count * step) for k in range(1, count)]
+        found.append(after)
+    return found
 
 
 def _apart(one: Moment, other: Moment) -> float:
