@@ -76,7 +76,7 @@ def make_backend(
     bench: str | None = None,
     put_at_start: bool = False,
 ) -> Backend:
-    """Build a backend by its name, for a robot, in the world of a file.
+    """Build a backend with a robot and a world.
 
     Args:
         name: one of `backend_names()`.

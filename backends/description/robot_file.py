@@ -54,7 +54,7 @@ class ArmSpec(FileModel):
     top_speed_deg_s: Positive
     acceleration_deg_s2: Positive
     slide_speed_mm_s: Positive | None = None
-    """Maximum speed of sliding joints, such as a lift; required if there is one."""
+    """Maximum speed of sliding joints, such as a lift; required if one exists."""
     slide_acceleration_mm_s2: Positive | None = None
     accuracy_mm: Positive = 0.5
     """Sigma of the hand's position against its joints, along each axis."""

@@ -1,1 +1,1 @@
-"""What real robots have in common: the clock of the control loop, and sensors that send by themselves."""
+"""Common parts of real robots: the clock of the control loop, and free-running sensors."""

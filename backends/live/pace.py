@@ -25,7 +25,7 @@ def suspended() -> float:
 class Pace:
     """Wait until a period of the wall clock is over.
 
-    A late period starts the next one anew: missed periods are not made up for by shorter ones.
+    A late period starts the next one at its own end: missed periods are not compensated by shorter ones.
     """
 
     def __init__(

@@ -57,7 +57,7 @@ class GuardedBase(HolonomicBase):
         Args:
             base: driven base.
             robot: robot file.
-            grid: map, if there is one.
+            grid: map, if one exists.
             pose: returns map_T_base.
             scan: returns the lidar's current points without the robot itself, (n, 2) in [m], in the base
                 frame.
@@ -83,7 +83,9 @@ class GuardedBase(HolonomicBase):
         self._people: People | None = None
         self._share = 1.0
         self.share_for_people = 1.0
-        """Share of the commanded speed in the last period that people left; 0: the base stood for them."""
+        """Share of the commanded speed in the last period that people allowed; 0: the base waited for
+        them.
+        """
 
     @cached_property
     def _map_guard(self) -> WayGuard | FootprintGuard:
@@ -158,7 +160,7 @@ class GuardedBase(HolonomicBase):
         self._people = people
 
     def _yielding(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
-        """Return the part of a command that leads into nobody's path before the base could stand.
+        """Return the part of a command that ends before every person's path.
 
         `direction` of travel in [rad] against the heading, as in `_allowed`.
         """
@@ -172,7 +174,7 @@ class GuardedBase(HolonomicBase):
 
     @property
     def yields(self) -> bool:
-        """True if the base stood in the last period although driven, because of a person."""
+        """True if the base waited for a person in the last period although it was driven."""
         return self.share_for_people == 0.0
 
     @property

@@ -1,4 +1,4 @@
-"""People and carts that a drive tracks now, for observers and for the localization."""
+"""People and carts that a drive tracks now for observers and for the localization."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class SeenPeople:
     """Latest tracks of people and carts, with their time."""
 
     def __init__(self) -> None:
-        """Begin with nobody seen."""
+        """Start without people."""
         self._at, self._tracks = -np.inf, list[BodyTrack]()
 
     def show(
@@ -32,10 +32,10 @@ class SeenPeople:
         """Keep the tracks of a scan; the next scan is matched with the map without them.
 
         Args:
-            time: of the scan, in [s].
+            time: time of the scan, in [s].
             tracks: all people and carts.
             localization: estimate of the base's pose.
-            suspects: bodies that may be people; left out of the match, too.
+            suspects: bodies that may be people; excluded from the match, too.
         """
         self._at, self._tracks = time, list(tracks)
         bodies = [*tracks, *suspects]
@@ -43,5 +43,5 @@ class SeenPeople:
         localization.crowd.put(np.array(discs).reshape(-1, 3))
 
     def now(self, time: float) -> Sequence[BodyTrack]:
-        """Return the tracks at a time in [s]; empty while no drive tracks anybody."""
+        """Return the tracks at a time in [s]; empty while no drive tracks people."""
         return self._tracks if time <= self._at + MAX_PEOPLE_AGE_S else ()

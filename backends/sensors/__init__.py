@@ -1,1 +1,1 @@
-"""Kinds of sensors: what each of them is made of, by the name in a robot's file."""
+"""Kinds of sensors with their parts, by the name in a robot's file."""

@@ -1,4 +1,4 @@
-"""Results of the conformance kit, for people and for programs."""
+"""Results of the conformance kit for people and for programs."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class FieldSurvey(Survey):
         self._blocks: dict[str, str] = {}
         self._seen: dict[str, Place | None] = {}
         self.tracks: dict[str, list[Place]] = {name: [] for name in TRACK_NAMES}
-        """Points (x, y) in [m], for plots."""
+        """Points (x, y) in [m] for plots."""
         self._as_laid: list[AsLaid] = []
         """Report of a run that has ended."""
         self._next = 0.0

@@ -46,7 +46,7 @@ class Touched:
     speed_m_s: float = 0.0
     """Speed of the base when the contact began, as driven or as it truly moved before, if that is more."""
     ran_into_it: bool = False
-    """True if a passer ran into the base while it stood."""
+    """True if a passer ran into the base while it was at rest."""
 
     def __str__(self) -> str:
         how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"
@@ -160,7 +160,7 @@ class ContactSurvey(Survey):
         }
 
     def _of_passers(self) -> dict[str, int]:
-        """Return how often the robot touched passers, and how often they ran into it while it stood."""
+        """Return how often the robot touched passers, and how often they ran into it while it was at rest."""
         if not self._passers:
             return {}
         own = [each for each in self.contacts if each.other in self._passers]

@@ -72,7 +72,7 @@ class ReplayBackend(Backend):
     simulated = True
 
     def __init__(self, folder: Path) -> None:
-        """Open a run's recording; raises `NoRecording` if there is none."""
+        """Open a run's recording; raises `NoRecording` without one."""
         self._folder = folder
         self._blocks = read_blocks(folder)
         self.periods = self.commands = self.readings = 0

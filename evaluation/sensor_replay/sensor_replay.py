@@ -1,4 +1,4 @@
-"""Replay of a run on its recorded readings: the same commands, to the last bit, prove what it was told."""
+"""Replay of a run on its recorded readings, which gives the recorded commands to the last bit."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def map_path(root: Path, name: str, *, start: Path) -> Path:
 
 
 def load_map(path: Path) -> tuple[GridMap, str | None]:
-    """Return a map, and a warning about it if there is one.
+    """Return a map, and a warning about it if one exists.
 
     Raises:
         FileError: the file or its picture is missing or wrong.

@@ -1,4 +1,4 @@
-"""JSON Schemas of the files, for completion and checks in editors."""
+"""JSON Schemas of the files for completion and checks in editors."""
 
 from typing import Any
 

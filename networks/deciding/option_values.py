@@ -1,4 +1,6 @@
-"""What each action out of a situation comes to: probability of the goal and time, if it is done next."""
+"""Expected results of each action out of a situation: probability of the goal and time, if it is done
+next.
+"""
 
 from __future__ import annotations
 

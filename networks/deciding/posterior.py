@@ -1,4 +1,4 @@
-"""What counted outcomes say of an action's probabilities, and whether they suffice to leave the rule."""
+"""Probabilities of an action by counted outcomes, and whether they suffice to leave the rule."""
 
 from __future__ import annotations
 

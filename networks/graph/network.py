@@ -166,7 +166,7 @@ class Action:
     counter: int = -1
     """Number of the first action that shares its attempts."""
     fail_endings: tuple[FailEnding, ...] = ()
-    """Where Fails of certain causes lead; all others lead to `on_fail`."""
+    """Situations that Fails of certain causes lead to; all others lead to `on_fail`."""
 
     @cached_property
     def allowance(self) -> Attempts:
@@ -239,11 +239,11 @@ class ActionNetwork:
     otherwise: tuple[str, ...] = ()
     """Situations to be reached, in order of preference, when no route to the goal is left."""
     policy: str = "rule"
-    """How actions are chosen: `rule`, `expected_cost` or `goal_probability`."""
+    """Policy that chooses actions: `rule`, `expected_cost` or `goal_probability`."""
     person_s: float = 600.0
     """Price of each end short of the goal, in [s]."""
     restoring: Patience = NO_PATIENCE
-    """How often restoring is tried where a fault breaks it off."""
+    """Limits on repeating the restoring after a fault."""
     aims: Aims = NO_AIMS
     """Time-out, rounds and interrupts."""
 

@@ -109,7 +109,7 @@ class Succeeded(_Result):
 
     outcome: Literal["Success"]
     result: NotRequired[str]
-    """Which of the primitive's `results` was measured; missing for the usual one."""
+    """The measured one of the primitive's `results`; missing for the usual one."""
 
 
 class Failed(_Result):
@@ -203,7 +203,7 @@ class Skip(TypedDict):
 
 @with_config(_OPEN)
 class Aim(TypedDict):
-    """Record: the run pursues something else."""
+    """Record: the run pursues another goal."""
 
     what: Literal["abandon", "interrupt", "round"]
     """The goal is abandoned, an interrupt comes first, or another round begins."""

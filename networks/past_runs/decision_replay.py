@@ -26,9 +26,9 @@ class DecisionDifference:
     time_s: float
     """Time of the record, in [s] of the robot."""
     journal: str
-    """What the run decided, in words."""
+    """Decision of the run, as text."""
     today: str
-    """What today's code decides."""
+    """Decision of today's code, as text."""
     why: str
     """Reason in words; empty if there is no more to say."""
 

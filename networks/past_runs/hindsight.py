@@ -37,10 +37,10 @@ class Option:
     out: str
     """Reason why it was excluded; empty if it was open."""
     value: OptionValue | None = None
-    """What a run came to with it, by the probabilities in the file; None if they are not known."""
+    """Expected result of a run with it, by the probabilities in the file; None if they are unknown."""
 
     def threshold_s(self, chosen: OpenRoute) -> float | None:
-        """Return the cost below which the rule would choose it, in [s]; None if there is none."""
+        """Return the cost below which the rule would choose it, in [s]; None without one."""
         if self.way is None:
             return None
         cost = (self.weight - (self.way.cost - chosen.cost)) / 2.0**self.fails
@@ -61,7 +61,7 @@ class Choice:
     after_fail: OpenRoute | None
     """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
     policy: str = "rule"
-    """How the run chose, as the task's file names it."""
+    """Policy by which the run chose, as the task's file names it."""
 
 
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:

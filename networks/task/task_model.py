@@ -116,7 +116,7 @@ class TaskHead(AimsHead):
     budgets: Annotated[dict[str, Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)]], Field(default_factory=dict)]
     """Attempts that several actions share, by name; `attempts: {budget: NAME}` refers to them."""
     restoring: Annotated[RestoringEntry, Field(default_factory=RestoringEntry)]
-    """How often an action is undone again where a fault breaks that off, before it ends in GiveUp."""
+    """Maximum number of attempts to undo an action after a fault, before it ends in GiveUp."""
 
 
 class TaskFile(TaskHead):
@@ -151,7 +151,7 @@ class ConditionFile(TaskHead):
     facts: Annotated[dict[str, Values], Field(min_length=1)]
     """Physical facts by name, each with its possible values; the first one holds at the start."""
     known: Annotated[dict[str, Values], Field(default_factory=dict)]
-    """What the robot knows, by name, each with its possible values; a Fail may change it."""
+    """Names of the robot's knowledge, each with its possible values; a Fail may change it."""
     start: Annotated[dict[str, Fact], Field(default_factory=dict)]
     """Facts at the start that are not the first of their values."""
     goal: Annotated[Conditions, Field(min_length=1)] | Annotated[list[Conditions], Field(min_length=1)]

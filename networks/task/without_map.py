@@ -15,7 +15,7 @@ NO_MAP = "none"
 """Value of `map` under `knowledge:`."""
 MAP_KEY = ("knowledge", "map")
 MARGIN_M = 8.0
-"""Floor beyond the outermost place, for ways around what is sensed."""
+"""Floor beyond the outermost place, needed by ways around sensed obstacles."""
 RESOLUTION_M = 0.05
 MAX_CELLS = 4_000_000
 """Beyond it cells are larger."""

@@ -263,7 +263,7 @@ class Deploy(TreePrimitive):
         return math.sqrt(float(np.linalg.eigvalsh(_spread(robot, away))[-1]))
 
     def _lower(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
-        """Lower the sensor until it stands on the ground."""
+        """Lower the sensor to the ground."""
         point = world_to_base(robot.pose, robot.localization.tilt, np.array([target.x, target.y, 0.0]))
         down = arm.scara.mount[2] - arm.below - float(point[2])
         lowest = arm.scara.slide[1]

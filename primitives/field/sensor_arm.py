@@ -209,7 +209,9 @@ class SensorArm:
         return 0.0
 
     def give_way(self) -> Periods:
-        """Move the open fingers with the sensor that leans on one of them, until it stands by itself."""
+        """Move the open fingers with the sensor that leans on one of them, until the sensor is upright by
+        itself.
+        """
         robot, push, gone, free = self._robot, 0.0, 0.0, 0.0
         share = min(1.0, robot.period / FORCE_SMOOTHING_S)
         while free < FREE_TIME_S and gone < MAX_YIELD_M:

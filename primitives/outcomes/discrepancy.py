@@ -14,7 +14,7 @@ class Measured(NamedTuple):
     sensor: str
     """Capability of the reading: RangeSensor, Camera, Arm ..."""
     what: str
-    """Name of the measured quantity, for people."""
+    """Name of the measured quantity for people."""
     value: float | None = None
     """None where the sensor showed nothing."""
     limit: float | None = None

@@ -34,7 +34,7 @@ class ResidualKind(Enum):
 
     @property
     def is_uncertainty(self) -> bool:
-        """True for how uncertain a measurement is, which is no motion."""
+        """True for the uncertainty of a measurement, which is not a motion."""
         return self in (ResidualKind.BASE_POSITION_UNCERTAINTY, ResidualKind.BASE_HEADING_UNCERTAINTY)
 
 

@@ -1,4 +1,4 @@
-"""How often restoring is tried before a person is called."""
+"""Limits on repeating the restoring before a person is called."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import NamedTuple
 class Patience(NamedTuple):
     """Attempts of restoring, and the rest between them.
 
-    What stops a robot on its way back may pass by itself: a drive that refuses a command, a reading that is
-    late, somebody in the way.
+    A fault on the way back may pass by itself: a drive that refuses a command, a late reading, a person in
+    the way.
     """
 
     attempts: int = 1
-    """How often it is tried, at least once."""
+    """Maximum number of attempts, at least one."""
     wait_s: float = 5.0
     """Time at rest before it is tried again, in [s]."""
 

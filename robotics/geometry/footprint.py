@@ -43,7 +43,7 @@ class Footprint(NamedTuple):
         return self._replace(corners=np.ascontiguousarray(self.corners @ np.array([[cos, -sin], [sin, cos]])))
 
     def outline(self, x: float, y: float, heading: float, parts: int = 48) -> FloatArray:
-        """Return the closed outline of a base at a pose on the map, for pictures.
+        """Return the closed outline of a base at a pose on the map for pictures.
 
         Args:
             x: of the base, in [m].

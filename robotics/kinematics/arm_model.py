@@ -205,7 +205,8 @@ class ArmModel:
     def solutions(
         self, base_T_tip: Transform, near: FloatArray, restarts: int = 20, seed: int = 0
     ) -> Iterator[FloatArray]:
-        """Yield different joint angles (n,), in [rad] or [m], for one pose, as they are found.
+        """Yield different joint angles (n,), in [rad] or [m], that bring the tip to one pose, as they are
+        found.
 
         Args:
             base_T_tip: (4, 4) pose of the tip.

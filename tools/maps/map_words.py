@@ -18,7 +18,7 @@ MAP_SUFFIX = ".yaml"
 
 
 def read_map(path: Path) -> GridMap:
-    """Return a map; print a warning about it if there is one."""
+    """Return a map; print a warning about it if one exists."""
     grid, warning = load_map(path)
     if warning:
         print(warning, file=sys.stderr)

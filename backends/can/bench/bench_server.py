@@ -1,4 +1,4 @@
-"""A bench that runs by itself, for a program in another process."""
+"""A bench as a server, used by a program in another process."""
 
 from __future__ import annotations
 

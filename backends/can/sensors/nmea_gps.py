@@ -19,11 +19,11 @@ from .utc_order import UtcOrder
 
 
 class NmeaGps(LiveSensor, Gps):
-    """Satellite receiver that reads GGA, and GST if it is sent; positions are in a plane at the task's
-    origin.
+    """Satellite receiver that reads the NMEA sentences GGA and, if sent, GST.
 
-    In that plane a distance is correct to 1 mm up to 10 km from the origin. A fix counts once, and only if
-    its time of day advances with this machine's clock: see `UtcOrder`.
+    Positions are in a plane at the task's origin, in which a distance is correct to 1 mm up to 10 km from
+    the origin. A fix counts once, and only if its time of day advances with this machine's clock: see
+    `UtcOrder`.
     """
 
     def __init__(self, source: GpsSource, clock: Clock = time.monotonic) -> None:

@@ -1,4 +1,4 @@
-"""People around a base that localizes itself: their points are no walls, and they hide some."""
+"""People around a base that localizes itself: their points are not walls, and they hide some walls."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ NOBODY = np.empty((0, 3))
 
 
 class Crowd:
-    """Removes people from scans, and compares two scans at rest by the beams that nobody interrupts."""
+    """Removes people from scans, and compares two scans at rest by the beams that people do not interrupt."""
 
     STATE: ClassVar[Kinds] = {"_ranges": FarArray, "_is_near": bool}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self) -> None:
-        """Begin with nobody near."""
+        """Start without people."""
         self._discs = NOBODY
         self._ranges = np.empty(0)
         """(n,) scan with which the base came to rest, in [m]."""
@@ -43,7 +43,7 @@ class Crowd:
 
     @property
     def is_near(self) -> bool:
-        """True if anybody was near since the base last moved."""
+        """True if a person was near since the base last moved."""
         return self._is_near
 
     def put(self, discs: FloatArray) -> None:
@@ -86,7 +86,7 @@ class Crowd:
         Args:
             scan: this period's.
             pose: map_T_base.
-            field: of the map; None if there is none.
+            field: of the map; None without one.
             rolled: motion by the wheels since the base came to rest; none while it rests.
         """
         if not self._is_near or field is None or self._ranges.shape != scan.ranges.shape:

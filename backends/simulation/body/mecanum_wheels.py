@@ -13,7 +13,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import FloatArray
 
 SIDEWAYS_SIGNS = np.array([-1.0, 1.0, 1.0, -1.0])
-"""Of the wheels' travel when the base drives to the left: front left, front right, rear left, rear right."""
+"""Signs of the wheels' travel when the base drives to the left: front left and right, rear left and right."""
 TURN_SIGNS = np.array([-1.0, 1.0, -1.0, 1.0])
 
 

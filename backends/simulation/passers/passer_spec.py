@@ -31,7 +31,7 @@ class PasserSpec(FileModel):
     pauses_s: Annotated[tuple[Annotated[float, Field(ge=0.0, le=3600.0)], ...], Field(max_length=200)] = ()
     """Pause at each waypoint (default: none)."""
     at_end: Literal["turn_back", "loop", "stay"] = "turn_back"
-    """After the last waypoint: walk back, walk to the first one and begin again, or stand."""
+    """Behaviour after the last waypoint: walk back, walk to the first one and repeat, or stay."""
     starts_s: Annotated[float, Field(ge=0.0)] = 0.0
     """Simulated time at which it leaves the first waypoint."""
     group_m: Annotated[
@@ -39,7 +39,7 @@ class PasserSpec(FileModel):
     ] = ()
     """Companions: distance of each to the left of the path, negative to the right."""
     yields: bool = False
-    """True to stand while the robot is near and ahead; by default it walks on as if there were no robot."""
+    """True to wait while the robot is near and ahead; by default it walks on and ignores the robot."""
     yields_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.6
     """Distance between both bodies below which it yields."""
 

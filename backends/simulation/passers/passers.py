@@ -69,7 +69,7 @@ class Passers:
         self.clocks = np.zeros(len(specs))
         """(n,) time that each group has walked or paused, in [s]."""
         self.robot = (FAR_M, FAR_M, 0.0)
-        """x, y and radius of the robot, through whom nobody walks, in [m]; far off at first."""
+        """x, y and radius of the robot, which passers do not walk through, in [m]; far off at first."""
         self._walks: list[tuple[int, str, Walk]] = []
         for number, spec in enumerate(specs):
             drawn = float(keyed(seed, "passer", number).standard_normal(1)[0])

@@ -48,7 +48,7 @@ def make_sensors(robot: RobotFile, simulations: Sequence[str], backend: str) -> 
         robot: robot file.
         simulations: names under which a kind may be simulated for this backend, the first one that it has
             counts.
-        backend: name of the backend, for messages.
+        backend: name of the backend for messages.
 
     Raises:
         NotSimulated: a kind of sensor is not simulated for this backend.

@@ -22,7 +22,7 @@ class NoMap(InputError):
 def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
     """Return the map of everything in a world that cuts the level plane at a height.
 
-    Surprises are left out, because no map shows them.
+    Surprises are excluded, because no map shows them.
 
     Args:
         world: the world, as `load_world` returns it.

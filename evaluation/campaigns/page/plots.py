@@ -79,7 +79,7 @@ def histogram(values: FloatArray, success: BoolArray, limit: float | None = None
     Args:
         values: (n,) in the metric's unit, at least one of them not NaN.
         success: (n,) True for trials that reached the goal.
-        limit: largest value allowed, if there is one.
+        limit: largest value allowed, if one exists.
     """
     there = np.isfinite(values)
     edges = _edges(values[there])

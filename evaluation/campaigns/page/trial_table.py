@@ -1,4 +1,4 @@
-"""Trials of a campaign as columns, for plots and for the list of trials."""
+"""Trials of a campaign as columns for plots and for the list of trials."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ ROLLED_M = 1e-3  # by a wheel, from which the base drives
 
 
 class _Record(NamedTuple):
-    """What was read in one period."""
+    """Readings of one period."""
 
     ranges: FloatArray
     points: FloatArray

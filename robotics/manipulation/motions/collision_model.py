@@ -92,7 +92,7 @@ class CollisionModel:
         return float(self._data.distanceResults[closest].min_distance)
 
     def contacts(self, q: FloatArray) -> list[tuple[str, str]]:
-        """Return the names of all pairs of bodies closer than the margin, for messages.
+        """Return the names of all pairs of bodies closer than the margin for messages.
 
         Args:
             q: (n,) joint angles, in [rad] or [m].

@@ -74,7 +74,7 @@ def plan_straight(
     step: float = 0.005,
     collision: CollisionModel | None = None,
 ) -> FloatArray | None:
-    """Return joint angles that move the tip in a straight line to a pose; None if there are none.
+    """Return joint angles that move the tip in a straight line to a pose; None if no such ones exist.
 
     Args:
         arm: kinematics of the arm.

@@ -106,7 +106,7 @@ class ToolFollower:
         return np.asarray(q + ease * min(1.0, _EASES / max(1e-12, float(np.abs(ease).max()))))
 
     def _limit(self, q: FloatArray) -> str:
-        """Return the names of the joints at their limits, for messages."""
+        """Return the names of the joints at their limits for messages."""
         held = ~self.arm.endless & (np.minimum(q - self.arm.lower, self.arm.upper - q) < 1e-6)
         names = [name for name, at_limit in zip(self.arm.joint_names, held, strict=True) if at_limit]
         return f": {', '.join(names)} at the limit" if names else ""

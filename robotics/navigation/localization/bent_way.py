@@ -1,10 +1,10 @@
-"""What the error of a heading adds to that of a position beyond its first order.
+"""Second-order share of a heading's error in the error of a position.
 
 To first order, an error of the heading moves a base sideways. The cosine of the error shortens the way as
 well, and slip that adds to a heading which is wrong already moves the base in another direction than the
-estimate says. Each is small for a step, but lasts for the drive, and the first order leaves hardly anything
-along the way: after 30 m, errors were 40 times their claimed variance. The second moments of these rests are
-summed up here.
+estimate says. Each is small for a step, but lasts for the drive, and the first order leaves hardly
+anything along the way: after 30 m, errors were 40 times their claimed variance. The second moments of
+these rests are summed up here.
 """
 
 from __future__ import annotations

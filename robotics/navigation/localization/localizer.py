@@ -66,7 +66,7 @@ class Localizer(ABC):
     STATE: ClassVar[Mapping[str, Any]] = {}
     """Attributes that change, besides the odometry's, with their types."""
     CORRECTS_BY_SCANS: ClassVar[bool] = True
-    """False if `correct` does not look at scans: nobody needs to take any for it."""
+    """False if `correct` ignores scans, so that none need be taken."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""How well two scans of a base at rest agree, whatever the map shows."""
+"""Comparison of two scans of a base at rest, independent of the map."""
 
 from __future__ import annotations
 
@@ -37,12 +37,13 @@ def disagreement(then: FloatArray, now: FloatArray) -> float:
 def share_moved(
     then: FloatArray, now: FloatArray, sensor: FloatArray, rolled: Pose2, moved: Pose2, sigma: float
 ) -> float | None:
-    """Return the share of a small motion that the ranges of the same beams show: 0 without it, about 1 with
-    it; None if too few beams tell.
+    """Return the share of a small motion that the ranges of the same beams show, 0 to about 1.
+
+    None if too few beams show it.
 
     Args:
-        then: (n, 2) ends of the beams before, base frame, in [m]; NaN without an echo.
-        now: (n, 2) ends of the same beams now.
+        then: (n, 2) ends of the beams before, in the base frame, in [m]; NaN without an echo.
+        now: (n, 2) ends of the same beams now, in the base frame, in [m].
         sensor: (2,) position of the lidar in the base frame, in [m].
         rolled: then_T_now of the base by its wheels, a small motion as well.
         moved: motion in addition to that, in the frame of the base now.

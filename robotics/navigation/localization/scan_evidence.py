@@ -1,9 +1,10 @@
-"""How much of a scan's information about a direction is more than the grain of the map.
+"""Share of a scan's information about a direction that is more than the grain of the map.
 
 Gauss-Newton counts the slope of the likelihood field at every point as information. Along a straight wall
 that is not parallel to the axes, the cells of the map form a staircase whose slopes say nothing: the scan
-fits as well a hand's breadth farther on. So the scan is shifted along the direction that it determines worst,
-and its cost has to rise as the slopes claim (the idea of Olson, 2009: sample the cost, not its derivative).
+fits as well a hand's breadth farther on. So the scan is shifted along the direction that it determines
+worst, and its cost has to rise as the slopes claim (the idea of Olson, 2009: sample the cost, not its
+derivative).
 """
 
 from __future__ import annotations
@@ -254,8 +255,9 @@ def _cost(square: float, scale: float) -> float:
 
 
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
-    """Return the evidence if the scan before said so too: grain is taken for more than that only now and
-    then.
+    """Return the evidence if the previous scan confirms it.
+
+    The grain of the map looks like evidence only now and then.
     """
     if before is None or before.share > 0.0:
         return seen

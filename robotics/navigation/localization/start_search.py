@@ -173,7 +173,7 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
 def score_poses(
     distance: SingleArray, cells: IntArray, turns: FloatArray, points: FloatArray, scale: float
 ) -> FloatArray:
-    """Return how near the points of a scan are to surfaces (n, m), for n cells and m headings; larger is
+    """Return how near the points of a scan are to surfaces (n, m), from n cells with m headings; larger is
     nearer.
 
     Args:

@@ -1,8 +1,9 @@
-"""How well a map explains a scan from a pose: the evidence for and against a hypothesis.
+"""Evidence of a scan for and against a hypothesis of the pose on a map.
 
-Each beam is explained, ends before what the map shows (something that is on no map stands there), or passes
-through what the map shows. The last is the stronger evidence against a pose: things are added to a place more
-often than walls are taken away. A simplified beam model after Thrun, Burgard and Fox (2005), section 6.3.
+Each beam is explained, ends before what the map shows (an obstacle is there that the map lacks), or passes
+through what the map shows. The last is the stronger evidence against a pose: things are added to a place
+more often than walls are taken away. A simplified beam model after Thrun, Burgard and Fox (2005), section
+6.3.
 """
 
 from __future__ import annotations

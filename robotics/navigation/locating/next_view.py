@@ -1,8 +1,8 @@
-"""Choice of the next place to look from, so that hypotheses about a pose can be told apart.
+"""Choice of the next place to look from, which separates the hypotheses about a pose.
 
-The base stays on ground that the lidar has seen to be free. Among the places there, one is chosen from where
-the map predicts different scans for different hypotheses (Fox, Burgard and Thrun, 1998), or from where ground
-becomes visible that was not seen yet.
+The base stays on ground that the lidar has seen to be free. Among the places there, one is chosen from
+where the map predicts different scans for different hypotheses (Fox, Burgard and Thrun, 1998), or from
+where ground becomes visible that was not seen yet.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, r
 def predicted_difference(
     here: Pose2, places: FloatArray, field: LikelihoodField, poses: FloatArray, reach: float
 ) -> FloatArray:
-    """Return how much of a scan would tell the best hypothesis from the others, at each place.
+    """Return how well a scan would separate the best hypothesis from the others, at each place.
 
     Args:
         here: local_T_base of the best hypothesis.

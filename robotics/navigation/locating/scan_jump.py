@@ -41,11 +41,11 @@ class ScanJump:
         self._moved = self._moved.compose(step)
 
     def take(self, beams: ScanBeams, at_rest: bool) -> bool:
-        """Return whether the base must have been lifted, by this scan and those before.
+        """Return whether the base must have been lifted, by this scan and the previous ones.
 
         Args:
-            beams: of the scan.
-            at_rest: whether the base stands: scans are then taken more rarely.
+            beams: beams of the scan.
+            at_rest: True if the base is at rest: scans are then taken more rarely.
         """
         before = self._reference
         if before is not None and _same_ranges(before.ranges, beams.ranges):

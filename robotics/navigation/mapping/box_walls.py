@@ -50,7 +50,7 @@ def compare_with_boxes(grid: GridMap, boxes: Sequence[Box], map_T_boxes: Pose2) 
 
     Args:
         grid: the map.
-        boxes: what is there.
+        boxes: true solids.
         map_T_boxes: pose of the boxes' frame on the map.
     """
     from scipy.spatial import cKDTree

@@ -31,7 +31,7 @@ class RouteLook(NamedTuple):
     """Result of a look at the map and what was sensed."""
 
     kind: Literal["kept", "new", "none"]
-    """The old route goes on, another one is better, or no way leads to the goal."""
+    """Decision: keep the old route, take another one, or none leads to the goal."""
     points: FloatArray
     """(n, 2) route to drive, from the robot on, in [m]; the old one where no way leads on."""
     free: float
@@ -212,7 +212,7 @@ class _Driven:
         return found if len(found) > 1 else np.empty((0, 2))
 
     def free(self, least: float, front: FloatArray | None) -> tuple[float, tuple[float, float] | None]:
-        """Return the length that has at least this room in [m], and the point that has less, if there is one.
+        """Return the length that has at least this room in [m], and the point that has less, if one exists.
 
         The beginning of a route that leads away from something too near counts as free, and so does what is
         as near as the front before which it ends.

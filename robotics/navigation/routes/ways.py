@@ -187,7 +187,7 @@ class Ways:
         return min(LEAVING_DISTANCE_M, 0.7 * self._needed)
 
     def _planned(self, goal: tuple[float, float]) -> Route | None:
-        """Return the route to a goal that the footprint passes; None if there is none."""
+        """Return the route to a goal that the footprint passes; None without one."""
         assert self._graph is not None
         if self._shape.is_disc:
             return plan_route(self._graph, self._start, goal, self._reach, rounding=self._rounding)

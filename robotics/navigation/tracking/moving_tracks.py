@@ -43,15 +43,15 @@ class BodyTrack(NamedTuple):
     position: FloatArray
     """(2,) on the map, in [m]."""
     velocity: FloatArray
-    """(2,) in [m/s]; zero while it stands."""
+    """Velocity (2,) on the map, in [m/s]; zero at rest."""
     covariance: FloatArray
     """(4, 4) of position and velocity."""
     radius: float
-    """From the middle to the outermost point seen, in [m]."""
+    """Distance from the middle to the outermost point seen, in [m]."""
     is_moving: bool
-    """False while a person stands."""
+    """False while the body is at rest."""
     stood_s: float
-    """Time that it has stood, in [s]."""
+    """Time at rest, in [s]."""
 
 
 @dataclass
@@ -63,7 +63,7 @@ class _Body:
     covariance: FloatArray
     radius: float
     anchor: FloatArray
-    """Where it was first, or stood last."""
+    """First position, or last position at rest."""
     born: float
     seen: float
     evidence: int = 0
@@ -87,9 +87,9 @@ class TrackedScan(NamedTuple):
     """Scan points that belong to moving bodies, and the ground that these have left."""
 
     moving: BoolArray
-    """(n,) points of people and carts that move, or stood for less than `STOOD_S`."""
+    """Mask (n,) of the points on people and carts that move, or rested for less than `STOOD_S`."""
     left: FloatArray
-    """(k, 3) discs x, y, radius in [m] that moving bodies have left or never filled: nothing stands there."""
+    """Discs (k, 3) x, y, radius in [m] that moving bodies have left or never filled: they are empty."""
 
 
 class MovingTracks:
@@ -104,7 +104,7 @@ class MovingTracks:
 
     @property
     def tracks(self) -> list[BodyTrack]:
-        """Return the people and carts: bodies that move, or have moved before they stood."""
+        """Return the people and carts: bodies that move, or have moved before they came to rest."""
         return [self._track_of(each) for each in self._bodies if each.is_person]
 
     @property
@@ -195,9 +195,9 @@ class MovingTracks:
         return body
 
     def _shares_seen_free(self, points: FloatArray, labels: IntArray, owners: list[_Body]) -> FloatArray:
-        """Return the share (k,) of each cluster's points that lie where an earlier scan saw free ground.
+        """Return the share (k,) of each cluster's points that are where an earlier scan saw free ground.
 
-        Of a person who stands, scans count from when it stood.
+        For a person at rest, scans count from when the rest began.
         """
         owned, count = labels >= 0, len(owners)
         free = np.zeros(int(owned.sum()), dtype=np.bool_)
@@ -233,7 +233,9 @@ class MovingTracks:
 
     @staticmethod
     def _note_entered(body: _Body, share: float, now: float) -> None:
-        """Note whether a body is on ground that was free: who stood has left its place, others are people."""
+        """Record whether a body is on ground that was free: a resting person has left, other bodies are
+        people.
+        """
         body.entered = body.entered + 1 if share >= EVIDENCE_SHARE else 0
         if body.entered < ENTERED_COUNT:
             return
@@ -263,7 +265,7 @@ class MovingTracks:
 
     @staticmethod
     def _is_light(body: _Body, now: float) -> bool:
-        """Return whether a body is no obstacle that stays: it moves, or has stood for a moment alone."""
+        """Return whether a body is not a lasting obstacle: it moves, or has only just come to rest."""
         return body.is_moving or (body.is_person and now - body.stands_since < STOOD_S)
 
     @staticmethod

@@ -25,13 +25,13 @@ class People(NamedTuple):
     positions: FloatArray
     """(p, 2) on the map, in [m]."""
     velocities: FloatArray
-    """(p, 2) in [m/s]; zero for those who stand."""
+    """Velocities (p, 2) on the map, in [m/s]; zero at rest."""
     covariances: FloatArray
     """(p, 4, 4) of position and velocity."""
     radii: FloatArray
     """(p,) of their bodies, in [m]."""
     stood_s: FloatArray
-    """(p,) time that each has stood, in [s]; 0 while it moves."""
+    """Time (p,) at rest of each, in [s]; 0 while moving."""
 
     @classmethod
     def of(cls, tracks: Sequence[BodyTrack]) -> People:
@@ -51,7 +51,7 @@ class People(NamedTuple):
 
     @property
     def rows(self) -> FloatArray:
-        """Table (p, 7) of all people, for pictures.
+        """Table (p, 7) of all people for pictures.
 
         Columns are x, y on the map in [m], the velocity in [m/s], and xx, xy, yy of the position's
         covariance in [m²].

@@ -1,4 +1,4 @@
-"""Where earlier scans saw free ground: what is there now has come since."""
+"""Ground that earlier scans saw free: an obstacle there now has come since."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class PastScan(NamedTuple):
     """A past scan with its time and the pose of the lidar."""
 
     time: float
-    """In [s]."""
+    """Time of the scan, in [s]."""
     map_T_sensor: Pose2
     angles: FloatArray
     """(n,) in [rad], ascending and evenly spaced, in the sensor frame."""

@@ -30,9 +30,10 @@ TOLERANCE_M = 0.05  # by which a faster motion may come nearer than the best one
 def safe_share(
     pose: Pose2, command: tuple[float, float], people: People, radius: float, braking: float, period: float
 ) -> float:
-    """Return the share of a command that leads into nobody's predicted path before the base stands.
+    """Return the share of a command that ends before every person's predicted path.
 
-    Besides, the base stands before somebody near who turns back at once reaches where it comes to stand.
+    In addition, the base comes to rest before a nearby person who turns back at once reaches its place of
+    rest.
 
     Args:
         pose: map_T_base.
@@ -43,7 +44,7 @@ def safe_share(
         period: control period, in [s].
 
     Returns:
-        0 to 1; 0 means to stand.
+        0 to 1; 0 means to stop.
     """
     speed, turn = command
     if speed == 0.0 or not len(people.radii):
