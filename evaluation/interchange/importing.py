@@ -11,6 +11,7 @@ from .bt_export import changed_leaves, is_own_tree, parts_of_tree
 from .bt_import import import_tree
 from .jani import import_model
 from .lost import Imported
+from .pddl_import import import_planning
 from .scxml import is_own_chart, parts_of_chart
 from .smach_import import import_smach
 from .task_parts import TaskParts
@@ -20,14 +21,20 @@ SUFFIXES = {
     ".xml": "BehaviorTree.CPP",
     ".scxml": "SCXML, as `handcart export` writes it",
     ".jani": "JANI",
+    ".pddl": "PDDL, PPDDL",
+    ".ppddl": "PPDDL",
     ".yaml": "SMACH",
     ".yml": "SMACH",
 }
 """Formats by their suffixes."""
 
 
-def import_file(path: Path) -> Imported:
+def import_file(path: Path, problem: Path | None = None) -> Imported:
     """Return the task in a file of another program.
+
+    Args:
+        path: the file.
+        problem: a file with the problem of a PDDL domain; None: it is in the same file.
 
     Raises:
         FileError: it is of no known format, or not well-formed.
@@ -36,6 +43,8 @@ def import_file(path: Path) -> Imported:
     suffix = path.suffix.lower()
     if suffix in (".yaml", ".yml"):
         return import_smach(path)
+    if suffix in (".pddl", ".ppddl"):
+        return import_planning(path, problem)
     if suffix == ".jani":
         return import_model(path)
     if suffix not in (".xml", ".scxml"):

@@ -13,8 +13,9 @@ MAX_LOST_COMMENTS = 200
 
 
 def import_task(
-    file: Annotated[Path, typer.Argument(help="*.xml, *.scxml, *.jani, *.yaml (SMACH)")],
+    file: Annotated[Path, typer.Argument(help="*.xml, *.scxml, *.jani, *.pddl, *.yaml (SMACH)")],
     output: Annotated[Path, typer.Option("--output", "-o", help="the task's file")],
+    problem: Annotated[Path | None, typer.Option("--problem", help="the problem of a PDDL domain")] = None,
     robot: Annotated[str, typer.Option("--robot", help="the robot of the task")] = "librarian",
 ) -> None:
     """Write a behaviour tree, a state machine or a model as a task; what it cannot express is reported."""
@@ -24,7 +25,7 @@ def import_task(
     from handcart.primitives.registry import primitive_names
     from handcart.tools.terminal.writing import write_text
 
-    imported = import_file(file)
+    imported = import_file(file, problem)
     data = imported.data
     if "robot" not in data:
         head = {"format": data["format"], "title": data["title"], "robot": robot}

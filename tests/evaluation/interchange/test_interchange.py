@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -254,6 +255,47 @@ def test_models_of_others_are_read_where_they_are_plain(tmp_path: Path, read: Im
     assert [each["p"] for each in found.data["actions"][0]["then"]] == [0.9, 0.1]
     assert any("guard of edge 1" in each.construct for each in found.lost)
     assert read("m.jani", json.dumps(model)).network.goal == "c"
+
+
+def test_choices_in_scripts_have_the_brackets_that_they_need() -> None:
+    text = tree_text(TaskParts.of_task(load_task(TASKS["return_book"])))
+    assert "' : ((cause == " in text
+    assert "' : (cause == " not in text
+
+
+@pytest.mark.parametrize("name", ["return_book", "drive_map", "track_seam"])
+def test_exported_trees_run_in_behavior_tree_cpp_alike(name: str) -> None:
+    """The real library and the tree of py_trees start the same leaves, whatever fails."""
+    library = pytest.importorskip("behaviortreepy", reason="BehaviorTree.CPP itself is not installed")
+    parts = TaskParts.of_task(load_task(TASKS[name]))
+    leaf_names = {row["do"] for row in parts.actions}
+    text = re.sub(r"<TreeNodesModel>.*</TreeNodesModel>", "", tree_text(parts), flags=re.S)
+    for each in leaf_names:  # its simple actions have no ports
+        text = re.sub(rf"<{each} [^>]*/>", f"<{each}/>", text)
+    for seed in range(5):
+        draws, real, ours = random.Random(seed), list[str](), list[str]()
+        factory = library.BehaviorTreeFactory()
+
+        def tick(name: str, real: list[str] = real, draws: random.Random = draws) -> Any:
+            real.append(name)
+            return library.NodeStatus.SUCCESS if draws.random() < 0.8 else library.NodeStatus.FAILURE
+
+        for each in leaf_names:
+            factory.register_simple_action(each, lambda _node=None, each=each, tick=tick: tick(each))
+        status = factory.create_tree_from_text(text).tick_while_running()
+        again = random.Random(seed)
+
+        def carry(
+            name: str, _given: Mapping[str, Any], ours: list[str] = ours, again: random.Random = again
+        ) -> tuple[bool, str]:
+            ours.append(name)
+            return again.random() < 0.8, ""
+
+        mine = py_tree(parts, carry)
+        while mine.status in (py_trees.common.Status.INVALID, py_trees.common.Status.RUNNING):
+            mine.tick_once()
+        assert real == ours
+        assert str(status).rpartition(".")[2] == mine.status.name
 
 
 def test_damage_is_drawn_from_a_seed() -> None:
