@@ -25,6 +25,7 @@ MOVING_D2 = 9.2  # squared Mahalanobis distance of its velocity from zero: 99 %
 MOVED_M = 0.25  # that it has left its first place by
 EVIDENCE_COUNT = 4  # scans that show it where ground was free before, until it counts as moving
 EVIDENCE_SHARE = 0.5  # of its points
+MAX_POSE_SIGMA_M = 0.03  # of the base, beyond which edges seem to enter free ground as the pose is corrected
 ENTERED_COUNT = 2  # scans in a row that show a body where ground was free, from which it may be a person
 SUSPECT_S = 0.5  # that it may be one, after the last such scan
 STOOD_S = 1.0  # that a person has stood, until it is an obstacle like any other
@@ -144,6 +145,9 @@ class MovingTracks:
         owners = self._match(clusters, _noises(clusters.centres, sensor, pose_covariance), scan.time)
         shares = self._shares_seen_free(points, labels, owners)
         left = self._judge(owners, shares, scan)
+        if np.linalg.eigvalsh(pose_covariance[:2, :2])[-1] <= MAX_POSE_SIGMA_M**2:
+            for body, share in zip(owners, shares.tolist(), strict=True):
+                self._note_entered(body, share, scan.time)
         self._forget(scan)
         self._remember(scan)
         return TrackedScan(self._is_at_mover(points, scan.time), left)
@@ -215,7 +219,6 @@ class MovingTracks:
         for body, share, is_vacated in zip(owners, shares.tolist(), vacated.tolist(), strict=True):
             shows = share >= EVIDENCE_SHARE or is_vacated
             body.evidence = min(body.evidence + 1, 2 * EVIDENCE_COUNT) if shows else max(0, body.evidence - 1)
-            self._note_entered(body, share, scan.time)
             body.history.append(body.mean[:2].copy())
             speed = float(np.hypot(*body.mean[2:]))
             if body.is_moving:

@@ -61,7 +61,8 @@ def test_pair_side_by_side_is_two_persons() -> None:
             assert len(tracks.tracks) == 2
 
 
-def test_things_that_stand_are_no_people_as_the_robot_passes() -> None:
+@pytest.mark.parametrize("jump_m", [0.0, 0.2])
+def test_things_that_stand_are_no_people_as_the_robot_passes(jump_m: float) -> None:
     stand: Boxes = (
         (2.0, 1.0, 0.3, 0.3),
         (3.0, 1.4, 0.8, 0.4),
@@ -69,7 +70,7 @@ def test_things_that_stand_are_no_people_as_the_robot_passes() -> None:
         (3.4, -0.8, 0.05, 0.05),
     )
     stand += ((4.5, -1.2, 0.4, 0.4), (4.9, 1.1, 0.2, 0.6), (5.5, -1.6, 0.3, 0.3), (6.0, 1.2, 0.3, 0.3))
-    for _, tracks, _ in scans([], 6.0, stand, speed=1.0):
+    for _, tracks, _ in scans([], 6.0, stand, speed=1.0, jump_m=jump_m):
         assert tracks.tracks == []
         assert tracks.suspects == []
 

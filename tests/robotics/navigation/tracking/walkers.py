@@ -29,8 +29,12 @@ def scans(
     boxes: Boxes = (),
     speed: float = 0.0,
     base: Callable[[], Pose2] | None = None,
+    jump_m: float = 0.0,
 ) -> Iterator[tuple[Passers, MovingTracks, Any]]:
-    """Track what a lidar sees that drives along x, or is at `base`; boxes are x, y, length, width."""
+    """Track what a lidar sees that drives along x, or is at `base`; boxes are x, y, length, width.
+
+    The estimated pose jumps to and fro by `jump_m` each second.
+    """
     rng = np.random.default_rng(5)
     walkers = Passers([PasserSpec.model_validate(each) for each in passers], 0)
     pieces = [
@@ -46,6 +50,8 @@ def scans(
         ranges = ranges + 0.01 * rng.standard_normal(len(ranges))
         hit = np.isfinite(ranges)
         rays = np.column_stack([np.cos(ANGLES[hit]), np.sin(ANGLES[hit])])
-        points = sensor.apply(ranges[hit, None] * rays)
-        found = tracks.take(points, PastScan(time, sensor, ANGLES, ranges), POSE_COVARIANCE)
+        believed = sensor._replace(y=sensor.y + jump_m * (int(time) % 2))
+        points = believed.apply(ranges[hit, None] * rays)
+        covariance = POSE_COVARIANCE + np.diag([0.25 * jump_m**2, 0.25 * jump_m**2, 0.0])
+        found = tracks.take(points, PastScan(time, believed, ANGLES, ranges), covariance)
         yield walkers, tracks, (time, points, found)
