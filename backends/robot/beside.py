@@ -6,6 +6,8 @@ from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
+from handcart.robotics.numerics.stepwise import finish
+
 T = TypeVar("T")
 
 
@@ -22,3 +24,14 @@ def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
         return running.result()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None, None, T]:
+    """Compute one step a period; on a real robot all of them in a thread, as `beside` does."""
+    result: T
+    if not simulated:
+        result = yield from beside(finish, steps)
+        return result
+    result = yield from steps
+    yield
+    return result

@@ -8,6 +8,7 @@ from collections.abc import Generator
 import numpy as np
 
 from handcart.backends.capabilities.base import DriveCommand
+from handcart.backends.robot.beside import in_steps
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
@@ -22,6 +23,7 @@ from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.centring import centred
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.stepwise import finish
 
 from .driving import no_way, plan_drive
 from .people_watch import PeopleWatch
@@ -42,6 +44,8 @@ BACK_OFF_M = 0.25
 BACK_OFF_SPEED_M_S = 0.15
 BACK_OFF_TIMEOUT_S = 3.0
 BACK_OFF_MAX_TRIES = 8
+PLANNING_S = 0.2  # simulated, of a plan while the base holds
+RESTORING_WAIT_S = 15.0  # at least, for somebody on the way back: who stays is led around after a while
 NEARER_M = 0.1  # by which the rest of the way has to shrink
 NEARER_TIMEOUT_S = 60.0  # within which it has to
 NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is more
@@ -122,10 +126,9 @@ class LocalReplanning:
             raise no_way(self._name, lasting)
         detour = self._model.detour
         route = detour.points if detour is not None and detour.goal == self._name else None
-        arguments = robot.pose, route, self._avoided(robot)
-        look = yield from robot.compute(self._answer, *arguments, takes=robot.period)
+        look = yield from self._planned(robot, route, robot.period)
         if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
-            look = yield from robot.compute(self._answer, robot.pose, route, self._avoided(robot))
+            look = yield from self._planned(robot, route)
         if look.kind == "none":
             raise self._no_way()
         self._look, self._nearest = look, np.inf
@@ -150,7 +153,7 @@ class LocalReplanning:
         if better:
             self.people.try_all_room()
         arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
-        self._job = robot.compute(self._answer, *arguments, takes=robot.period)
+        self._job = in_steps(self._answering(*arguments), robot.backend.simulated)
         self._advance(self._job, robot, tracker)
 
     def _advance(self, job: Generator[None, None, RouteLook], robot: Robot, tracker: PathTracker) -> None:
@@ -161,16 +164,33 @@ class LocalReplanning:
             self._job = None
             self._apply(end.value, robot, tracker)
 
-    def _answer(
+    def _planned(
+        self, robot: Robot, route: FloatArray | None, takes: float = PLANNING_S
+    ) -> Generator[None, None, RouteLook]:
+        """Return a look while the base holds, with ever less distance to people until a way leads on."""
+        self.people.try_all_room()
+        while True:
+            look = yield from robot.compute(
+                self._answer, robot.pose, route, self._avoided(robot), takes=takes
+            )
+            if look.kind != "none" or self.people.is_last_attempt:
+                return look
+            self.people.try_less_room()
+
+    def _answer(self, pose: Pose2, route: FloatArray | None, avoided: FloatArray) -> RouteLook:
+        return finish(self._answering(pose, route, avoided))
+
+    def _answering(
         self,
         pose: Pose2,
         route: FloatArray | None,
         avoided: FloatArray,
         lead: float = 0.0,
         better: bool = True,
-    ) -> RouteLook:
+    ) -> Generator[None, None, RouteLook]:
+        """Return the look at the route, in steps of about one graph each."""
         grid = self.people.drawn_on(self._layer.merged().with_points(avoided), pose)
-        look = self._replanner.look(grid, pose, self._goal, self._front, route, lead, better)
+        look = yield from self._replanner.looking(grid, pose, self._goal, self._front, route, lead, better)
         if self._shape.is_disc or look.kind == "none":
             return look
         points, shift = centred(look.points, self._shape, self._sensed)
@@ -243,7 +263,7 @@ class LocalReplanning:
             self._stuck_way = sign
         tracker.stopped()
         self._job = None
-        look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
+        look = yield from self._planned(robot, None)
         self._anchor, self._held_for = robot.pose, 0.0
         if look.kind == "new":
             self._apply(look, robot, tracker)
@@ -285,7 +305,7 @@ class LocalReplanning:
         """
         self._goal, self._front, self._job, self.blocked_since = goal, None, None, None
         self._nearest, self._nearer_at = np.inf, robot.time
-        look = yield from robot.compute(self._answer, robot.pose, None, self._avoided(robot))
+        look = yield from self._planned(robot, None)
         if look.kind == "none":
             raise Discrepancy(
                 "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
@@ -294,7 +314,8 @@ class LocalReplanning:
         while not tracker.finished(robot.pose):
             self.update(robot, tracker)
             since = self.waits_since
-            if since is not None and robot.time > since + wait_s:
+            patience = wait_s if self.people.waits_since is None else max(wait_s, RESTORING_WAIT_S)
+            if since is not None and robot.time > since + patience:
                 raise Discrepancy(
                     "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
                 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from typing import NamedTuple
 
 import numpy as np
@@ -32,34 +33,36 @@ class RouteSettings(NamedTuple):
     """Length of corners, as a multiple of the usual one."""
 
 
-def polygon_route(
+def polygon_routing(
     grid: GridMap,
     shape: Footprint,
     start: tuple[float, float],
     goal: tuple[float, float],
     settings: RouteSettings,
-) -> Route | None:
+) -> Generator[None, None, Route | None]:
     """Return a route along which a polygon, at the heading of travel, has room; None if none is found.
+
+    It is looked for in steps of about one graph each.
 
     A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
     otherwise. Where the polygon passes neither way, nor straight through the middle of the narrow place, the
     spot is closed and another route is looked for.
     """
     for off in CELL_CENTRES:
-        route = _route_with(grid, shape, start, goal, settings, off)
+        route = yield from _routing_with(grid, shape, start, goal, settings, off)
         if route is not None:
             return route
     return None
 
 
-def _route_with(
+def _routing_with(
     grid: GridMap,
     shape: Footprint,
     start: tuple[float, float],
     goal: tuple[float, float],
     settings: RouteSettings,
     off: float,
-) -> Route | None:
+) -> Generator[None, None, Route | None]:
     """Return a route on a graph whose cells may be `off` cells off the middle of a gap."""
     for _ in range(MAX_TRIES):
         try:
@@ -67,6 +70,7 @@ def _route_with(
             graph = voronoi_graph(grid, need, seed_point=start)
         except ValueError:
             return None
+        yield
         spot: FloatArray | None = None
         for passes in (CORNER_ROUNDING_PASSES, 2, 0):
             route = plan_route(graph, start, goal, settings.reach, rounding=settings.rounding, passes=passes)
@@ -75,12 +79,14 @@ def _route_with(
             spot = _tight_spot(grid, shape, route.points, settings.room)
             if spot is None:
                 return route
+            yield
         assert route is not None
         assert spot is not None
         straight = _straight_route(graph, shape, route, spot, settings.room)
         if straight is not None:
             return straight
         grid = grid.with_points(spot[None])
+        yield
     return None
 
 

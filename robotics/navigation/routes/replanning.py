@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.room_speeds import RoomSpeeds
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+from handcart.robotics.numerics.stepwise import finish
 
 from .shortcuts import path_length
 from .swept_route import swept_room
@@ -24,6 +26,7 @@ WORTH_RATIO = 0.85  # of the old route's price, below which another one is taken
 MAX_ROOMY_LENGTH_RATIO = 1.2  # of the usual length, up to which the first way with room is taken
 ROOMY_DETOUR_RATIO = 0.8  # of the length of a roomy way, below which a narrower one is taken instead
 OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
+STEP_CELLS = 60_000  # of a map, above which its distances are a step of their own
 USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
 
@@ -94,6 +97,19 @@ class Replanner:
             lead: length of the old route that stays the beginning of another one, in [m].
             better: True to look for another route although the old one is free.
         """
+        return finish(self.looking(grid, start, goal, front, route, lead, better))
+
+    def looking(
+        self,
+        grid: GridMap,
+        start: Pose2,
+        goal: Pose2,
+        front: FloatArray | None = None,
+        route: FloatArray | None = None,
+        lead: float = 0.0,
+        better: bool = True,
+    ) -> Generator[None, None, RouteLook]:
+        """Decide on the route from here in steps that each take about as long as one graph; see `look`."""
         squares = self._squares_of(grid)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
         speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)
@@ -111,7 +127,9 @@ class Replanner:
         usual = start.distance(goal) if old is None else max(start.distance(goal), path_length(old.points))
         if old is not None and is_free and self._planned_on is squares:
             return RouteLook("kept", old.points, free, None, speeds)  # it is what the rest of that plan is
-        plan = self._plan(grid, start, goal, front, head, usual)
+        if grid.occupied.size > STEP_CELLS:
+            yield
+        plan = yield from self._planning(grid, start, goal, front, head, usual)
         self._planned_on = squares
         if old is not None and (plan is None or (is_free and not plan.is_worth(old.points))):
             return RouteLook("kept" if is_free else "none", old.points, free, obstacle, speeds)
@@ -127,7 +145,7 @@ class Replanner:
             self._blocked, self._squares = blocked, blocked_squares(blocked)
         return self._squares
 
-    def _plan(
+    def _planning(
         self,
         grid: GridMap,
         start: Pose2,
@@ -135,7 +153,7 @@ class Replanner:
         front: FloatArray | None,
         head: FloatArray,
         usual: float,
-    ) -> _Plan | None:
+    ) -> Generator[None, None, _Plan | None]:
         """Return the plan with the most room that leads to the goal; None if none does.
 
         Where room costs much more than the `usual` length in [m], a narrower way that is much shorter counts.
@@ -145,8 +163,12 @@ class Replanner:
         narrowest = () if self._shape.is_disc else (narrowest_room(grid),)
         for room in (*self._rooms, *narrowest):
             ways = Ways(grid, self._shape, begin, room=room, rounding=self._rounding)
-            route = ways.route_to(goal) if front is None else ways.to(goal, front).route
+            if front is None:
+                route = yield from ways.routing_to(goal)
+            else:
+                route = ways.to(goal, front).route
             if route is None:
+                yield
                 continue
             points = np.vstack([head[:-1], route.points]) if len(head) else route.points
             plan = _Plan(points, room, ways)
@@ -154,6 +176,7 @@ class Replanner:
                 found = plan
             if found is not plan or plan.length < MAX_ROOMY_LENGTH_RATIO * usual:
                 break
+            yield
         return found
 
 

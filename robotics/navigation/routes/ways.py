@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -13,11 +14,12 @@ from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.navigation.routes.polygon_route import RouteSettings, polygon_route
+from handcart.robotics.navigation.routes.polygon_route import RouteSettings, polygon_routing
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
+from handcart.robotics.numerics.stepwise import finish
 
 ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
 # by which a polygon may reach into cells of a map: they draw narrow doors narrower, on both sides
@@ -149,9 +151,15 @@ class Ways:
         Args:
             goal: only x and y count, in [m].
         """
-        if self._graph is None:
-            return None
-        route = self._planned((goal[0], goal[1]))
+        return finish(self.routing_to(goal))
+
+    def routing_to(self, goal: Pose2 | tuple[float, float]) -> Generator[None, None, Route | None]:
+        """Return what `route_to` returns, in steps of about one graph each."""
+        there = (goal[0], goal[1])
+        if not self._shape.is_disc:
+            route = yield from polygon_routing(self._grown, self._shape, self._start, there, self._settings)
+        else:
+            route = None if self._graph is None else self._planned(there)
         if route is None or route.clearance[-1] < self._needed - 1e-9:
             return None
         return route if self._tight_spot(route, None) is None else None
@@ -191,7 +199,7 @@ class Ways:
         assert self._graph is not None
         if self._shape.is_disc:
             return plan_route(self._graph, self._start, goal, self._reach, rounding=self._rounding)
-        return polygon_route(self._grown, self._shape, self._start, goal, self._settings)
+        return finish(polygon_routing(self._grown, self._shape, self._start, goal, self._settings))
 
     @property
     def _settings(self) -> RouteSettings:
