@@ -133,6 +133,11 @@ class Stand:
     Think: type[Think] = Think
     Drive: type[Drive] = Drive
 
+    def driving(self, periods: int = 40) -> ActionNetwork:
+        """Return a network of one action, which drives for some periods."""
+        bound = Binding.of(self.Drive(periods=periods))
+        return ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z")
+
     def network(self, *rows: str, start: str = "a", goal: str = "z") -> ActionNetwork:
         """Actions as `from to name cost [attempts [on_fail]]`; situations as they are named."""
         names: dict[str, None] = {start: None}

@@ -11,11 +11,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.supervision import Request
 from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, NetworkError, Situation
 from handcart.networks.journal.journal import Journal
@@ -23,7 +21,6 @@ from handcart.networks.journal.journal_record import read_journal, without_wall
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes.discrepancy import Discrepancy
-from handcart.primitives.outcomes.outcome import Fail
 from tests.networks.conftest import Stand
 
 
@@ -258,7 +255,7 @@ def test_a_run_that_is_broken_off_says_what_is_not_known(
     stand: Stand, tmp_path: Path, outcome: Any, reason: str, stop: bool
 ) -> None:
     with Journal(tmp_path / "j") as journal:
-        run = coordinator(stand, driving(stand), journal=journal)
+        run = coordinator(stand, stand.driving(), journal=journal)
         periods = run.run()
         for _ in range(15):
             next(periods)
@@ -279,96 +276,10 @@ def test_a_run_broken_off_between_actions_knows_how_the_last_ended(stand: Stand)
 
 def test_a_journal_that_broke_the_run_off_does_so_only_once(stand: Stand, tmp_path: Path) -> None:
     journal = Journal(tmp_path / "j")
-    run = coordinator(stand, driving(stand), journal=journal)
+    run = coordinator(stand, stand.driving(), journal=journal)
     next(run.run())
     journal.close()
     assert run.broken_off("the disk is gone").outcome == "Error"
-
-
-def driving(stand: Stand, periods: int = 40) -> ActionNetwork:
-    bound = Binding.of(stand.Drive(periods=periods))
-    return ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z")
-
-
-def test_stop_holds_where_it_is(stand: Stand) -> None:
-    run = coordinator(stand, driving(stand))
-    end = stand.finish(run, {20: lambda: run.request(Request.STOP)})
-    assert (end.outcome, end.exit_status) == ("Cancelled", 130)
-    assert stand.robot.pose.x == pytest.approx(0.15)  # 15 of its 40 periods: it settles for 5 before
-    assert stand.backend.stops == 2
-
-
-def test_cancel_restores_first(stand: Stand) -> None:
-    run = coordinator(stand, driving(stand))
-    end = stand.finish(run, {30: lambda: run.request(Request.CANCEL)})
-    assert (end.outcome, end.fails) == ("Cancelled", 1)
-    assert abs(stand.robot.pose.x) < 0.02
-
-
-def test_pause_holds_and_time_stands_still(stand: Stand) -> None:
-    run = coordinator(stand, driving(stand))
-    seen = []
-    at = {
-        20: lambda: run.request(Request.PAUSE),
-        40: lambda: seen.append((stand.robot.time, stand.robot.pose, run.life.paused)),
-        70: lambda: seen.append((stand.robot.time, stand.robot.pose, run.life.paused)),
-        71: lambda: run.request(Request.RESUME),
-    }
-    end = stand.finish(run, at)
-    assert seen[0] == seen[1]
-    assert seen[0][2]
-    assert end.outcome == "Success"
-    assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
-
-
-def test_moved_during_a_pause_is_a_discrepancy(stand: Stand) -> None:
-
-    def push() -> None:
-        travel = stand.backend.wheels.travel
-        stand.backend.wheels.travel = type(travel)(travel.left + 0.5, travel.right + 0.5)
-
-    events: list[Event] = []
-    run = coordinator(stand, driving(stand), observers=[events.append])
-    at = {20: lambda: run.request(Request.PAUSE), 40: push, 60: lambda: run.request(Request.RESUME)}
-    end = stand.finish(run, at)
-    outcomes = [event.outcome for event in events if isinstance(event, Ended)]
-    assert isinstance(outcomes[0], Fail)
-    assert "moved during a pause: base_mm" in outcomes[0].reason
-    assert end.fails == 1
-
-
-def test_cancel_while_paused(stand: Stand) -> None:
-    run = coordinator(stand, driving(stand))
-    at = {30: lambda: run.request(Request.PAUSE), 50: lambda: run.request(Request.CANCEL)}
-    assert stand.finish(run, at).outcome == "Cancelled"
-    assert abs(stand.robot.pose.x) < 0.02
-
-
-def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand: Stand) -> None:
-    """A robot that trembles never rests; requests are heard all the same."""
-    run = coordinator(stand, driving(stand))
-    wheels: Any = stand.backend.wheels
-    tremble: list[float] = []
-
-    def travel() -> WheelTravel:
-        tremble.append(0.01)
-        return WheelTravel(sum(tremble), 0.0)
-
-    def pause() -> None:
-        wheels.wheel_travel = travel
-        run.request(Request.PAUSE)
-
-    stops = []
-    at = {20: pause, 40: lambda: run.request(Request.STOP), 43: lambda: stops.append(stand.backend.stops)}
-    end = stand.finish(run, at)
-    assert end.outcome == "Cancelled"
-    assert stops == [3]  # the pause's, then before and after the attempt is closed
-
-
-def test_called_back_before_it_began(stand: Stand) -> None:
-    run = coordinator(stand, driving(stand))
-    end = stand.finish(run, {1: lambda: run.request(Request.RESTORE)})
-    assert (end.outcome, end.fails) == ("Success", 1)
 
 
 def test_plan_is_kept_while_nothing_fails(stand: Stand) -> None:
