@@ -1,7 +1,7 @@
 """Record the readings of shipped tasks, and replay them: the commands must be the same to the last bit.
 
     python -m benchmarks.contract.sensor_replay [--backends kinematic,mujoco] [--tasks WORD] [--seed 0]
-                                                [--short]
+                                                [--short] [--set NAME=VALUE]
 
 A replay has no world behind it, so a primitive that reads anything but sensors commands something else.
 Prints a line for each task and backend with the size of the recording, and the number that is bit-equal;
@@ -51,14 +51,16 @@ def main() -> None:
     words.add_argument("--backends", default="kinematic,mujoco")
     words.add_argument("--tasks", default="", help="only those with this in their names")
     words.add_argument("--seed", type=int, default=0)
+    words.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a task's parameter")
     words.add_argument("--short", action="store_true", help="as short as the conformance kit runs them")
     given = words.parse_args()
     equal, total, short = 0, 0, declared() if given.short else {}
+    chosen = dict(each.split("=", 1) for each in given.set)
     for name, task in named_tasks().items():
         for backend in given.backends.split(","):
             if given.tasks in name:
                 print(f"{name:<22}{backend:<10}", end="", flush=True)
-                line, same = replayed(task, backend, given.seed, short.get(task, {}))
+                line, same = replayed(task, backend, given.seed, {**short.get(task, {}), **chosen})
                 print(line, flush=True)
                 equal, total = equal + same, total + 1
     print(f"{equal} of {total} runs are bit-equal when replayed from their readings")

@@ -13,6 +13,7 @@ from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import ConditionFile
 
+from .aim_findings import aim_findings
 from .cause_findings import cause_findings, causes_into
 from .condition_findings import condition_findings
 from .fact_findings import fact_findings
@@ -28,7 +29,7 @@ def task_findings(task: Task) -> list[Finding]:
     """
     facts = [*fact_findings(task), *denied_hand_facts(task)]
     ends = condition_findings(task) if isinstance(task.file, ConditionFile) else _dead_ends(task)
-    return [*_unreached(task), *ends, *cause_findings(task), *facts]
+    return [*_unreached(task), *ends, *cause_findings(task), *aim_findings(task), *facts]
 
 
 def _unreached(task: Task) -> list[Finding]:

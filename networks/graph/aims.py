@@ -65,6 +65,19 @@ class Aims:
             found["interrupts"] = [each.fields() for each in self.interrupts]
         return found
 
+    def words(self) -> dict[str, str]:
+        """Return those that are used in words for people, by their names."""
+        found: dict[str, str] = {}
+        if self.time_out_s is not None:
+            found["time-out"] = f"{self.time_out_s:g} s{' for each round' if self.rounds else ''}"
+        if self.rounds is not None:
+            every = f", every {self.rounds.every_s:g} s" if self.rounds.every_s else ""
+            found["rounds"] = f"{self.rounds.most or 'for ever'}{every}"
+        if self.interrupts:
+            named = (f"{each.name} (priority {each.priority})" for each in self.interrupts)
+            found["interrupts"] = ", ".join(named)
+        return found
+
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Aims:
         """Return the aims in a journal's header; raises LookupError, TypeError for invalid ones."""

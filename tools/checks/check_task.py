@@ -45,6 +45,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         "title": task.file.title,
         "situations": len(network.situations),
         "actions": len(network.actions),
+        **network.aims.words(),
     }
     warnings = task_findings(task)
     cases = worst_cases(network, Effort(budget_of(network), lambda share: watch(share / 3.0)))

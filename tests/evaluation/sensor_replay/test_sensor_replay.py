@@ -63,6 +63,13 @@ def test_the_same_code_commands_the_same(folder: Path) -> None:
     assert found.readings > 2 * found.periods
 
 
+@pytest.mark.slow
+def test_drives_on_the_bench_are_commanded_the_same(tmp_path: Path, settings: Mapping[str, str]) -> None:
+    found = replayed(recorded(tmp_path, settings, backend="can", bench="kinematic"))
+    assert found.difference == ""
+    assert min(found.periods, found.commands) > 20
+
+
 def test_recording_changes_nothing_in_a_run(
     tmp_path: Path, settings: Mapping[str, str], folder: Path
 ) -> None:

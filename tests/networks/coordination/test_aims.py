@@ -15,6 +15,7 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError
+from handcart.networks.analysis.aim_findings import aim_findings
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.supervision import Request
 from handcart.networks.events.events import Event, Started
@@ -236,3 +237,14 @@ def test_rounds_that_end_elsewhere_are_refused(load: Load) -> None:
     with pytest.raises(FileError) as error:
         load(f"{HEAD}goal: desk\nrounds: 2\n{text}")
     assert "5:9: the goal 'desk' has other facts than the start 'home' (base)" in str(error.value)
+
+
+def test_interrupts_that_lead_nowhere_are_named_by_check(load: Load) -> None:
+    one_way = CIRCLE.replace("  - {do: DRIVE, from: charged, to: shelf, cost_s: 9}\n", "")
+    row = "interrupts: [{name: low, when: {every_s: 9}, goal: charged}]\n"
+    task = load(f"{HEAD}goal: [shelf, home]\nrounds: {{most: 2, every_s: 20}}\n{row}{one_way}")
+    (finding,) = aim_findings(task)
+    assert "6:52: low: from 'charged (goal 2)' nothing leads on to the goal" in str(finding)
+    assert task.network.aims.words() == {"rounds": "2, every 20 s", "interrupts": "low (priority 0)"}
+    fine = load(f"{HEAD}goal: [shelf, home]\n{row}{CIRCLE}")
+    assert list(aim_findings(fine)) == []
