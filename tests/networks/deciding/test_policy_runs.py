@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from types import SimpleNamespace
 from typing import ClassVar
 
@@ -16,6 +17,9 @@ from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.script import follow
 from handcart.networks.events.events import Event, Started
 from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.retracing import RunPosition, standing
 from handcart.networks.past_runs.journaled_network import network_of
 from handcart.networks.runs.run_header import network_fields
 from handcart.networks.task.task_file import Task
@@ -121,6 +125,57 @@ def test_otherwise_of_a_repeat_is_one_situation_outside(load: Load, stand: Stand
     assert {"a[1]", "a[2]", "b"} <= set(task.network.situations)
     stand.script["try"] = deque("SF")
     assert started(task, stand) == (["try", "try", "back"], "b", 3)
+
+
+MANY = "".join(
+    [
+        "situations: {a: {}, b: {}, c: {}, stuck: {}, z: {}}\nactions:\n",
+        think("short", "from: a, to: z, on_fail: stuck, cost_s: 10, p: 0.05"),
+        "  - {do: WEIGH, with: {name: weigh}, from: a, cost_s: 5, p_give_up: 0.01,\n",
+        "     then: [{to: b, p: 0.6, result: light}, {to: c, p: 0.3, result: heavy}]}\n",
+        think("carry", "from: b, to: z, cost_s: 1, p: 0.9, attempts: {most: 2, fresh_after: WEIGH}"),
+        think("push", "from: c, to: z, cost_s: 9, p: 0.9, attempts: 2"),
+        think("pull", "from: c, to: z, cost_s: 12, p: 0.95"),
+    ]
+)
+
+
+@pytest.mark.parametrize("policy", ["rule", "expected_cost", "goal_probability"])
+def test_a_run_resumed_after_any_action_ends_as_the_whole(
+    load: Load, stand: Stand, tmp_path: Path, policy: str
+) -> None:
+    """With results of Successes, doubled weights, and what the policy remembers of Fails."""
+    network = load(f"{HEAD}policy: {policy}\n{MANY}").network
+    outcomes = {"push": "FF", "pull": "FS"}
+    with Journal(tmp_path / "whole") as journal:
+        whole = _run(network, stand, outcomes, journal)
+    records = read_journal(tmp_path / "whole").records
+    assert whole[0] == "weigh" and whole[-1] == "z" and len(whole) == 6
+    cuts = [number for number, each in enumerate(records) if each["kind"] == "RESULT"]
+    for count, cut in enumerate(cuts, start=1):
+        left = {name: ends[whole[:count].count(name) :] for name, ends in outcomes.items()}
+        at = standing(network, records[: cut + 1])
+        assert _run(network, stand, left, None, at) == whole[count:]
+
+
+def _run(
+    network: ActionNetwork,
+    stand: Stand,
+    outcomes: Mapping[str, str],
+    journal: Journal | None,
+    at: RunPosition | None = None,
+) -> list[str]:
+    """Run with scripted outcomes, from a position on; return the actions and the situation at the end."""
+    Weigh.measured = deque(["heavy"])
+    for name, ends in outcomes.items():
+        stand.script[name] = deque(ends)
+    if journal is not None:
+        journal.append("RUN", 0.0, {"schema": "x", "network": network.fingerprint()})
+    events: list[Event] = []
+    coordinator = Coordinator(network, stand.robot, stand.model, journal, [events.append], standing=at)
+    end = stand.finish(coordinator)
+    done = [event.action.binding for event in events if isinstance(event, Started)]
+    return [*(str(each.fixed["name"]) for each in done if each), end.situation]
 
 
 def test_attempts_of_a_budget_are_shared(load: Load, stand: Stand) -> None:
