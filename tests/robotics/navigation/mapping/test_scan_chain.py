@@ -44,8 +44,8 @@ def squared_error(seed: int, factor: float = 1.0) -> float:
 
 
 def test_claimed_errors_of_a_chain_are_never_too_small() -> None:
-    """They may be too large: a match with ten keyframes drifts less than ten independent ones."""
-    assert 0.1 < np.mean([squared_error(seed) for seed in range(6)]) < 3.0
+    """Nor much too large: a match with ten keyframes drifts less than ten independent ones (0.46)."""
+    assert 0.6 < np.mean([squared_error(seed) for seed in range(6)]) < 3.0
 
 
 def test_claims_a_tenth_as_large_would_be_found_out() -> None:
