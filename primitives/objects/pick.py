@@ -36,7 +36,7 @@ from .object_look import ObjectLook, conclude, look_closely
 from .object_names import ObjectName, SurfaceName, name_in_world
 from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
 from .objects import HeldObject, Objects, ObjectSighting
-from .placing_plan import goals_on, plan_placing
+from .placing_plan import goals_on, plan_placing, showing_tags
 from .tag_readings import Located
 
 GRASP_SPEED_M_S = 0.10
@@ -219,7 +219,8 @@ class Pick(ActionPrimitive):
         place = model.places.get(surface.place or self.to)
         if place is None:
             return planned
-        goals = [np.asarray(inverse(place.pose.lift()) @ each) for each in goals_on(surface, self.spot)]
+        every = [np.asarray(inverse(place.pose.lift()) @ each) for each in goals_on(surface, self.spot)]
+        goals = showing_tags(every, model.of(Objects).objects.tags_of(self.object))
         around = [box.seen_from(inverse(place.pose.lift())) for box in surface.boxes(self.to)]
         fits: list[PlannedGrasp] = []
         others: list[PlannedGrasp] = []

@@ -44,6 +44,7 @@ from .placing_plan import (
     PlannedPlacing,
     free_spots,
     plan_placing,
+    showing_tags,
     turned,
 )
 from .surface import ObjectSurface
@@ -159,7 +160,8 @@ class PlaceObject(ActionPrimitive):
         for place, any_heading in self._candidates(robot, model, surface, radius):
             around = surroundings(robot, model)
             to_base = base_T_map(robot)
-            goals = [np.asarray(to_base @ each) for each in turned(place, surface.height_m, any_heading)]
+            every = [np.asarray(to_base @ each) for each in turned(place, surface.height_m, any_heading)]
+            goals = showing_tags(every, model.of(Objects).objects.tags_of(held.object))
             plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
             if plan is None:
                 why = "the arm doesn't reach it freely"

@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
@@ -27,6 +28,7 @@ FREE_ABOVE_M = 0.008  # over the goal, down to which the object must be clear of
 FOOT_MARGIN_M = 0.02  # between an object's foot and the edge of the surface, or other objects
 SPOT_STEP_M = 0.06  # between free spots that are tried
 ANY_TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
+MIN_FACING_COSINE = math.cos(math.radians(60.0))  # between a tag's normal and the direction to the robot
 IK_RESTARTS = 3
 GOOD_CLEARANCE_M = 0.02
 
@@ -54,6 +56,20 @@ def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
     """Return poses (4, 4) of an object's foot at a place, in the heading of the place or in any."""
     turns = ANY_TURNS_RAD if any_heading else (0.0,)
     return [Pose2(place.x, place.y, place.theta + turn).lift(height) for turn in turns]
+
+
+def showing_tags(goals: Sequence[Transform], tags: Sequence[PrintedTag]) -> list[Transform]:
+    """Return the goals base_T_object (4, 4) at which a tag faces upwards or the robot; all if none does.
+
+    Elsewhere the camera could not verify where the object stands.
+    """
+    normals = [transform(rpy=FACE_TURNS[tag.face])[:3, 2] for tag in tags]
+    shown = [
+        goal
+        for goal in goals
+        if any(normal[2] > 0.5 or -(goal[:3, :3] @ normal)[0] > MIN_FACING_COSINE for normal in normals)
+    ]
+    return shown or list(goals)
 
 
 def plan_placing(

@@ -22,7 +22,7 @@ from handcart.primitives.objects.stow import Stow
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.robotics.geometry.transform import transform
 
-from .fetching import at_table_a, changed, scene_of
+from .fetching import at_table_a, changed, rig_with, scene_of
 
 
 def thing(rig: Rig, name: str = "parcel_1") -> Any:
@@ -243,3 +243,17 @@ def test_stow_brings_the_load_inside_and_move_arm_names_postures() -> None:
     outcome = rig.do(MoveArm(posture="hoem"))
     assert isinstance(outcome, Fail)
     assert "no posture 'hoem'; allowed: home" in outcome.reason
+
+
+@pytest.mark.slow
+def test_tag_on_a_side_faces_the_robot_where_it_is_put(tmp_path: Path) -> None:
+    side = ("tags: [{id: 7, side_mm: 40}]", "tags: [{id: 7, side_mm: 40, face: '-y'}]")
+    world = changed(tmp_path, "world.yaml", side, ("sigma_deg: 30", "sigma_deg: 10"))
+    rig = rig_with(changed(tmp_path, "objects.yaml", side), world)
+    assert isinstance(rig.do(MoveTo(place="table_a")), Success)
+    look_and_pick(rig, to="table_b")
+    for primitive in (MoveTo(place="table_b"), PlaceObject(surface="table_b")):
+        outcome = rig.do(primitive)
+        assert isinstance(outcome, Success), outcome
+    normal = thing(rig).pose[:3, :3] @ (0.0, -1.0, 0.0)
+    assert normal[0] < -0.5  # the robot stands at lower x
