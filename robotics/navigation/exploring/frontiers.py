@@ -69,9 +69,12 @@ def find_border(
     Args:
         grid: the map.
         radius: of the robot's footprint, in [m].
-        here: position of the robot, in [m].
-        left: (n, 2) points in [m] around which the border is left as it is.
+        here: position of the robot in the frame of the map, in [m].
+        left: (n, 2) points in the frame of the map, in [m], around which the border is left as it is.
         left_radius: of the regions around them, in [m].
+
+    Returns:
+        Frontiers outside the regions around `left`, and numbers of cells of the whole border.
     """
     free = ~grid.blocked
     row, column = _clipped(grid, here)
