@@ -127,8 +127,8 @@ class Past:
         """Return a line on the next action."""
         route = self.standing.route
         if route.arrived:
-            return "next: nothing, the goal is reached"
-        plan = route.planner.plan(route.situation)
+            return f"next: {'another round' if route.has_next_round else 'nothing, the goal is reached'}"
+        plan = route.planner.plan(route.situation, None if route.goal == route.network.goal else route.goal)
         return f"next: {plan.explanation if isinstance(plan, NoWay) else plan.actions[0]}"
 
 
