@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections import Counter
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,7 @@ NEAR_M = (0.5, 2.0)
 MIN_GOAL_M = 4.0
 MAX_DRAWS = 200
 LONGEST_S = 400.0
+PEOPLE_M = (0.9, 3.0)  # from the start, or from where the robot is set down, to the ends of a person's walk
 
 
 class Case(NamedTuple):
@@ -77,6 +78,19 @@ def draw(chart: Chart, seed: int) -> Case:
     near = [pose for pose in far if pose.distance(start) < NEAR_M[1]]
     to = (near if is_near and near else far)[0]
     return Case(seed, start, goal, to, float(round(at, 2)), is_paused)
+
+
+def _people(chart: Chart, case: Case, count: int) -> list[dict[str, Any]]:
+    """Return people who walk to and fro near the start and near where the robot is set down, in turn."""
+    rng, found = np.random.default_rng([case.seed, 43]), list[dict[str, Any]]()
+    while len(found) < count:
+        around = (case.start, case.to)[len(found) % 2]
+        drawn = [chart.pose(rng) for _ in range(MAX_DRAWS)]
+        near = [pose for pose in drawn if PEOPLE_M[0] < pose.distance(around) < PEOPLE_M[1]]
+        ends = near[:2] if len(near) > 1 else drawn[:2]
+        points = [[round(pose.x, 3), round(pose.y, 3)] for pose in ends]
+        found.append({"name": f"person {len(found)}", "waypoints_m": points, "pauses_s": [1.0, 2.0]})
+    return found
 
 
 class _Watch:
@@ -120,13 +134,17 @@ class _Watch:
         return "corrected" if off <= TRUE_M and math.degrees(turned) <= TRUE_DEG else ""
 
 
-def kidnap_once(chart: Chart, seed: int, backend: str = "kinematic", robot: str = "cart") -> Kidnapped:
-    """Lift a robot, and see what it says."""
+def kidnap_once(
+    chart: Chart, seed: int, backend: str = "kinematic", robot: str = "cart", people: int = 0
+) -> Kidnapped:
+    """Lift a robot, with people around both places, and see what it says."""
     case = draw(chart, seed)
-    kidnap = {"at_s": case.at_s, "to": floor_pose(case.to)}
+    more: dict[str, Any] = {"kidnap": {"at_s": case.at_s, "to": floor_pose(case.to)}}
+    if people:
+        more["passers"] = _people(chart, case, people)
     with tempfile.TemporaryDirectory() as folder:
         places = {"start": case.start, "goal": case.goal}
-        files = written_world(Path(folder), chart, case.start, places, kidnap=kidnap)
+        files = written_world(Path(folder), chart, case.start, places, **more)
         with build_rig(files, robot, backend, seed) as rig:
             return _driven(rig, case)
 
@@ -178,6 +196,7 @@ def _is_false(outcome: Outcome | None, case: Case, begun: Pose2, after: Pose2) -
 
 def main() -> None:
     words = start_options(__doc__, 200)
+    words.add_argument("--people", type=int, default=0, help="number of people who walk about (default: 0)")
     chosen = words.parse_args()
     begun, noticed, outcomes, late, false = time.process_time(), Counter[str](), Counter[str](), 0, 0
     with tempfile.TemporaryDirectory() as folder:
@@ -186,7 +205,7 @@ def main() -> None:
         while lifted < chosen.runs:
             chart = every[seed % len(every)]
             print(f"\rrun {lifted}, seed {seed}, {chart.name} ...   ", end="", file=sys.stderr, flush=True)
-            found = kidnap_once(chart, seed, chosen.backend, chosen.robot)
+            found = kidnap_once(chart, seed, chosen.backend, chosen.robot, chosen.people)
             seed += 1
             if found.noticed == "not lifted":
                 continue

@@ -345,7 +345,7 @@ class LocalReplanning:
     def _nearest_to_route(self, ahead: FloatArray) -> tuple[float, float]:
         """Return the sensed point nearest to where the route is not free, in [m]."""
         there = None if self._look is None else self._look.obstacle
-        x, y = there if there is not None else ahead[-1].tolist()
+        x, y = there if there is not None else (ahead[-1].tolist() if len(ahead) else self._goal[:2])
         points = self._layer.points
         if not len(points):
             return x, y

@@ -16,6 +16,8 @@ from handcart.backends.robot.guarded_base import SIDE_MARGIN_M, GuardedBase, ste
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.bump_area import bump_fronts
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.tracking.moving_tracks import BodyTrack
+from handcart.robotics.navigation.tracking.people import People
 from handcart.robotics.numerics.arrays import FloatArray
 
 NOTHING = np.empty((0, 2))
@@ -225,3 +227,17 @@ def test_beams_are_compared_with_neighbours_from_three_on(count: int, points: in
     ranges[:1] = 0.4
     scan = Scan(np.linspace(0.0, 0.2, count), ranges, Pose2(0.0, 0.0, 0.0))
     assert len(steady_points(scan)) == points
+
+
+def test_share_of_the_speed_that_people_leave_is_of_one_period(spec: RobotFile) -> None:
+    rolling = Rolling(spec, 1.0, lambda _: NOTHING)
+    walker = BodyTrack(1, np.array([2.0, 5.0]), np.array([-1.2, 0.0]), 0.01 * np.eye(4), 0.25, True, 0.0)
+    rolling.base.keep_off_people(People.of([walker]))
+    assert rolling.drive(0.3) == (0.0, 0.0)
+    rolling.base.taken()
+    assert rolling.base.share_for_people == 0.0
+    assert rolling.base.yields
+    rolling.drive(0.3)
+    rolling.base.taken()
+    assert rolling.base.share_for_people == 1.0
+    assert not rolling.base.yields

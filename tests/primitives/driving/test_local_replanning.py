@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from handcart.primitives.driving.local_replanning import LocalReplanning
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import WorldModel
@@ -106,3 +107,13 @@ def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig]
         found[name] = (len(turns), rig.robot.time)
     assert found["bad"][0] <= found["good"][0] + 6
     assert found["bad"][1] < 1.3 * found["good"][1] + 2.0
+
+
+def test_wait_that_ends_with_nothing_ahead_is_still_explained(make_rig: Callable[..., Rig]) -> None:
+    """At the goal itself the route ahead is empty; the message names the goal then."""
+    rig = make_rig()
+    view = rig.model.view(MoveTo(place="shelf_1"))  # type: ignore[arg-type]
+    local = LocalReplanning(rig.robot, view, "shelf_1")
+    goal = rig.model.places["shelf_1"].pose
+    found = local.give_up_waiting(np.empty((0, 2)))
+    assert f"({goal.x:.2f}, {goal.y:.2f}) m" in found.reason

@@ -94,3 +94,20 @@ def test_shorter_way_that_opens_is_taken_though_the_old_is_free(replanner: Repla
     look = replanner.look(room(), START, GOAL, route=long.points)
     assert look.kind == "new"
     assert path_length(look.points) < path_length(long.points)
+
+
+def test_steps_of_a_look_give_what_the_look_gives() -> None:
+    """A gap with little room takes a step for each room that is tried."""
+    gap = [FloorBox(4.0, y, 0.0, 0.2, 1.64) for y in (0.82, 3.18)]
+    looking, count = Replanner(RADIUS).looking(room(*gap), START, GOAL), 0
+    while True:
+        try:
+            next(looking)
+            count += 1
+        except StopIteration as end:
+            found = end.value
+            break
+    whole = Replanner(RADIUS).look(room(*gap), START, GOAL)
+    assert count > 0
+    assert found.kind == whole.kind == "new"
+    assert np.array_equal(found.points, whole.points)
