@@ -103,7 +103,7 @@ def _named(code: CodeType, names: dict[str, Any]) -> Iterator[Any]:
             module = found if isinstance(found, ModuleType) else module
             yield found
         elif step.opname in ("LOAD_ATTR", "LOAD_METHOD") and module is not None:
-            yield getattr(module, step.argval, None)
+            yield vars(module).get(step.argval)
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
             yield from _named(inner, names)

@@ -44,6 +44,8 @@ def truth(base: Pose2, **places: float) -> GroundTruth:
 
 def false(kind: type[Survey], do: str, claim: Claim, **run: Any) -> list[str]:
     """What a survey says of a Success; of the run it sees nothing but what is given."""
+    if "world" in run:
+        run.setdefault("base_on_map", getattr(run["world"], "base", None))
     survey: Any = SimpleNamespace(run=SimpleNamespace(**run))
     return kind.effects[do](survey, claim)
 
@@ -266,7 +268,7 @@ def test_what_another_thing_carries_now_is_infinitely_far() -> None:
 
 
 def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:
-    run: Any = SimpleNamespace(world=SimpleNamespace(base=Pose2(0.0, 0.0, 0.0)))
+    run: Any = SimpleNamespace(base_on_map=Pose2(0.0, 0.0, 0.0))
     survey = LocalisationSurvey(run)
     assert survey.figures() == {}
     unlocated: Any = SimpleNamespace(
