@@ -23,7 +23,7 @@ from handcart.networks.runs.flight_recorder import load_readings
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
-TASK = ROOT / "tasks" / "return_book" / "task.yaml"
+TASK = ROOT / "tasks" / "return_book" / "paper.yaml"
 LIBRARIES: dict[str, dict[str, Any]] = {
     "blocked": {"blocked": "closed"},
     "unreadable": {"tag": "smeared"},
