@@ -131,7 +131,7 @@ class Backend(ABC):
         Raises:
             NoBench: this backend has no drives, or such a bench is impossible.
         """
-        raise NoBench(f"the backend {cls.name!r} has no drives; allowed: --bench with --backend can")
+        raise NoBench(f"the backend {cls.name!r} has no drives; allowed: --bench with --backend can or ros2")
 
     @property
     def inner(self) -> Backend | None:

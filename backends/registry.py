@@ -25,6 +25,7 @@ SHIPPED_BACKENDS = {
     "mujoco": "handcart.backends.mujoco.mujoco_backend:MujocoBackend",
     "kinematic": "handcart.backends.kinematic.kinematic_backend:KinematicBackend",
     "pybullet": "handcart.backends.pybullet.pybullet_backend:PyBulletBackend",
+    "ros2": "handcart.backends.ros2.ros_backend:RosBackend",
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
 
@@ -119,7 +120,7 @@ def bench_class(name: str, drives: str) -> type[Backend]:
         NoBench: no backend has that name, it simulates no robot, or there are no drives.
     """
     if not backend_class(drives).has_drives:
-        raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can")
+        raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can or ros2")
     others = [each for each in backend_names() if each != drives]
     if name not in (*others, drives):
         raise NoBench(f"unknown bench {name!r}{suggest(name, others)}")

@@ -17,6 +17,7 @@ EXTRA_MODULES: dict[str, Sequence[str]] = {
     "view": ("viser", "yourdfpy"),
     "console": ("aiohttp",),
     "xacro": ("xacrodoc",),
+    "ros2": ("rclpy",),
 }
 """Modules of each extra in pyproject.toml, by the extra's name."""
 

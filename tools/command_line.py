@@ -49,7 +49,11 @@ OWN_COMMANDS = {
     "make-map": ("commands.make_map", "make_map", "Draw the map of a world, in ROS format."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),
     "adopt": ("commands.adopt", "adopt", "Write calibration values into a robot's file."),
-    "bench": ("hardware.bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
+    "bench": (
+        "hardware.bench",
+        "bench",
+        "Simulate a robot's CAN drives or ROS 2 topics in a process.",
+    ),
     "jog": ("hardware.jog", "jog", "Move one axis of a real robot while a key is held."),
     "bringup": ("hardware.bringup", "bringup", "Bring a real robot up, step by step."),
     "campaign": ("campaigns.campaign", "campaign", "Run a task many times, with seeds, and count."),

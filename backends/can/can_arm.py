@@ -9,11 +9,10 @@ from typing_extensions import override
 
 from handcart.backends.can.drives.axis import Axis
 from handcart.backends.capabilities.arm import Arm
+from handcart.backends.hand_force import force_by_efforts
 from handcart.backends.limits import checked_joints
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
-
-_SINGULAR = 1e-3  # share of the largest singular value below which a direction isn't felt
 
 
 class CanArm(Arm):
@@ -66,14 +65,9 @@ class CanArm(Arm):
 
     @override
     def hand_force(self) -> FloatArray:
-        q = self.joints()
-        telling = [place for place, joint in enumerate(self._joints) if joint.tells_torque]
+        told = np.array([joint.tells_torque for joint in self._joints], dtype=np.bool_)
         measured = np.array([joint.torque for joint in self._joints]) * self._rated
-        outside = (self._model.gravity_torque(q) - measured)[telling]
-        # J^T w = torques, w force and moment at the hand; of these the force is asked for.
-        wrench, *_ = np.linalg.lstsq(self._model.jacobian(q).T[telling], outside, rcond=_SINGULAR)
-        force: FloatArray = self._model.forward(q)[:3, :3].T @ wrench[:3]
-        return force
+        return force_by_efforts(self._model, self.joints(), measured, told)
 
     def halt(self) -> None:
         """Forget a command that hasn't been sent; hold."""

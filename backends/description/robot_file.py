@@ -31,6 +31,7 @@ from .drive_spec import Drive as Drive
 from .footprint_spec import OutlinedFile
 from .ground_spec import GroundSpec
 from .joint_units import JointUnits
+from .ros_spec import RosSpec
 from .sensor_specs import CameraSpec, OdometrySpec
 from .sensor_table import SensorTable
 from .simulated_errors import Errors
@@ -160,6 +161,8 @@ class RobotFile(SensorTable, OutlinedFile):
     drive: Drive
     can: CanSpec | None = None
     """Connection of the backend `can` to the robot's drives."""
+    ros2: RosSpec | None = None
+    """Topics of the backend `ros2`."""
     arm: ArmSpec | None = None
     gripper: GripperSpec | None = None
     ground: GroundSpec = GroundSpec()

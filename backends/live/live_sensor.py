@@ -54,11 +54,16 @@ class LiveSensor(ABC):
         """Return the age of the last good reading in this period [s]; None before the first."""
         return None if self._came is None else self._now - self._came
 
+    @property
+    def is_fresh(self) -> bool:
+        """True if the last reading is one of now."""
+        age = self.age
+        return age is not None and age <= self._stale
+
     def check_fresh(self) -> None:
         """Raise `StaleSensor` if the last reading is too old."""
-        age = self.age
-        if age is None or age > self._stale:
-            raise StaleSensor(self.name, age, self._stale, self.trouble or self.doubt)
+        if not self.is_fresh:
+            raise StaleSensor(self.name, self.age, self._stale, self.trouble or self.doubt)
 
     def _good(self) -> None:
         """Note that a good reading arrived in this period."""

@@ -34,6 +34,7 @@ class Pace:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
         asleep: Callable[[], float] = suspended,
+        max_excess: float = MAX_PERIOD_EXCESS_S,
     ) -> None:
         """Begin.
 
@@ -42,9 +43,10 @@ class Pace:
             clock: gives the time in [s].
             sleep: waits so many seconds.
             asleep: gives for how long the machine has been suspended, in [s].
+            max_excess: time in [s] by which no period may be longer than it should.
         """
         self._period, self._clock, self._sleep, self._asleep = period, clock, sleep, asleep
-        self._slept = asleep()
+        self._slept, self._max_excess = asleep(), max_excess
         self._end = clock() + period
         self._lateness = array("f")
         self._in_a_row, self._longest = 0, 0.0
@@ -93,8 +95,8 @@ class Pace:
         slept = self._asleep() - self._slept
         if slept > SUSPENDED_S:
             return f"the machine was suspended for {slept:.3g} s"
-        if lateness > MAX_PERIOD_EXCESS_S:
-            return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * MAX_PERIOD_EXCESS_S:.0f} ms"
+        if lateness > self._max_excess:
+            return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * self._max_excess:.0f} ms"
         if self._in_a_row >= MAX_MISSED_PERIODS:
             finding = f"{MAX_MISSED_PERIODS} periods of {1e3 * self._period:g} ms in a row were missed"
             return f"{finding}; allowed: {MAX_MISSED_PERIODS - 1}"

@@ -39,6 +39,7 @@ PREPARED = {
     "docs/how_to/new.md": [],
     "docs/how_to/obstacles.md": [],
     "docs/how_to/people.md": [],
+    "docs/how_to/ros2.md": [],
     "docs/explanation/stack_blocks.md": [],
     "docs/explanation/outcomes.md": [],
 }

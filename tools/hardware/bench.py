@@ -1,4 +1,4 @@
-"""`handcart bench`: simulated drives as a process of their own."""
+"""`handcart bench`: simulated drives, or topics, as a process of their own."""
 
 from __future__ import annotations
 
@@ -38,7 +38,10 @@ def bench(
     world: Annotated[Path | None, typer.Option(help="world of the simulated robot")] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
     faults: Annotated[
-        list[str] | None, typer.Option("--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: an injected fault")
+        list[str] | None,
+        typer.Option(
+            "--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: an injected fault; --ros2: NAME@TOPIC@SECONDS"
+        ),
     ] = None,
     range_port: Annotated[
         int | None, typer.Option(help="send the simulated robot's scans to clients of this port")
@@ -48,11 +51,43 @@ def bench(
         Path | None, typer.Option(help="write time, positions, speeds and states of the drives into it")
     ] = None,
     seconds: Annotated[float | None, typer.Option(help="duration in s (default: until Ctrl-C)")] = None,
+    ros2: Annotated[
+        bool, typer.Option("--ros2", help="simulate the topics of a robot's ROS 2 drivers instead")
+    ] = False,
+    task: Annotated[
+        Path | None, typer.Option(help="with --ros2: a task's file, for its robot, world and start")
+    ] = None,
 ) -> None:
-    """Simulate a robot's drives on a CAN interface, in real time, until Ctrl-C."""
+    """Simulate a robot's CAN drives, or its ROS 2 drivers, in real time, until Ctrl-C."""
+    if ros2:
+        from .ros_bench import RosBenchOptions, list_topic_faults, serve_topics
+
+        if list_faults:
+            list_topic_faults()
+            return
+        serve_topics(
+            RosBenchOptions(robot, backend or "kinematic", world, task, seed, tuple(faults or ()), seconds)
+        )
+        return
     if list_faults:
         _list_faults()
         return
+    if task is not None:
+        raise typer.BadParameter("--task goes with --ros2 only")
+    _serve_drives(robot, interface, channel, (backend, world, seed), faults or [], range_port, log, seconds)
+
+
+def _serve_drives(
+    robot: str,
+    interface: str | None,
+    channel: str | None,
+    simulated: tuple[str | None, Path | None, int],
+    faults: list[str],
+    range_port: int | None,
+    log: Path | None,
+    seconds: float | None,
+) -> None:
+    """Serve simulated drives; `simulated` is the backend behind them, its world and its seed."""
     import time
 
     from handcart.backends.can.bench.bench import Bench
@@ -67,7 +102,8 @@ def bench(
     spec = load_robot(robot)
     if spec.can is None:
         raise NoDrives()
-    planned = [_planned(each) for each in faults or ()]
+    planned = [_planned(each) for each in faults]
+    backend, world, seed = simulated
     inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
     interface = interface or BETWEEN_PROCESSES
     channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)

@@ -17,6 +17,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.hand_force import efforts_of_force
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -110,9 +111,7 @@ class BackendPlant(Plant):
 
     def _torques(self, model: ArmModel, arm: Arm, q: FloatArray) -> FloatArray:
         """Return the torques of the joints (n,), as shares of the rated ones."""
-        force = model.forward(q)[:3, :3] @ arm.hand_force()
-        outside: FloatArray = model.jacobian(q)[:3].T @ force
-        return np.asarray((model.gravity_torque(q) - outside) / self._rated)
+        return np.asarray(efforts_of_force(model, q, arm.hand_force()) / self._rated)
 
 
 def _counts(axis: Axis, position: float) -> float:

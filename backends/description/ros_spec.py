@@ -1,0 +1,115 @@
+"""Connection to a robot by ROS 2: the section `ros2` of its file.
+
+Every key has the usual name as its default: `ros2: {}` fits a robot that follows the conventions of
+ros2_control and Nav2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+
+Topic = Annotated[str, Field(pattern=r"^[~/]?[A-Za-z_][A-Za-z0-9_/]*$", max_length=200)]
+StaleTime = Annotated[float, Field(gt=0.0, le=10_000.0)]
+"""[ms] after which a message is no longer one of now."""
+JointName = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class RosTopicSpec(FileModel):
+    """A topic that the robot's drivers publish."""
+
+    topic: Topic
+    """Name of the topic, relative to the namespace of the program."""
+    frame: str | None = None
+    """Expected `header.frame_id`; a message from another frame is refused (default: not checked)."""
+    stale_ms: StaleTime = 300.0
+    """Age of the last message, by its arrival and by its stamp, beyond which it is no longer one of now."""
+
+
+class RosVelocitySpec(FileModel):
+    """The topic of the base's speeds."""
+
+    topic: Topic = "cmd_vel"
+    type: Literal["Twist", "TwistStamped"] = "Twist"
+    """Message of `geometry_msgs`; ros2_control takes `TwistStamped`."""
+    frame: str = "base_link"
+    """`header.frame_id` of a `TwistStamped`."""
+
+
+DEFAULT_ARM_TOPIC = "arm_controller/joint_trajectory"
+
+
+class RosArmSpec(FileModel):
+    """Topics of the arm's controllers."""
+
+    controllers: dict[Topic, tuple[JointName, ...]] = Field(default_factory=dict)
+    """Joints of each controller by its command topic, by the names of the robot's file (default: all joints
+    of the arm by `arm_controller/joint_trajectory`).
+    """
+    type: Literal["JointTrajectory", "Float64MultiArray"] = "JointTrajectory"
+    """`JointTrajectory` for a trajectory controller, `Float64MultiArray` for a forward command controller."""
+    latency_ms: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
+    """Time by which the points of a trajectory are set later, for controllers that refuse past ones."""
+
+    def joints_by_topic(self, joints: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
+        """Return the joints of each controller by its topic, where the arm has `joints`."""
+        return self.controllers or {DEFAULT_ARM_TOPIC: joints}
+
+
+class RosGripperSpec(FileModel):
+    """Topic of the gripper's controller."""
+
+    topic: Topic = "gripper_controller/joint_trajectory"
+    type: Literal["JointTrajectory", "Float64MultiArray"] = "JointTrajectory"
+    joints: tuple[JointName, ...] = ("left_finger", "right_finger")
+    """Its joints by their names in ROS, in the order of its messages."""
+    closed: float = 0.0
+    """Position of each joint, in [rad] or [m], at which the fingers meet."""
+    open: float | None = None
+    """Position of each joint, in [rad] or [m], at the full opening (default: half of the opening)."""
+
+
+class RosSpec(FileModel):
+    """Topics of a robot that speaks ROS 2."""
+
+    domain: Annotated[int, Field(ge=0, le=232)] | None = None
+    """ROS domain (default: by the variable ROS_DOMAIN_ID)."""
+    namespace: Annotated[str, Field(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)*$")] = ""
+    """Namespace of the topics."""
+    velocity: RosVelocitySpec = RosVelocitySpec()
+    odometry: RosTopicSpec = RosTopicSpec(topic="odom")
+    """Odometry of the wheels (`nav_msgs/Odometry`)."""
+    joint_states: RosTopicSpec = RosTopicSpec(topic="joint_states")
+    names: dict[JointName, JointName] = Field(default_factory=dict)
+    """Names in ROS of joints that are called otherwise in the robot's file."""
+    reversed: tuple[JointName, ...] = ()
+    """Joints of the robot's file that count the other way round in ROS."""
+    arm: RosArmSpec = RosArmSpec()
+    gripper: RosGripperSpec = RosGripperSpec()
+    wrench: RosTopicSpec | None = None
+    """Force on the hand (`geometry_msgs/WrenchStamped`, in the hand frame); None: by the joints' efforts."""
+    lidar: RosTopicSpec = RosTopicSpec(topic="scan")
+    camera: RosTopicSpec = RosTopicSpec(topic="camera/image_raw", stale_ms=1000.0)
+    imu: RosTopicSpec = RosTopicSpec(topic="imu")
+    same_clock: bool = True
+    """Whether the robot's clock is in step with this machine's: then a message is also refused whose stamp
+    is older than its `stale_ms`, or as far in the future.
+    """
+    max_late_ms: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
+    """Time by which a period of this program may end late before the robot is stopped. For that long, and
+    a period more, the base keeps its last speeds.
+    """
+    first_message_s: Annotated[float, Field(gt=0.0, le=120.0)] = 10.0
+    """Time in which the first message of each topic has to arrive."""
+
+    def name_of(self, joint: str) -> str:
+        """Return the name in ROS of a joint of the robot's file."""
+        return self.names.get(joint, joint)
+
+    def sign_of(self, joint: str) -> float:
+        """Return -1 for a joint that counts the other way round in ROS, otherwise 1."""
+        return -1.0 if joint in self.reversed else 1.0

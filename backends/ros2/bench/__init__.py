@@ -1,0 +1,1 @@
+"""A simulated robot that speaks ROS 2, to rehearse what a robot by topics does."""

@@ -1,0 +1,110 @@
+"""What goes wrong between a robot and this program, by plan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from handcart.files.errors import InputError
+from handcart.files.suggest import suggest
+
+OLD_STAMP_S = 60
+FAULT_KINDS = {
+    "silent": "no message of the topic is sent any more",
+    "frozen": "the last message is sent again and again",
+    "delayed": "each message is sent 0.5 s later",
+    "doubled": "each message is sent twice",
+    "swapped": "each two messages are sent in the wrong order",
+    "old-stamps": f"stamps are {OLD_STAMP_S} s old",
+    "nan": "the first number of each message is NaN",
+    "wrong-frame": "messages come from another frame",
+}
+DELAY_S = 0.5
+
+
+class TopicFault(NamedTuple):
+    """A fault of one topic."""
+
+    kind: str
+    """One of `FAULT_KINDS`."""
+    topic: str
+    at_s: float
+    """Time of the bench from which on it is there."""
+
+    @classmethod
+    def read(cls, words: str) -> TopicFault:
+        """Return the fault that `KIND@TOPIC@SECONDS` means.
+
+        Raises:
+            InputError: it means none.
+        """
+        kind, _, rest = words.partition("@")
+        topic, _, at = rest.partition("@")
+        if kind not in FAULT_KINDS:
+            raise InputError(f"{kind!r} is no fault of a topic{suggest(kind, list(FAULT_KINDS))}")
+        try:
+            at_s = float(at or "0")
+        except ValueError:
+            at_s = math.nan
+        if not topic or not math.isfinite(at_s):
+            raise InputError(f"{words!r} is not a fault; allowed: KIND@TOPIC@SECONDS")
+        return cls(kind, topic, at_s)
+
+
+class BenchFaults:
+    """Faults that are due change the messages of their topics."""
+
+    def __init__(self, period: float, planned: tuple[TopicFault, ...] = ()) -> None:
+        """Plan faults; `period` is the time between two messages, in [s]."""
+        self._planned, self._periods = planned, max(1, round(DELAY_S / period))
+        self._kept: dict[TopicFault, list[Any]] = {}
+
+    def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
+        """Return what is sent instead of a message, at a time of the bench in [s]."""
+        sent = [message]
+        for fault in self._planned:
+            if fault.topic == topic and now_s >= fault.at_s:
+                sent = [each for one in sent for each in self._changed(fault, one)]
+        return sent
+
+    def _changed(self, fault: TopicFault, message: Any) -> Iterator[Any]:
+        kept = self._kept.setdefault(fault, [])
+        match fault.kind:
+            case "silent":
+                return
+            case "frozen":
+                kept.append(message)
+                yield kept[0]
+            case "delayed":
+                kept.append(message)
+                if len(kept) > self._periods:
+                    yield kept.pop(0)
+            case "doubled":
+                yield from (message, message)
+            case "swapped":
+                kept.append(message)
+                if len(kept) == 2:
+                    yield from (kept[1], kept[0])
+                    kept.clear()
+            case "old-stamps":
+                message.header.stamp.sec -= OLD_STAMP_S
+                yield message
+            case "nan":
+                _spoil(message)
+                yield message
+            case _:
+                message.header.frame_id = "nowhere"
+                yield message
+
+
+def _spoil(message: Any) -> None:
+    """Put NaN into the first number that a message measures."""
+    if hasattr(message, "pose"):
+        message.pose.pose.position.x = math.nan
+    elif hasattr(message, "position"):
+        message.position[0] = math.nan
+    elif hasattr(message, "angular_velocity"):
+        message.angular_velocity.x = math.nan
+    elif hasattr(message, "angle_increment"):
+        message.angle_increment = math.nan

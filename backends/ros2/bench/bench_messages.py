@@ -1,0 +1,87 @@
+"""Messages of a simulated robot's sensors."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import DriveCommand
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.sensor_specs import RangeSpec
+from handcart.backends.ros2.wire.messages import set_stamp
+from handcart.backends.ros2.wire.ros_link import Link
+from handcart.robotics.geometry.pose2 import Pose2
+
+
+def odometry_message(link: Link, now: float, pose: Pose2, speeds: DriveCommand) -> Any:
+    """Return an `Odometry` of odom_T_base and speeds in [m/s] and [rad/s], at a time of ROS in [s]."""
+    message = _stamped(link, "nav_msgs/Odometry", now, "odom")
+    message.child_frame_id = "base_link"
+    place, turn = message.pose.pose.position, message.pose.pose.orientation
+    place.x, place.y = float(pose.x), float(pose.y)
+    turn.z, turn.w = math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta)
+    twist = message.twist.twist
+    twist.linear.x, twist.linear.y = float(speeds.speed), float(speeds.sideways)
+    twist.angular.z = float(speeds.turn_rate)
+    return message
+
+
+def state_message(
+    link: Link, now: float, names: Sequence[str], positions: Sequence[float], efforts: Sequence[float]
+) -> Any:
+    """Return a `JointState` of positions (n) in [rad] or [m] and efforts (n) in [Nm] or [N]."""
+    message = _stamped(link, "sensor_msgs/JointState", now, "")
+    message.name, message.position, message.effort = list(names), list(positions), list(efforts)
+    return message
+
+
+def scan_message(link: Link, now: float, spec: RangeSpec, robot: Backend) -> Any:
+    """Return the scan of a simulated lidar as a `LaserScan`."""
+    lidar = robot.get(RangeSensor)  # type: ignore[type-abstract]
+    assert lidar is not None, "its file says so"
+    angles = spec.angles()
+    message = _stamped(link, "sensor_msgs/LaserScan", now, "range_sensor")
+    message.angle_min, message.angle_max = float(angles[0]), float(angles[-1])
+    message.angle_increment = float(angles[1] - angles[0])
+    message.range_min, message.range_max = float(spec.range_min_m), float(spec.reach_m)
+    message.ranges = array("f", lidar.scan().ranges.astype(np.float32).tobytes())
+    return message
+
+
+def imu_message(link: Link, now: float, robot: Backend) -> Any:
+    """Return the readings of a simulated inertial unit as an `Imu`."""
+    unit = robot.get(Imu)  # type: ignore[type-abstract]
+    assert unit is not None, "its file says so"
+    message = _stamped(link, "sensor_msgs/Imu", now, "imu")
+    for vector, values in (
+        (message.angular_velocity, unit.rates()),
+        (message.linear_acceleration, unit.accelerations()),
+    ):
+        vector.x, vector.y, vector.z = map(float, values)
+    return message
+
+
+def image_message(link: Link, now: float, robot: Backend) -> Any:
+    """Return the picture of a simulated camera as an `Image`."""
+    camera = robot.get(Camera)  # type: ignore[type-abstract]
+    assert camera is not None, "its file says so"
+    picture = camera.image()
+    message = _stamped(link, "sensor_msgs/Image", now, "camera")
+    message.height, message.width = map(int, picture.shape)
+    message.encoding, message.step = "mono8", int(picture.shape[1])
+    message.data = array("B", np.ascontiguousarray(picture).tobytes())
+    return message
+
+
+def _stamped(link: Link, kind: str, now: float, frame: str) -> Any:
+    message = link.message(kind)
+    message.header.frame_id = frame
+    set_stamp(message.header, now)
+    return message

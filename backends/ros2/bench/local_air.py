@@ -1,0 +1,90 @@
+"""Topics within this process, for a bench that needs neither rclpy nor a clock."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.backends.ros2.wire.ros_link import KEPT_MESSAGES, Link, Take
+
+from .local_messages import new_message
+
+
+class LocalAir:
+    """Topics, their messages, and the time by which they are stamped."""
+
+    def __init__(self) -> None:
+        """Begin without topics, at a time of 1 s: a stamp of 0 means none."""
+        self.time = 1.0
+        """[s]"""
+        self.listeners: dict[str, list[tuple[LocalLink, deque[Any]]]] = {}
+        """Messages of each topic that each listener has not received yet."""
+        self.publishers: dict[str, list[tuple[LocalLink, str]]] = {}
+        """Publishers of each topic, with the type of their messages."""
+
+
+class LocalLink(Link):
+    """One node's end of topics within this process."""
+
+    def __init__(self, air: LocalAir, name: str) -> None:
+        """Join; `name` is that of the node."""
+        self.name = name
+        self._air = air
+        self._taking: list[tuple[deque[Any], Take]] = []
+
+    @override
+    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+        waiting: deque[Any] = deque(maxlen=KEPT_MESSAGES)
+        self._air.listeners.setdefault(topic, []).append((self, waiting))
+        self._taking.append((waiting, take))
+
+    @override
+    def publisher(self, kind: str, topic: str) -> Take:
+        self._air.publishers.setdefault(topic, []).append((self, kind))
+
+        def publish(message: Any) -> None:
+            for _, waiting in self._air.listeners.get(topic, ()):
+                waiting.append(message)
+
+        return publish
+
+    @override
+    def message(self, kind: str) -> Any:
+        return new_message(kind)
+
+    @override
+    def receive(self) -> None:
+        for waiting, take in self._taking:
+            while waiting:
+                take(waiting.popleft())
+
+    @override
+    def publishers(self, topic: str) -> list[str]:
+        return [f"/{link.name} ({kind})" for link, kind in self._air.publishers.get(topic, ())]
+
+    @override
+    def subscribers(self, topic: str) -> int:
+        return len(self._air.listeners.get(topic, ()))
+
+    @override
+    def topics_of(self, kind: str) -> list[str]:
+        return sorted(
+            topic for topic, links in self._air.publishers.items() if any(each == kind for _, each in links)
+        )
+
+    @override
+    def now(self) -> float:
+        return self._air.time
+
+    @override
+    def clock(self) -> float:
+        return self._air.time
+
+    @override
+    def close(self) -> None:
+        for listeners in self._air.listeners.values():
+            listeners[:] = [each for each in listeners if each[0] is not self]
+        for publishers in self._air.publishers.values():
+            publishers[:] = [each for each in publishers if each[0] is not self]

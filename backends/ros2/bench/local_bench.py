@@ -1,0 +1,53 @@
+"""A bench and its topics in this process: messages are handed over without rclpy."""
+
+from __future__ import annotations
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import DriveCommand
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+
+from .bench_faults import BenchFaults
+from .local_air import LocalAir, LocalLink
+from .ros_bench import RosBench
+
+
+class LocalBench:
+    """Simulated drivers, whose time passes with the steps of the program."""
+
+    def __init__(
+        self, robot: RobotFile, spec: RosSpec, inner: Backend, faults: BenchFaults | None = None
+    ) -> None:
+        """Connect a simulated robot, owned by the bench from now on, to topics in this process.
+
+        Args:
+            robot: the robot's file.
+            spec: its section `ros2`.
+            inner: the simulated robot.
+            faults: what goes wrong between both; None: nothing.
+        """
+        self.air = LocalAir()
+        self.inner = inner
+        """The simulated robot."""
+        self.link = LocalLink(self.air, "handcart")
+        """The program's end of the topics."""
+        self._drivers = RosBench(robot, spec, inner, LocalLink(self.air, "bench"), faults)
+
+    def wait(self, seconds: float) -> None:
+        """Publish what the sensors read at rest, and let the time of the topics pass, in [s]."""
+        self.air.time += seconds
+        self._drivers.announce()
+
+    @property
+    def speeds(self) -> DriveCommand:
+        """Speeds that the simulated base obeys now."""
+        return self._drivers.speeds
+
+    def step(self) -> None:
+        """Let a period pass."""
+        self.air.time += self.inner.period
+        self._drivers.step()
+
+    def close(self) -> None:
+        """Let go of the robot."""
+        self._drivers.close()

@@ -1,0 +1,64 @@
+"""Messages with the fields of ROS's, for topics within this process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import SimpleNamespace
+from typing import Any
+
+
+def new_message(kind: str) -> Any:
+    """Return an empty message, such as one of `sensor_msgs/LaserScan`."""
+    return _MADE[kind.partition("/")[2]]()
+
+
+def _header() -> SimpleNamespace:
+    return SimpleNamespace(frame_id="", stamp=SimpleNamespace(sec=0, nanosec=0))
+
+
+def _vector() -> SimpleNamespace:
+    return SimpleNamespace(x=0.0, y=0.0, z=0.0)
+
+
+def _twist() -> SimpleNamespace:
+    return SimpleNamespace(linear=_vector(), angular=_vector())
+
+
+def _odometry() -> SimpleNamespace:
+    turn = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
+    pose = SimpleNamespace(pose=SimpleNamespace(position=_vector(), orientation=turn))
+    return SimpleNamespace(
+        header=_header(), child_frame_id="", pose=pose, twist=SimpleNamespace(twist=_twist())
+    )
+
+
+def _scan() -> SimpleNamespace:
+    angles = {"angle_min": 0.0, "angle_max": 0.0, "angle_increment": 0.0}
+    return SimpleNamespace(
+        header=_header(), **angles, range_min=0.0, range_max=0.0, ranges=[], intensities=[]
+    )
+
+
+def _image() -> SimpleNamespace:
+    return SimpleNamespace(header=_header(), height=0, width=0, encoding="", step=0, data=b"")
+
+
+_MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
+    "Twist": _twist,
+    "TwistStamped": lambda: SimpleNamespace(header=_header(), twist=_twist()),
+    "Odometry": _odometry,
+    "JointState": lambda: SimpleNamespace(header=_header(), name=[], position=[], velocity=[], effort=[]),
+    "LaserScan": _scan,
+    "Image": _image,
+    "Imu": lambda: SimpleNamespace(
+        header=_header(), angular_velocity=_vector(), linear_acceleration=_vector()
+    ),
+    "WrenchStamped": lambda: SimpleNamespace(
+        header=_header(), wrench=SimpleNamespace(force=_vector(), torque=_vector())
+    ),
+    "JointTrajectory": lambda: SimpleNamespace(header=_header(), joint_names=[], points=[]),
+    "JointTrajectoryPoint": lambda: SimpleNamespace(
+        positions=[], velocities=[], time_from_start=SimpleNamespace(sec=0, nanosec=0)
+    ),
+    "Float64MultiArray": lambda: SimpleNamespace(data=[]),
+}

@@ -1,0 +1,212 @@
+"""A simulated robot behind topics, as a real robot's drivers would have them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.hand_force import efforts_of_force
+from handcart.backends.ros2.wire.ros_link import Link
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .bench_faults import BenchFaults
+from .bench_messages import image_message, imu_message, odometry_message, scan_message, state_message
+from .wheel_odometry import WheelOdometry
+
+COMMAND_TIMEOUT_S = 0.25
+"""[s] after which the base of the bench forgets its speeds, as a real one must."""
+
+
+class RosBench:
+    """Drivers of a simulated robot: each period it obeys what has arrived, and publishes its readings."""
+
+    def __init__(
+        self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link, faults: BenchFaults | None = None
+    ) -> None:
+        """Connect a simulated robot to topics.
+
+        Args:
+            robot: the robot's file.
+            spec: its section `ros2`.
+            inner: the simulated robot, owned by the bench from now on.
+            link: the drivers' node, owned by the bench from now on.
+            faults: what goes wrong on the wire; None: nothing.
+        """
+        self._robot, self._spec, self.inner, self._link = robot, spec, inner, link
+        self._faults = faults or BenchFaults(robot.period_s)
+        self._base = inner.get(Base)  # type: ignore[type-abstract]
+        self._arm = inner.get(Arm)  # type: ignore[type-abstract]
+        self._gripper = inner.get(Gripper)  # type: ignore[type-abstract]
+        self._model: ArmModel | None = robot.arm_model() if self._arm is not None else None
+        self.time = 0.0
+        """Simulated time, in [s]."""
+        self._command, self._commanded = DriveCommand(), -math.inf
+        self._wanted: dict[str, float] = {}
+        self._wheels = WheelOdometry(robot.drive)
+        self._send = self._publishers()
+        self._listen()
+
+    def step(self) -> None:
+        """Obey what has arrived, let a period pass, and publish the readings."""
+        self._link.receive()
+        if self._base is not None:
+            self._drive()
+        if self._arm is not None:
+            self._move_arm(self._arm)
+        if self._gripper is not None:
+            self._move_fingers(self._gripper)
+        self.inner.step()
+        self.time += self.inner.period
+        self._publish()
+
+    def announce(self) -> None:
+        """Publish the readings without letting time pass."""
+        self._publish()
+
+    def close(self) -> None:
+        """Leave the air, and let go of the robot."""
+        self._link.close()
+        self.inner.close()
+
+    @property
+    def speeds(self) -> DriveCommand:
+        """Speeds that the base obeys now."""
+        late = self.time - self._commanded > COMMAND_TIMEOUT_S
+        return DriveCommand() if late else self._command
+
+    def _listen(self) -> None:
+        spec, link = self._spec, self._link
+        link.subscribe(f"geometry_msgs/{spec.velocity.type}", spec.velocity.topic, self._heard_velocity)
+        if self._arm is not None:
+            for topic, joints in self._controllers().items():
+                self._listen_joints(topic, spec.arm.type, list(map(spec.name_of, joints)))
+        if self._gripper is not None:
+            self._listen_joints(spec.gripper.topic, spec.gripper.type, list(spec.gripper.joints))
+
+    def _listen_joints(self, topic: str, kind: str, names: list[str]) -> None:
+        def heard(message: Any) -> None:
+            if kind == "Float64MultiArray":
+                self._wanted.update(zip(names, message.data, strict=True))
+            elif message.points:
+                self._wanted.update(zip(message.joint_names, message.points[-1].positions, strict=True))
+
+        package = "trajectory_msgs" if kind == "JointTrajectory" else "std_msgs"
+        self._link.subscribe(f"{package}/{kind}", topic, heard)
+
+    def _heard_velocity(self, message: Any) -> None:
+        twist = message.twist if self._spec.velocity.type == "TwistStamped" else message
+        self._command = DriveCommand(twist.linear.x, twist.angular.z, twist.linear.y)
+        self._commanded = self.time
+
+    def _drive(self) -> None:
+        """Pass the speeds on, within the limits of the base."""
+        drive, asked = self._robot.drive, self.speeds
+        top, top_turn = drive.top_speed_m_s, math.radians(drive.top_turn_deg_s)
+        speed = min(max(asked.speed, -top), top)
+        turn = min(max(asked.turn_rate, -top_turn), top_turn)
+        if isinstance(self._base, HolonomicBase):
+            self._base.drive(speed, turn, min(max(asked.sideways, -drive.top_sideways), drive.top_sideways))
+        elif self._base is not None:
+            self._base.drive(speed, turn)
+
+    def _move_arm(self, arm: Arm) -> None:
+        """Move each joint towards its last point as fast as it can."""
+        if self._robot.arm is None or self._model is None:
+            return
+        held = arm.command()
+        wanted = held.copy()
+        for place, joint in enumerate(self._robot.arm.joints):
+            target = self._wanted.get(self._spec.name_of(joint))
+            if target is not None:
+                wanted[place] = self._spec.sign_of(joint) * target
+        most = self._model.velocity * self.inner.period
+        arm.move(self._model.clipped(np.clip(wanted, held - most, held + most)))
+
+    def _move_fingers(self, gripper: Gripper) -> None:
+        spec, file = self._spec.gripper, self._robot.gripper
+        positions = [self._wanted[name] for name in spec.joints if name in self._wanted]
+        if file is None or not positions:
+            return
+        opening = file.opening_mm / 1e3
+        width = (float(np.mean(positions)) - spec.closed) / self._per_m()
+        if abs(width - gripper.command()) > 1e-9:
+            gripper.move(min(max(0.0, width), opening))
+
+    def _publish(self) -> None:
+        now = self._link.now()
+        for topic, message in self._readings(now).items():
+            for each in self._faults.passed(topic, message, self.time):
+                self._send[topic](each)
+
+    def _readings(self, now: float) -> Mapping[str, Any]:
+        """Return the messages of a period by their topics."""
+        spec, link, robot = self._spec, self._link, self._robot
+        found: dict[str, Any] = {}
+        if self._base is not None:
+            pose, speeds = self._wheels.moved(self._base.wheel_travel(), self.inner.period)
+            found[spec.odometry.topic] = odometry_message(link, now, pose, speeds)
+        names, positions, efforts = self._joint_readings()
+        if names:
+            found[spec.joint_states.topic] = state_message(link, now, names, positions, efforts)
+        if robot.range_sensor is not None:
+            found[spec.lidar.topic] = scan_message(link, now, robot.range_sensor, self.inner)
+        if robot.imu is not None:
+            found[spec.imu.topic] = imu_message(link, now, self.inner)
+        if robot.camera is not None and link.subscribers(spec.camera.topic):
+            found[spec.camera.topic] = image_message(link, now, self.inner)
+        return found
+
+    def _joint_readings(self) -> tuple[list[str], list[float], list[float]]:
+        """Return names in ROS, positions in [rad] or [m] and efforts in [Nm] or [N] of all joints."""
+        names: list[str] = []
+        positions: list[float] = []
+        efforts: list[float] = []
+        if self._arm is not None and self._robot.arm is not None and self._model is not None:
+            joints = self._arm.joints()
+            for joint, angle, effort in zip(
+                self._robot.arm.joints, joints, self._efforts(self._model, self._arm, joints), strict=True
+            ):
+                names.append(self._spec.name_of(joint))
+                positions.append(self._spec.sign_of(joint) * float(angle))
+                efforts.append(self._spec.sign_of(joint) * float(effort))
+        if self._gripper is not None:
+            spec = self._spec.gripper
+            position = spec.closed + self._per_m() * self._gripper.width()
+            names += spec.joints
+            positions += [position] * len(spec.joints)
+            efforts += [0.0] * len(spec.joints)
+        return names, positions, efforts
+
+    def _efforts(self, model: ArmModel, arm: Arm, joints: FloatArray) -> FloatArray:
+        return efforts_of_force(model, joints, arm.hand_force())
+
+    def _controllers(self) -> Mapping[str, tuple[str, ...]]:
+        arm = self._robot.arm
+        return self._spec.arm.joints_by_topic(() if arm is None else arm.joints)
+
+    def _per_m(self) -> float:
+        """Return the travel of each finger's joint, in [rad] or [m], for a metre of opening."""
+        spec, file = self._spec.gripper, self._robot.gripper
+        opening = 1.0 if file is None else file.opening_mm / 1e3
+        return ((0.5 * opening if spec.open is None else spec.open) - spec.closed) / opening
+
+    def _publishers(self) -> Mapping[str, Any]:
+        spec, link = self._spec, self._link
+        kinds = {
+            spec.odometry.topic: "nav_msgs/Odometry",
+            spec.joint_states.topic: "sensor_msgs/JointState",
+            spec.lidar.topic: "sensor_msgs/LaserScan",
+            spec.imu.topic: "sensor_msgs/Imu",
+            spec.camera.topic: "sensor_msgs/Image",
+        }
+        return {topic: link.publisher(kind, topic) for topic, kind in kinds.items()}

@@ -1,0 +1,82 @@
+"""What is on the air, held against the robot's file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
+from handcart.backends.ros2.wire.ros_link import Link
+
+from .ros_topics import RosTopics
+from .topic_sensor import TopicSensor
+
+PAUSE_S = 0.02
+
+
+def await_robot(topics: RosTopics, link: Link, seconds: float, sleep: Callable[[float], None]) -> None:
+    """Wait for the first message of each topic, and for a listener to each command.
+
+    Args:
+        topics: of the robot's file.
+        link: connection to them.
+        seconds: time in [s] until all are there.
+        sleep: waits so many seconds.
+
+    Raises:
+        NotOnTheAir: what is missing or different, all at once. Nothing has been sent.
+    """
+    end = link.clock() + seconds
+    while True:
+        link.receive()
+        topics.advance()
+        missing = [*_silent(topics), *_deaf(topics, link)]
+        if not missing:
+            break
+        if link.clock() > end:
+            raise NotOnTheAir(list(_findings(topics, link)))
+        sleep(PAUSE_S)
+    if others := list(other_masters(topics, link)):
+        raise NotOnTheAir(others)
+
+
+def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
+    """Yield a finding for each topic of commands that somebody else publishes, too."""
+    for topic in topics.commands:
+        nodes = link.publishers(topic)
+        if len(nodes) > 1:
+            names = ", ".join(sorted(nodes))
+            yield f"{topic}: {len(nodes)} nodes publish it ({names}); allowed: this one alone"
+
+
+def _silent(topics: RosTopics) -> list[TopicSensor]:
+    return [each for each in topics.sensors if each.age is None]
+
+
+def _deaf(topics: RosTopics, link: Link) -> list[str]:
+    """Return the topics of commands that nobody listens to; joints that no message names count, too."""
+    unknown = [] if topics.states is None or not topics.states.missing else [topics.states.missing]
+    return [*(topic for topic in topics.commands if not link.subscribers(topic)), *unknown]
+
+
+def _findings(topics: RosTopics, link: Link) -> Iterator[str]:
+    for sensor in _silent(topics):
+        yield _silence(sensor, link)
+    for topic, kind in topics.commands.items():
+        if not link.subscribers(topic):
+            yield f"{topic}: nobody listens to it; needed: a controller or driver that takes {kind}"
+    if topics.states is not None and topics.states.age is not None and topics.states.missing:
+        yield topics.states.missing
+
+
+def _silence(sensor: TopicSensor, link: Link) -> str:
+    topic, kind = sensor.source.topic, sensor.KIND
+    if sensor.rejected:
+        return f"{sensor.name}: {sensor.rejected} messages were no good; of the last one, {sensor.doubt}"
+    nodes = link.publishers(topic)
+    if nodes and not any(kind in each for each in nodes):
+        return f"{sensor.name}: its type is not {kind}: {', '.join(nodes)}"
+    if nodes:
+        return f"{sensor.name}: {', '.join(nodes)} publishes it, but no message arrives"
+    others = link.topics_of(kind)
+    hint = f"; there are {', '.join(others)}" if others else f"; no topic has the type {kind}"
+    return f"{sensor.name}: nobody publishes it{hint}"

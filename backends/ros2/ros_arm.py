@@ -1,0 +1,79 @@
+"""The arm, by ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.hand_force import force_by_efforts
+from handcart.backends.limits import checked_joints
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .joint_states import JointStates
+from .wrench_topic import WrenchTopic
+
+
+class RosArm(Arm):
+    """Joints whose controllers follow a new point each period, and hold the last one."""
+
+    def __init__(
+        self,
+        model: ArmModel,
+        names: Sequence[str],
+        states: JointStates,
+        wrench: WrenchTopic | None,
+        period: float,
+    ) -> None:
+        """Take over the readings of the joints.
+
+        Args:
+            model: of the arm.
+            names: (n) of its joints in ROS.
+            states: their readings.
+            wrench: force on the hand; None: by the joints' efforts.
+            period: of the control, in [s].
+        """
+        self._model, self._names, self._states, self._wrench = model, tuple(names), states, wrench
+        self._most = model.velocity * period
+        self._command = self._sent = np.zeros(len(names))
+
+    def begin(self) -> None:
+        """Take the measured joints as the command, before anything is sent.
+
+        A joint that rests at its limit is often read slightly beyond it.
+        """
+        self._command = self._sent = self._model.clipped(self.joints())
+
+    @override
+    def move(self, joints: FloatArray) -> None:
+        self._command = checked_joints(self._model, joints, self._sent, self._most)
+
+    @override
+    def command(self) -> FloatArray:
+        return self._command.copy()
+
+    @override
+    def joints(self) -> FloatArray:
+        return self._states.positions(self._names)
+
+    @override
+    def hand_force(self) -> FloatArray:
+        if self._wrench is not None:
+            return self._wrench.force()
+        efforts = self._states.efforts(self._names)
+        return force_by_efforts(self._model, self.joints(), efforts, np.isfinite(efforts))
+
+    def halt(self) -> None:
+        """Forget a command that hasn't been sent; hold."""
+        self._command = self._sent.copy()
+
+    def taken(self) -> FloatArray | None:
+        """Return the joints (n,) to be sent in this period, in [rad] or [m]; None if they are held."""
+        if np.array_equal(self._command, self._sent):
+            return None
+        self._sent = self._command.copy()
+        return self._sent

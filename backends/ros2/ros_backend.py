@@ -1,0 +1,209 @@
+"""A robot that speaks ROS 2."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.live.pace import Pace
+from handcart.backends.ros2.wire.ros_errors import NoTopics, RosFault
+from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
+from handcart.robotics.numerics.arrays import ByteArray
+
+from .bench.local_bench import LocalBench
+from .on_the_air import await_robot, other_masters
+from .ros_topics import RosTopics, capabilities_of
+
+MASTERS_PERIOD_S = 1.0
+"""[s] between two looks for other nodes that command the robot."""
+
+
+class RosBackend(Backend):
+    """Backend whose commands and readings are topics, as in the section `ros2` of the robot's file.
+
+    The constructor waits for the first message of each topic; nothing is sent before all are there and fit
+    the file. A step sends the commands, waits for the end of the period, and reads what has arrived. A
+    fault (a late loop, odometry that jumps, a second node that commands the base, controllers that are
+    gone) stops the base and ends the step with a `RosFault`; every further step raises the same one. A
+    topic that falls silent raises a `StaleSensor` where its reading is needed; that of the odometry and of
+    the joints stops the robot at once.
+
+    On a bench (`build_on_bench`) drivers are simulated in this process, in front of a simulated backend, and
+    messages are handed over without rclpy: a period passes with each step, no clock is read, and the same
+    seed gives the same run. Sensors without a topic are that backend's.
+
+    When this program dies, the robot's own time-out of its speeds has to stop it: no program can.
+    """
+
+    name = "ros2"
+    drive_kinds = frozenset({"differential", "ackermann", "holonomic"})
+    has_drives = True
+
+    def __init__(self, robot: RobotFile, bench: LocalBench | None = None) -> None:
+        """Connect to the robot.
+
+        Args:
+            robot: the robot's file.
+            bench: simulated drivers in this process, owned by the backend from now on; None: those on the
+                air, by a node of rclpy.
+
+        Raises:
+            NoTopics: the robot's file has no section `ros2`.
+            NoRos: rclpy is not installed.
+            NotOnTheAir: topics are missing, or are not what the file says.
+        """
+        if robot.ros2 is None:
+            raise NoTopics()
+        spec = robot.ros2
+        self.period = robot.period_s
+        self.address = f"ros2 {spec.namespace or '/'}{'' if spec.domain is None else f' {spec.domain}'}"
+        self._closed, self._begun = False, False
+        self._fault: RosFault | None = None
+        self.bench = bench
+        """The simulated drivers; None with real ones."""
+        self.simulated = bench is not None
+        self._link: Link
+        if bench is not None:
+            self._link = bench.link
+        else:
+            self._link = RosLink(node_name("robot"), spec.namespace, spec.domain)
+        self._pace = None if bench else Pace(self.period, max_excess=spec.max_late_ms / 1e3)
+        self._looked = self._link.clock()
+        try:
+            self._topics = RosTopics(robot, spec, self._link)
+            await_robot(self._topics, self._link, spec.first_message_s, bench.wait if bench else time.sleep)
+            self._topics.begin()
+        except BaseException:
+            self._begun = False
+            self.close()
+            raise
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> RosBackend:
+        """See `Backend`; the world is as it is."""
+        return cls(robot)
+
+    @classmethod
+    @override
+    def build_on_bench(
+        cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]
+    ) -> RosBackend:
+        if robot.ros2 is None:
+            raise NoTopics()
+        inner = bench.build(robot, world, seed)
+        backend = cls(robot, LocalBench(robot, robot.ros2, inner))
+        backend.remarks = inner.remarks
+        return backend
+
+    @classmethod
+    @override
+    def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
+        if robot.ros2 is None:
+            raise NoTopics()
+        return capabilities_of(robot)
+
+    @override
+    def capabilities(self) -> tuple[Capability, ...]:
+        own = self._topics.capabilities()
+        others = () if self.inner is None else self.inner.capabilities()
+        return (*own, *(each for each in others if not _same_kind(each, own)))
+
+    @property
+    @override
+    def inner(self) -> Backend | None:
+        return None if self.bench is None else self.bench.inner
+
+    @override
+    def view(self) -> ByteArray | None:
+        return None if self.inner is None else self.inner.view()
+
+    def step(self) -> None:
+        """Send the commands, wait for the end of the period, and read what has arrived.
+
+        Raises:
+            RosFault: now or in an earlier step.
+            StaleSensor: the odometry or the joints are silent.
+        """
+        if self._fault is not None:
+            raise self._fault
+        if not self._begun:
+            self._begun = True
+            if self._pace is not None:
+                self._pace.begin()
+        try:
+            self._topics.send()
+            if self._pace is not None:
+                self._pace.wait()
+            elif self.bench is not None:
+                self.bench.step()
+            self._link.receive()
+            self._topics.advance()
+            self._check()
+        except BaseException as error:
+            self._stop_for_good(error)
+            raise
+
+    def stop(self) -> None:
+        """See `Backend`."""
+        self._topics.halt()
+        if self._begun and not self._closed:
+            self._topics.send()
+
+    def close(self) -> None:
+        """See `Backend`; the base is told to stop."""
+        if self._closed:
+            return
+        if self._begun:
+            with suppress(Exception):  # the robot's own time-out has to stop it then
+                self.stop()
+        self._closed = True
+        self._link.close()
+        if self.bench is not None:
+            self.bench.close()
+
+    @override
+    def figures(self) -> Mapping[str, Any]:
+        rejected = {each.source.topic: each.rejected for each in self._topics.sensors if each.rejected}
+        loop = {} if self._pace is None else {"loop": self._pace.figures()}
+        return {**loop, **({"rejected_messages": rejected} if rejected else {})}
+
+    def _check(self) -> None:
+        """Raise what stops the robot."""
+        if self._pace is not None and self._pace.trouble:
+            raise RosFault(f"the control loop is too slow: {self._pace.trouble}")
+        topics = self._topics
+        if topics.odometry.jumped:
+            raise RosFault(topics.odometry.jumped)
+        topics.odometry.check_fresh()
+        if topics.states is not None:
+            topics.states.check_fresh()
+        now = self._link.clock()
+        if now - self._looked < MASTERS_PERIOD_S:
+            return
+        self._looked = now
+        if found := list(other_masters(topics, self._link)):
+            raise RosFault("; ".join(found))
+        if deaf := [topic for topic in topics.commands if not self._link.subscribers(topic)]:
+            raise RosFault(f"nobody listens to {', '.join(deaf)} any more")
+
+    def _stop_for_good(self, error: BaseException) -> None:
+        """Send the base zero, and refuse every further step."""
+        words = str(error) if isinstance(error, RosFault) else f"{type(error).__name__}: {error}"
+        self._fault = error if isinstance(error, RosFault) else RosFault(words)
+        with suppress(Exception):
+            self._topics.halt()
+            self._topics.send()
+
+
+def _same_kind(part: Capability, own: tuple[Capability, ...]) -> bool:
+    """Return whether a capability is of the same kind as one of `own`."""
+    kinds = {kind for each in own for kind in type(each).__mro__ if Capability in kind.__bases__}
+    return isinstance(part, tuple(kinds))

@@ -1,0 +1,121 @@
+"""The base, by ROS 2: speeds out, odometry in."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
+from handcart.backends.description.robot_file import Drive
+from handcart.backends.limits import checked_command
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .topic_sensor import TopicSensor
+
+JUMP_FACTOR = 3.0
+"""Motion between two messages beyond what the base can do, from which the odometry jumps."""
+MIN_JUMP_M, MIN_JUMP_RAD = 0.1, 0.2
+
+
+class OdometryTopic(TopicSensor):
+    """Travel of the wheels by the poses of `nav_msgs/Odometry`.
+
+    Only their differences count: where the odometry began does not matter.
+    """
+
+    KIND = "nav_msgs/Odometry"
+    travel = WheelTravel(0.0, 0.0)
+    """Travel since the first message."""
+    jumped = ""
+    """How far the odometry jumped; "" if it didn't."""
+
+    def fit(self, drive: Drive) -> None:
+        """Set what the base is, before the first message."""
+        self._drive = drive
+        self._last: tuple[float, Pose2] | None = None
+
+    @override
+    def _wrong(self, message: Any) -> str:
+        pose = message.pose.pose
+        numbers = [pose.position.x, pose.position.y, *_quaternion(pose.orientation)]
+        if not all(map(math.isfinite, numbers)):
+            return "its pose is not finite"
+        norm = math.hypot(*_quaternion(pose.orientation))
+        return "" if 0.99 < norm < 1.01 else f"the norm of its orientation is {norm:.3g}; allowed: 1"
+
+    @override
+    def _read(self, messages: list[Any]) -> None:
+        for message in messages:
+            stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9
+            now = pose_of(message.pose.pose)
+            if self._last is not None:
+                self._moved(now.relative_to(self._last[1]), stamp - self._last[0])
+            self._last = stamp, now
+
+    def _moved(self, step: Pose2, seconds: float) -> None:
+        """Add a step of the base, in the frame of the pose before, to the travel of its sides."""
+        drive = self._drive
+        most = JUMP_FACTOR * drive.top_speed_m_s * seconds + MIN_JUMP_M
+        most_turn = JUMP_FACTOR * math.radians(drive.top_turn_deg_s) * seconds + MIN_JUMP_RAD
+        if math.hypot(step.x, step.y) > most or abs(step.theta) > most_turn:
+            self.jumped = (
+                f"the odometry ({self.source.topic}) jumps by {math.hypot(step.x, step.y):.2f} m and"
+                f" {math.degrees(step.theta):.0f} deg in {seconds:.3g} s; allowed: {most:.2f} m"
+            )
+        half = 0.5 * step.theta
+        cos, sin = math.cos(half), math.sin(half)
+        chord, sideways = cos * step.x + sin * step.y, cos * step.y - sin * step.x
+        stretch = half / math.sin(half) if abs(half) > 1e-9 else 1.0
+        forward, turn = chord * stretch, 0.5 * step.theta * drive.tread_m
+        side = sideways * stretch if drive.kind == "holonomic" else 0.0
+        was = self.travel
+        self.travel = WheelTravel(was.left + forward - turn, was.right + forward + turn, was.sideways + side)
+
+
+class _TopicWheels:
+    """What both kinds of bases share: the command of a period, and the odometry."""
+
+    def __init__(self, drive: Drive, odometry: OdometryTopic) -> None:
+        """Take over its odometry."""
+        self._drive, self._odometry = drive, odometry
+        self._command = DriveCommand()
+        odometry.fit(drive)
+
+    def wheel_travel(self) -> WheelTravel:
+        """Return the travel of the wheels; raises `StaleSensor` without a fresh message."""
+        self._odometry.check_fresh()
+        return self._odometry.travel
+
+    def taken(self) -> DriveCommand:
+        """Return the command of this period, and drop it: a command lives one period."""
+        command, self._command = self._command, DriveCommand()
+        return command
+
+
+class RosBase(_TopicWheels, Base):
+    """A base that obeys a speed and a turn rate."""
+
+    @override
+    def drive(self, speed: float, turn_rate: float) -> None:
+        self._command = checked_command(self._drive, speed, turn_rate)
+
+
+class RosHolonomicBase(_TopicWheels, HolonomicBase):
+    """A base that obeys speeds forward and sideways, and a turn rate."""
+
+    @override
+    def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
+        self._command = checked_command(self._drive, speed, turn_rate, sideways)
+
+
+def pose_of(pose: Any) -> Pose2:
+    """Return the pose on the floor, in [m] and [rad], of a `geometry_msgs/Pose`."""
+    x, y, z, w = _quaternion(pose.orientation)
+    heading = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return Pose2(float(pose.position.x), float(pose.position.y), heading)
+
+
+def _quaternion(orientation: Any) -> tuple[float, float, float, float]:
+    return orientation.x, orientation.y, orientation.z, orientation.w

@@ -1,0 +1,95 @@
+"""A camera, by `sensor_msgs/Image`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.robot.mounted_camera import MountedCamera
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.numerics.arrays import ByteArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+from .topic_sensor import TopicSensor
+
+TO_GREY = {
+    "mono8": (1, None),
+    "8UC1": (1, None),
+    "rgb8": (3, cv2.COLOR_RGB2GRAY),
+    "bgr8": (3, cv2.COLOR_BGR2GRAY),
+    "8UC3": (3, cv2.COLOR_BGR2GRAY),
+    "rgba8": (4, cv2.COLOR_RGBA2GRAY),
+    "bgra8": (4, cv2.COLOR_BGRA2GRAY),
+}
+"""Encodings that are read: channels, and OpenCV's conversion to grey."""
+
+
+class RosCamera(TopicSensor, Camera):
+    """Pictures of one camera, turned to grey."""
+
+    KIND = "sensor_msgs/Image"
+
+    def fit(self, mounted: MountedCamera) -> None:
+        """Set the camera as it was calibrated, before the first picture."""
+        self._mounted = mounted
+
+    @override
+    def image(self) -> ByteArray:
+        """See `Camera`; raises `StaleSensor`."""
+        self.check_fresh()
+        return self._image
+
+    @property
+    @override
+    def model(self) -> CameraModel:
+        return self._mounted.model
+
+    @property
+    @override
+    def hand_T_camera(self) -> Transform:
+        return self._mounted.hand_T_camera.copy()
+
+    @property
+    @override
+    def carrier(self) -> str:
+        return self._mounted.carrier
+
+    @property
+    @override
+    def carrier_T_camera(self) -> Transform:
+        return self._mounted.carrier_T_camera.copy()
+
+    @override
+    def _wrong(self, message: Any) -> str:
+        model = self._mounted.model
+        if message.encoding not in TO_GREY:
+            return f"its encoding is {message.encoding!r}; allowed: {', '.join(TO_GREY)}"
+        if (message.width, message.height) != (model.width, model.height):
+            size = f"{message.width} x {message.height}"
+            return f"its pictures have {size} pixels; the robot's file says {model.width} x {model.height}"
+        channels = TO_GREY[message.encoding][0]
+        if message.step < channels * message.width or len(message.data) < message.step * message.height:
+            return f"it has {len(message.data)} bytes; needed: {channels * message.width * message.height}"
+        return ""
+
+    @override
+    def _read(self, messages: list[Any]) -> None:
+        self._image = grey_picture(messages[-1])
+
+
+def grey_picture(message: Any) -> ByteArray:
+    """Return the picture (height, width) of a message, from 0 to 255, in memory of its own."""
+    channels, conversion = TO_GREY[message.encoding]
+    rows = np.frombuffer(bytes(message.data), np.uint8)[: message.step * message.height]
+    pixels = rows.reshape(message.height, message.step)[:, : channels * message.width]
+    if conversion is None:
+        picture: ByteArray = pixels.copy()
+    else:
+        colours = pixels.reshape(message.height, message.width, channels).copy()
+        picture = np.ascontiguousarray(cv2.cvtColor(colours, conversion), np.uint8)
+    picture.flags.writeable = False
+    return picture

@@ -1,0 +1,110 @@
+"""The gripper, by ROS 2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import GripperSpec
+from handcart.backends.description.ros_spec import RosGripperSpec
+from handcart.backends.limits import checked_width
+
+from .joint_states import JointStates
+
+AWAY_M = 1e-3
+"""[m] between fingers and their command from which something is between them."""
+REST_SPEED = 0.2
+"""Share of the gripper's speed below which the fingers are at rest."""
+REST_S = 0.15
+"""[s] of rest after which fingers away from their command press."""
+
+
+class RosGripper(Gripper):
+    """Fingers whose controller moves them to a position, and presses on what is between them.
+
+    Pressing is seen by fingers at rest that are wider open than commanded, or closed upon each other.
+    """
+
+    def __init__(
+        self,
+        spec: GripperSpec,
+        topic: RosGripperSpec,
+        states: JointStates,
+        names: Sequence[str],
+        period: float,
+    ) -> None:
+        """Take over the readings of the fingers.
+
+        Args:
+            spec: the gripper, from the robot's file.
+            topic: its topic.
+            states: readings of the joints.
+            names: of the fingers' joints in ROS.
+            period: of the control, in [s].
+        """
+        self._spec, self._states, self._names, self._period = spec, states, tuple(names), period
+        opening = spec.opening_mm / 1e3
+        fully_open = 0.5 * opening if topic.open is None else topic.open
+        self._zero, self._per_m = topic.closed, (fully_open - topic.closed) / opening
+        self._command = self._sent = self._width = 0.0
+        self._still_s = 0.0
+
+    def begin(self) -> None:
+        """Take the measured width as the command, before anything is sent."""
+        self._width = self._measured()
+        self._command = self._sent = min(self._width, self._spec.opening_mm / 1e3)
+
+    def advance(self) -> None:
+        """Read the width of this period."""
+        now = self._measured()
+        moving = abs(now - self._width) > REST_SPEED * self._spec.speed_mm_s / 1e3 * self._period
+        self._still_s = 0.0 if moving else self._still_s + self._period
+        self._width = now
+
+    @override
+    def command(self) -> float:
+        return self._command
+
+    @override
+    def move(self, width: float) -> None:
+        self._command = checked_width(self._spec, width)
+
+    @override
+    def width(self) -> float:
+        self._states.check_fresh()
+        return self._width
+
+    @override
+    def closed_on_something(self) -> bool:
+        self._states.check_fresh()
+        return self._presses()
+
+    def halt(self) -> None:
+        """Hold: pressing fingers continue to press, moving fingers stop."""
+        if not self._presses():
+            self._command = min(self._width, self._spec.opening_mm / 1e3)
+
+    def taken(self) -> list[float] | None:
+        """Return the position of each joint to be sent in this period; None if they are held."""
+        if self._command == self._sent:
+            return None
+        self._sent, self._still_s = self._command, 0.0
+        return [self.position(self._sent)] * len(self._names)
+
+    def position(self, width: float) -> float:
+        """Return the position of each joint, in [rad] or [m], at a width in [m]."""
+        return self._zero + self._per_m * width
+
+    def _presses(self) -> bool:
+        """Return whether the fingers rest on something: wider open than commanded, or on each other."""
+        closed = self._sent <= AWAY_M and self._width <= 2.0 * AWAY_M
+        return self._still_s >= REST_S and (closed or self._width - self._sent > AWAY_M)
+
+    def _measured(self) -> float:
+        position = float(np.mean(self._states.positions(self._names)))
+        width = (position - self._zero) / self._per_m
+        return max(0.0, width) if math.isfinite(width) else 0.0

@@ -1,0 +1,47 @@
+"""An inertial unit, by `sensor_msgs/Imu`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.imu import Imu
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .topic_sensor import TopicSensor
+
+
+class RosImu(TopicSensor, Imu):
+    """Mean rates and accelerations of a period; the axes of the unit are those of the base."""
+
+    KIND = "sensor_msgs/Imu"
+
+    @override
+    def rates(self) -> FloatArray:
+        """See `Imu`; raises `StaleSensor`."""
+        self.check_fresh()
+        rates: FloatArray = self._mean[:3].copy()
+        return rates
+
+    @override
+    def accelerations(self) -> FloatArray:
+        """See `Imu`; raises `StaleSensor`."""
+        self.check_fresh()
+        accelerations: FloatArray = self._mean[3:].copy()
+        return accelerations
+
+    @override
+    def _wrong(self, message: Any) -> str:
+        return "" if all(map(math.isfinite, _numbers(message))) else "a reading is not finite"
+
+    @override
+    def _read(self, messages: list[Any]) -> None:
+        self._mean = np.mean([_numbers(each) for each in messages], axis=0)
+
+
+def _numbers(message: Any) -> list[float]:
+    both = message.angular_velocity, message.linear_acceleration
+    return [float(getattr(each, axis)) for each in both for axis in ("x", "y", "z")]

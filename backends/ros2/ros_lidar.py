@@ -1,0 +1,63 @@
+"""A lidar, by `sensor_msgs/LaserScan`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.capabilities.scan import Scan
+from handcart.backends.description.sensor_specs import RangeSpec
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+
+from .topic_sensor import TopicSensor
+
+MAX_ANGLE_DIFFERENCE_DEG = 0.5
+
+
+class RosLidar(TopicSensor, RangeSensor):
+    """Scans as the driver sends them; turned round where it counts clockwise."""
+
+    KIND = "sensor_msgs/LaserScan"
+
+    def fit(self, spec: RangeSpec, base_T_sensor: Transform) -> None:
+        """Set the lidar of the robot's file, and its pose (4, 4) on the base, before the first scan."""
+        yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
+        self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
+        self._spec, self._angles = spec, spec.angles()
+
+    @override
+    def scan(self) -> Scan:
+        """See `RangeSensor`; raises `StaleSensor`."""
+        self.check_fresh()
+        return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
+
+    @override
+    def _wrong(self, message: Any) -> str:
+        if len(message.ranges) != self._spec.beams:
+            return f"it has {len(message.ranges)} beams; the robot's file says {self._spec.beams}"
+        if not math.isfinite(message.angle_min) or not math.isfinite(message.angle_increment):
+            return "its angles are not finite"
+        step = message.angle_increment
+        ends = message.angle_min, message.angle_min + step * (len(message.ranges) - 1)
+        ends = ends if step > 0.0 else ends[::-1]
+        wanted = float(self._angles[0]), float(self._angles[-1])
+        off = [math.degrees(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(ends, wanted, strict=True)]
+        if max(map(abs, off)) > MAX_ANGLE_DIFFERENCE_DEG:
+            told, kept = _degrees(ends), _degrees(wanted)
+            return f"its beams are at {told} deg; the robot's file says {kept} deg"
+        return ""
+
+    @override
+    def _read(self, messages: list[Any]) -> None:
+        scan = messages[-1]
+        ranges = np.asarray(scan.ranges, dtype=np.float64)
+        self._ranges = ranges if scan.angle_increment > 0.0 else ranges[::-1].copy()
+
+
+def _degrees(ends: tuple[float, float]) -> str:
+    return " to ".join(f"{math.degrees(each):.1f}" for each in ends)

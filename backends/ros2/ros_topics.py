@@ -1,0 +1,177 @@
+"""All topics of a robot: readings in, commands out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TypeVar
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, HolonomicBase
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec, RosTopicSpec
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
+from handcart.backends.ros2.wire.messages import joint_message, message_kind, velocity_message
+from handcart.backends.ros2.wire.ros_link import Link, Take
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
+
+from .joint_states import JointStates
+from .ros_arm import RosArm
+from .ros_base import OdometryTopic, RosBase, RosHolonomicBase
+from .ros_camera import RosCamera
+from .ros_gripper import RosGripper
+from .ros_imu import RosImu
+from .ros_lidar import RosLidar
+from .topic_sensor import TopicSensor
+from .wrench_topic import WrenchTopic
+
+SensorT = TypeVar("SensorT", bound=TopicSensor)
+
+
+class RosTopics:
+    """What a robot's file says that the robot has, each with its topic."""
+
+    def __init__(self, robot: RobotFile, spec: RosSpec, link: Link) -> None:
+        """Subscribe to all readings, and announce all commands.
+
+        Raises:
+            NoRos: the package of a message is not installed.
+        """
+        self._robot, self._spec, self._link = robot, spec, link
+        self.sensors: list[TopicSensor] = []
+        """All that is heard."""
+        self.commands: dict[str, str] = {}
+        """Type of the message of each topic that is published."""
+        self._publishers: dict[str, Take] = {}
+        odometry = self._heard(OdometryTopic, "the odometry", spec.odometry)
+        self.odometry = odometry
+        kind = RosHolonomicBase if robot.drive.kind == "holonomic" else RosBase
+        self.base = kind(robot.drive, odometry)
+        self._publish(f"geometry_msgs/{spec.velocity.type}", spec.velocity.topic)
+        self.states = self._joint_states()
+        self.arm, self.gripper = self._made_arm(), self._made_gripper()
+        self._sensors = tuple(self._made_sensors())
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        """Return what the robot has."""
+        actuators = (each for each in (self.base, self.arm, self.gripper) if each is not None)
+        return (*actuators, *self._sensors)
+
+    def begin(self) -> None:
+        """Take what is measured as the command, once each topic has had its first message."""
+        for each in (self.arm, self.gripper):
+            if each is not None:
+                each.begin()
+
+    def advance(self) -> None:
+        """Read what has arrived in a period."""
+        for each in self.sensors:
+            each.advance()
+        states = self.states
+        if self.gripper is not None and states is not None and states.is_fresh and not states.missing:
+            self.gripper.advance()
+
+    def halt(self) -> None:
+        """Drop all commands; arm and gripper hold."""
+        self.base.taken()
+        for each in (self.arm, self.gripper):
+            if each is not None:
+                each.halt()
+
+    def send(self) -> None:
+        """Publish the commands of a period; the base's always, so that it hears that we are there."""
+        command = self.base.taken()
+        velocity = self._spec.velocity
+        self._publishers[velocity.topic](velocity_message(self._link, velocity, command))
+        joints = None if self.arm is None else self.arm.taken()
+        if joints is not None and self._robot.arm is not None:
+            self._send_arm(dict(zip(self._robot.arm.joints, joints.tolist(), strict=True)))
+        fingers = None if self.gripper is None else self.gripper.taken()
+        if fingers is not None:
+            spec = self._spec.gripper
+            seconds = self._robot.period_s
+            self._publishers[spec.topic](joint_message(self._link, spec.type, spec.joints, fingers, seconds))
+
+    def _send_arm(self, positions: Mapping[str, float]) -> None:
+        """Send each controller the positions of its joints, by their names in the robot's file."""
+        spec = self._spec.arm
+        seconds = self._robot.period_s + spec.latency_ms / 1e3
+        for topic, joints in self._controllers().items():
+            names = [self._spec.name_of(each) for each in joints]
+            values = [self._spec.sign_of(each) * positions[each] for each in joints]
+            self._publishers[topic](joint_message(self._link, spec.type, names, values, seconds))
+
+    def _controllers(self) -> Mapping[str, tuple[str, ...]]:
+        """Return the joints of each controller by its topic."""
+        arm = self._robot.arm
+        return self._spec.arm.joints_by_topic(() if arm is None else arm.joints)
+
+    def _joint_states(self) -> JointStates | None:
+        arm = () if self._robot.arm is None else self._robot.arm.joints
+        fingers = () if self._robot.gripper is None else self._spec.gripper.joints
+        if not arm and not fingers:
+            return None
+        states = self._heard(JointStates, "the joints", self._spec.joint_states)
+        signs = [*map(self._spec.sign_of, arm), *(1.0 for _ in fingers)]
+        states.expect([*map(self._spec.name_of, arm), *fingers], signs)
+        return states
+
+    def _made_arm(self) -> RosArm | None:
+        spec = self._robot.arm
+        if spec is None or self.states is None:
+            return None
+        wrench = None
+        if self._spec.wrench is not None:
+            wrench = self._heard(WrenchTopic, "the force at the hand", self._spec.wrench)
+        for topic in self._controllers():
+            self._publish(message_kind(self._spec.arm.type), topic)
+        names = [self._spec.name_of(each) for each in spec.joints]
+        return RosArm(self._robot.arm_model(), names, self.states, wrench, self._robot.period_s)
+
+    def _made_gripper(self) -> RosGripper | None:
+        spec, topic = self._robot.gripper, self._spec.gripper
+        if spec is None or self.states is None:
+            return None
+        self._publish(message_kind(topic.type), topic.topic)
+        return RosGripper(spec, topic, self.states, topic.joints, self._robot.period_s)
+
+    def _made_sensors(self) -> Iterator[Capability]:
+        robot, spec = self._robot, self._spec
+        if robot.range_sensor is not None:
+            lidar = self._heard(RosLidar, "the lidar", spec.lidar)
+            lidar.fit(robot.range_sensor, base_T_frame(robot.urdf_text(), robot.lidar_link))
+            yield lidar
+        if robot.camera is not None:
+            camera = self._heard(RosCamera, "the camera", spec.camera)
+            camera.fit(known_camera(robot.camera, mount_of(robot, robot.camera)))
+            yield camera
+        if robot.imu is not None:
+            yield self._heard(RosImu, "the inertial unit", spec.imu)
+
+    def _heard(self, kind: type[SensorT], name: str, source: RosTopicSpec) -> SensorT:
+        link = self._link
+        sensor = kind(name, source, link.now if self._spec.same_clock else None, link.clock)
+        self._link.subscribe(kind.KIND, source.topic, sensor.heard)
+        self.sensors.append(sensor)
+        return sensor
+
+    def _publish(self, kind: str, topic: str) -> None:
+        self.commands[topic] = kind
+        self._publishers[topic] = self._link.publisher(kind, topic)
+
+
+def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
+    """Return the capabilities that a robot has by ROS, by its file alone."""
+    there: dict[type[Capability], object] = {
+        HolonomicBase if robot.drive.kind == "holonomic" else Base: robot.drive,
+        Arm: robot.arm,
+        Gripper: robot.gripper,
+        RangeSensor: robot.range_sensor,
+        Camera: robot.camera,
+        Imu: robot.imu,
+    }
+    return tuple(kind for kind, what in there.items() if what is not None)

@@ -1,0 +1,93 @@
+"""What all readings by topic have in common: freshness, stamps, frames."""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.backends.description.ros_spec import RosTopicSpec
+from handcart.backends.live.live_sensor import Clock, LiveSensor
+
+StampClock = Callable[[], float]
+"""Gives the time of ROS in [s]."""
+
+
+class TopicSensor(LiveSensor):
+    """Receives the messages of one topic between two periods, and reads them once a period.
+
+    A message counts as of now by the time of its arrival and by its stamp. One from another frame, with a
+    stamp that is old, of the future, or not after the last one, or with other than finite numbers is
+    dropped, with the reason kept for the `StaleSensor` that follows if no better one arrives.
+    """
+
+    KIND: str
+    """Type of its messages, such as `sensor_msgs/LaserScan`."""
+
+    def __init__(
+        self,
+        name: str,
+        source: RosTopicSpec,
+        stamps: StampClock | None,
+        clock: Clock = time.monotonic,
+    ) -> None:
+        """Begin without a message.
+
+        Args:
+            name: how people call it.
+            source: its topic.
+            stamps: gives the time by which messages are stamped, in [s]; None where that is another clock's.
+            clock: gives the time of arrival, in [s].
+        """
+        super().__init__(f"{name} ({source.topic})", source.stale_ms / 1e3, clock)
+        self.source = source
+        self._stamps = stamps
+        self._arrived: list[Any] = []
+        self._last_stamp: float | None = None
+
+    def heard(self, message: Any) -> None:
+        """Keep a message for the next period."""
+        self._arrived.append(message)
+
+    @override
+    def _take_in(self) -> None:
+        arrived, self._arrived = self._arrived, []
+        good = []
+        for message in arrived:
+            self.doubt = self._wrong_header(message) or self._wrong(message)
+            if self.doubt:
+                self.rejected += 1
+            else:
+                good.append(message)
+        if good:
+            self._good()
+            self._read(good)
+
+    @abstractmethod
+    def _wrong(self, message: Any) -> str:
+        """Return why a message can be no reading; "" if it can."""
+
+    @abstractmethod
+    def _read(self, messages: list[Any]) -> None:
+        """Take over the readings of at least one good message, the latest last."""
+
+    def _wrong_header(self, message: Any) -> str:
+        header = message.header
+        if self.source.frame is not None and header.frame_id != self.source.frame:
+            return f"its frame is {header.frame_id!r}; allowed: {self.source.frame!r}"
+        stamp = header.stamp.sec + header.stamp.nanosec / 1e9
+        age = 0.0 if self._stamps is None else self._stamps() - stamp
+        if abs(age) > self._stale:
+            what = f"{age:.3g} s old" if age > 0.0 else f"{-age:.3g} s in the future"
+            return f"its stamp is {what}; allowed: {self._stale:g} s"
+        if self._last_stamp is not None and stamp <= self._last_stamp:
+            return f"its stamp is {self._last_stamp - stamp:.3g} s before that of the message before"
+        self._last_stamp = stamp
+        return ""
+
+    @override
+    def close(self) -> None:
+        self._arrived = []

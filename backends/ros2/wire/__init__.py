@@ -1,0 +1,1 @@
+"""The connection to topics, and the messages that pass over it."""

@@ -1,0 +1,74 @@
+"""Messages that are sent: every number is a finite float."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from handcart.backends.backend import CommandError
+from handcart.backends.capabilities.base import DriveCommand
+from handcart.backends.description.ros_spec import RosVelocitySpec
+
+from .ros_link import Link
+
+
+def message_kind(kind: str) -> str:
+    """Return the full name of a type of message for joints."""
+    return f"{'trajectory_msgs' if kind == 'JointTrajectory' else 'std_msgs'}/{kind}"
+
+
+def velocity_message(link: Link, spec: RosVelocitySpec, command: DriveCommand) -> Any:
+    """Return a `Twist` or `TwistStamped` of a command in [m/s] and [rad/s]."""
+    message = link.message(f"geometry_msgs/{spec.type}")
+    twist = message
+    if spec.type == "TwistStamped":
+        twist = message.twist
+        message.header.frame_id = spec.frame
+        set_stamp(message.header, link.now())
+    twist.linear.x, twist.linear.y = sound(command.speed), sound(command.sideways)
+    twist.angular.z = sound(command.turn_rate)
+    return message
+
+
+def joint_message(
+    link: Link, kind: str, names: Sequence[str], positions: Sequence[float], seconds: float
+) -> Any:
+    """Return a message for a controller.
+
+    Args:
+        link: makes it.
+        kind: `JointTrajectory` or `Float64MultiArray`.
+        names: (n) of the joints in ROS.
+        positions: (n) in [rad] or [m].
+        seconds: time in [s] in which a trajectory's point is to be reached.
+    """
+    message = link.message(message_kind(kind))
+    values = [sound(each) for each in positions]
+    if kind == "Float64MultiArray":
+        message.data = values
+        return message
+    point = link.message("trajectory_msgs/JointTrajectoryPoint")
+    point.positions = values
+    whole = math.floor(seconds)
+    point.time_from_start.sec, point.time_from_start.nanosec = int(whole), int(1e9 * (seconds - whole))
+    message.joint_names, message.points = list(names), [point]  # no stamp: it begins when it arrives
+    return message
+
+
+def set_stamp(header: Any, seconds: float) -> None:
+    """Set the stamp of a header to a time in [s]."""
+    whole = math.floor(seconds)
+    header.stamp.sec, header.stamp.nanosec = int(whole), int(1e9 * (seconds - whole))
+
+
+def sound(value: float) -> float:
+    """Return a number as a float of Python: others are sent as garbage, without an error.
+
+    Raises:
+        CommandError: it is not finite.
+    """
+    number = float(value)
+    if not math.isfinite(number):
+        raise CommandError(f"{value!r} would be sent; allowed: finite numbers")
+    return number

@@ -1,0 +1,49 @@
+"""What can go wrong with a robot that speaks ROS 2.
+
+    HandcartError
+    ├── InputError
+    │   ├── NoTopics            the robot's file has no section `ros2`
+    │   ├── NoRos               rclpy is not installed
+    │   └── NotOnTheAir         topics are missing, or are not what the file says: nothing has moved
+    └── RobotFault
+        └── RosFault            the robot is stopped, and stays so
+
+After a `RosFault` a person has to look; the backend has to be built anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from handcart.backends.backend import RobotFault
+from handcart.files.errors import InputError
+
+
+class NoTopics(InputError):
+    """The robot's file doesn't name its topics."""
+
+    def __init__(self) -> None:
+        super().__init__("the robot's file has no section 'ros2'; allowed: `ros2: {}` for the usual topics")
+
+
+class NoRos(InputError):
+    """The Python package of ROS 2 is missing."""
+
+    def __init__(self, missing: ImportError) -> None:
+        super().__init__(
+            f"the backend 'ros2' needs the package {missing.name or missing!r}; on a robot it belongs to its"
+            " ROS distribution (`source /opt/ros/DISTRIBUTION/setup.bash`), elsewhere:"
+            " pip install 'handcart[ros2]'"
+        )
+
+
+class NotOnTheAir(InputError):
+    """Topics are missing, or are not what the robot's file says. Nothing has moved."""
+
+    def __init__(self, findings: Sequence[str]) -> None:
+        self.findings = tuple(findings)
+        super().__init__("\n".join(self.findings))
+
+
+class RosFault(RobotFault):
+    """The robot is not driven any more: a topic is silent, lies, or has a second master."""

@@ -1,0 +1,170 @@
+"""The only door to rclpy: topics in and out, and what is on the air."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, Protocol
+
+from typing_extensions import override
+
+from .ros_errors import NoRos
+
+Take = Callable[[Any], None]
+"""Receives a message."""
+EMPTY_PASSES = 3
+"""Passes without a message after which all have arrived: one pass takes one message of each topic."""
+MAX_PASSES = 200
+KEPT_MESSAGES = 5
+
+
+class Link(Protocol):
+    """Connection to the topics of a robot."""
+
+    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+        """Call `take` with each message of a topic; `kind` such as `sensor_msgs/LaserScan`."""
+
+    def publisher(self, kind: str, topic: str) -> Take:
+        """Return a function that publishes a message."""
+
+    def message(self, kind: str) -> Any:
+        """Return a new message."""
+
+    def receive(self) -> None:
+        """Hand over all messages that have arrived; never waits."""
+
+    def publishers(self, topic: str) -> list[str]:
+        """Return the names of the nodes that publish a topic, our own included, each with its type."""
+
+    def subscribers(self, topic: str) -> int:
+        """Return the number of nodes that listen to a topic."""
+
+    def topics_of(self, kind: str) -> list[str]:
+        """Return the names of all topics of a type."""
+
+    def now(self) -> float:
+        """Return the time of ROS in [s], by which messages are stamped."""
+
+    def clock(self) -> float:
+        """Return a time in [s] that only grows, by which the age of a message is measured."""
+
+    def close(self) -> None:
+        """Leave; a second call does nothing."""
+
+
+class RosLink(Link):
+    """A node of rclpy in a context of its own, spun by the control loop.
+
+    Subscriptions hear reliable and best-effort publishers. Deadlines and liveliness are not asked for:
+    drivers with default settings would not be heard at all.
+    """
+
+    def __init__(self, name: str, namespace: str = "", domain: int | None = None) -> None:
+        """Start a node.
+
+        Args:
+            name: of the node.
+            namespace: of its topics.
+            domain: ROS domain; None: by the environment.
+
+        Raises:
+            NoRos: rclpy, or the middleware that it loads, is not installed.
+        """
+        try:
+            rclpy = import_module("rclpy")
+            executors = import_module("rclpy.executors")
+            self._qos = import_module("rclpy.qos")
+            self._context = import_module("rclpy.context").Context()
+        except ImportError as missing:
+            raise NoRos(missing) from None
+        rclpy.init(args=[], context=self._context, domain_id=domain)
+        self._node = rclpy.create_node(name, namespace=namespace or None, context=self._context)
+        self._executor = executors.SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._came, self._closed = 0, False
+
+    @override
+    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+        def came(message: Any) -> None:
+            self._came += 1
+            take(message)
+
+        qos = self._qos
+        profile = qos.QoSProfile(
+            depth=KEPT_MESSAGES,
+            history=qos.HistoryPolicy.KEEP_LAST,
+            reliability=qos.ReliabilityPolicy.BEST_EFFORT,
+            durability=qos.DurabilityPolicy.VOLATILE,
+        )
+        self._node.create_subscription(message_class(kind), topic, came, profile)
+
+    @override
+    def publisher(self, kind: str, topic: str) -> Take:
+        qos = self._qos
+        profile = qos.QoSProfile(depth=1, reliability=qos.ReliabilityPolicy.RELIABLE)
+        publish: Take = self._node.create_publisher(message_class(kind), topic, profile).publish
+        return publish
+
+    @override
+    def message(self, kind: str) -> Any:
+        return message_class(kind)()
+
+    @override
+    def receive(self) -> None:
+        empty = 0
+        for _ in range(MAX_PASSES):
+            before = self._came
+            self._executor.spin_once(timeout_sec=0.0)
+            empty = 0 if self._came > before else empty + 1
+            if empty >= EMPTY_PASSES:
+                return
+
+    @override
+    def publishers(self, topic: str) -> list[str]:
+        full = self._node.resolve_topic_name(topic)
+        return [
+            f"{each.node_namespace.rstrip('/')}/{each.node_name} ({each.topic_type.replace('/msg', '')})"
+            for each in self._node.get_publishers_info_by_topic(full)
+        ]
+
+    @override
+    def subscribers(self, topic: str) -> int:
+        return int(self._node.count_subscribers(self._node.resolve_topic_name(topic)))
+
+    @override
+    def topics_of(self, kind: str) -> list[str]:
+        wanted = kind.replace("/", "/msg/")
+        return sorted(name for name, kinds in self._node.get_topic_names_and_types() if wanted in kinds)
+
+    @override
+    def now(self) -> float:
+        return float(self._node.get_clock().now().nanoseconds) / 1e9
+
+    @override
+    def clock(self) -> float:
+        return time.monotonic()
+
+    @override
+    def close(self) -> None:
+        if self._closed:
+            return
+        self._closed = True
+        self._executor.shutdown(timeout_sec=0.5)
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+
+def message_class(kind: str) -> Any:
+    """Return the class of a message such as `sensor_msgs/LaserScan`; raises `NoRos` without its package."""
+    package, _, name = kind.partition("/")
+    try:
+        return getattr(import_module(f"{package}.msg"), name)
+    except ImportError as missing:
+        raise NoRos(missing) from None
+
+
+def node_name(what: str) -> str:
+    """Return the name of a node that no other process of this machine has."""
+    return f"handcart_{what}_{os.getpid()}_{time.monotonic_ns() % 100_000}"

@@ -1,0 +1,38 @@
+"""A force sensor at the wrist, by `geometry_msgs/WrenchStamped`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .topic_sensor import TopicSensor
+
+
+class WrenchTopic(TopicSensor):
+    """Force of the surroundings on the hand, without the weight of the hand: the mean of a period."""
+
+    KIND = "geometry_msgs/WrenchStamped"
+
+    def force(self) -> FloatArray:
+        """Return the force (3,) in [N], in the hand frame; raises `StaleSensor` without a fresh message."""
+        self.check_fresh()
+        force: FloatArray = self._mean.copy()
+        return force
+
+    @override
+    def _wrong(self, message: Any) -> str:
+        return "" if all(map(math.isfinite, _force(message))) else "its force is not finite"
+
+    @override
+    def _read(self, messages: list[Any]) -> None:
+        self._mean = np.mean([_force(each) for each in messages], axis=0)
+
+
+def _force(message: Any) -> tuple[float, float, float]:
+    force = message.wrench.force
+    return float(force.x), float(force.y), float(force.z)

@@ -1,0 +1,101 @@
+"""The same robot through the middleware: a bench in another process. Runs where rclpy is installed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from handcart.backends.backend import RobotFault
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
+
+pytest.importorskip("rclpy", reason="rclpy is not installed; needed: the extra ros2, apart")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),  # of a parser that rclpy imports
+]
+DOMAIN = str(100 + os.getpid() % 100)
+
+
+@pytest.fixture(autouse=True)
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep this test's topics on this machine, and apart from those of others."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", DOMAIN)
+    monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
+
+
+@pytest.fixture
+def bench() -> Iterator[subprocess.Popen[str]]:
+    """Run the cart's drivers in another process."""
+    words = [sys.executable, "-m", "handcart", "bench", "cart", "--ros2", "--seconds", "90"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        assert process.stdout is not None
+        assert "topics of /" in process.stdout.readline()
+        yield process
+        process.kill()
+
+
+def patient_backend() -> RosBackend:
+    """Return the cart by topics, on a machine that may be busy."""
+    robot = load_robot("cart")
+    spec = RosSpec(first_message_s=30.0, max_late_ms=1000.0, same_clock=True)
+    return RosBackend(robot.model_copy(update={"ros2": spec}).read_in(robot.folder))
+
+
+def test_it_drives_and_reads_through_the_middleware(bench: subprocess.Popen[str]) -> None:
+    with patient_backend() as backend:
+        base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
+        assert base is not None and lidar is not None
+        for _ in range(40):
+            base.drive(0.2, 0.0)
+            backend.step()
+        assert len(lidar.scan().ranges) == 360
+        travel = base.wheel_travel()
+        assert 0.15 < travel.left < 0.5
+        assert backend.figures()["loop"]["periods"] == 40
+
+
+def test_a_bench_that_is_killed_stops_the_run(bench: subprocess.Popen[str]) -> None:
+    with patient_backend() as backend:
+        base = backend.get(Base)  # type: ignore[type-abstract]
+        assert base is not None
+        backend.step()
+        bench.send_signal(signal.SIGKILL)
+        killed = time.monotonic()
+        with pytest.raises(RobotFault, match=r"odom"):
+            while time.monotonic() - killed < 10.0:
+                base.drive(0.1, 0.0)
+                backend.step()
+        assert time.monotonic() - killed < 3.0
+
+
+def test_nobody_on_the_air_is_told_with_all_topics() -> None:
+    robot = load_robot("cart")
+    spec = RosSpec(first_message_s=1.0)
+    with pytest.raises(NotOnTheAir) as told:
+        RosBackend(robot.model_copy(update={"ros2": spec}).read_in(robot.folder))
+    for words in ("(odom): nobody publishes it", "(scan): nobody publishes it", "cmd_vel: nobody listens"):
+        assert words in str(told.value)
+
+
+def test_a_second_master_is_named_before_anything_moves(bench: subprocess.Popen[str]) -> None:
+    from handcart.backends.ros2.wire.ros_link import RosLink
+
+    other = RosLink("teleop")
+    other.publisher("geometry_msgs/Twist", "cmd_vel")
+    try:
+        with pytest.raises(NotOnTheAir, match=r"cmd_vel: 2 nodes publish it .*teleop"):
+            patient_backend()
+    finally:
+        other.close()

@@ -1,0 +1,211 @@
+"""A robot by topics: commands arrive, readings come back, and it never drives blind."""
+
+import math
+
+import numpy as np
+import pytest
+
+from handcart.backends.backend import CommandError, RobotFault
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, DriveCommand
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault
+
+from .conftest import Make
+
+
+def drive(backend: RosBackend, seconds: float, speed: float = 0.2, turn: float = 0.0) -> None:
+    """Drive for some seconds."""
+    base = backend.get(Base)  # type: ignore[type-abstract]
+    assert base is not None
+    for _ in range(round(seconds / backend.period)):
+        base.drive(speed, turn)
+        backend.step()
+
+
+def speed_of(backend: RosBackend) -> float:
+    """Return how far the true base moves in the next period, in [m/s]."""
+    assert backend.bench is not None
+    before = backend.true_base()
+    backend.bench.step()
+    after = backend.true_base()
+    assert before is not None and after is not None
+    return after.distance(before) / backend.period
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, -0.4])
+def test_travel_is_that_of_the_simulated_wheels(make: Make, turn: float) -> None:
+    with make() as backend:
+        drive(backend, 2.0, 0.2, turn)
+        drive(backend, 0.1, 0.0)
+        travel = backend.get(Base).wheel_travel()  # type: ignore[type-abstract,union-attr]
+        inner = backend.inner.get(Base).wheel_travel()  # type: ignore[type-abstract,union-attr]
+        assert travel.left == pytest.approx(inner.left, abs=1e-6)
+        assert travel.right == pytest.approx(inner.right, abs=1e-6)
+        assert travel.left + travel.right == pytest.approx(0.8, abs=0.02)
+
+
+def test_a_command_lives_one_period(make: Make) -> None:
+    with make() as backend:
+        drive(backend, 1.0)
+        for _ in range(40):  # ramps end
+            backend.step()
+        assert speed_of(backend) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["TwistStamped", "Twist"])
+def test_both_kinds_of_speeds_are_sent(make: Make, name: str) -> None:
+    with make(velocity={"type": name}) as backend:
+        drive(backend, 1.0)
+        assert speed_of(backend) == pytest.approx(0.2, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        {},
+        {"type": "Float64MultiArray"},
+        {
+            "controllers": {
+                "lift": ("joint_1", "joint_2"),
+                "rest": ("joint_6", "joint_5", "joint_4", "joint_3"),
+            }
+        },
+    ],
+)
+def test_an_arm_follows_by_its_controllers(make: Make, arm: dict[str, object]) -> None:
+    with make(arm=arm, names={"joint_2": "shoulder_lift"}, reversed=("joint_3",)) as backend:
+        joints = backend.get(Arm)  # type: ignore[type-abstract]
+        inner = backend.inner.get(Arm)  # type: ignore[type-abstract,union-attr]
+        assert joints is not None and inner is not None
+        begun = joints.joints()
+        for step in range(1, 21):
+            joints.move(begun + 0.01 * step * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]))
+            backend.step()
+        backend.step()
+        assert inner.command() - begun == pytest.approx(0.2 * np.array([1, -1, 1, -1, 1, -1]), abs=1e-3)
+        assert joints.joints() == pytest.approx(inner.joints(), abs=1e-9)
+
+
+def test_fingers_press_on_each_other_when_closed(make: Make) -> None:
+    with make() as backend:
+        gripper = backend.get(Gripper)  # type: ignore[type-abstract]
+        assert gripper is not None
+        for width, pressing in ((0.05, False), (0.0, True)):
+            gripper.move(width)
+            for _ in range(60):
+                backend.step()
+            assert gripper.width() == pytest.approx(width, abs=2e-3)
+            assert gripper.closed_on_something() is pressing
+
+
+def test_force_at_the_hand_comes_from_efforts(make: Make) -> None:
+    with make(ideal=True) as backend:
+        arm, inner = backend.get(Arm), backend.inner  # type: ignore[type-abstract]
+        assert arm is not None
+        backend.step()
+        for force in ([0.0, 0.0, 0.0], [-20.0, 3.0, 8.0]):
+            inner.scene.hand_force = np.array(force)  # type: ignore[union-attr]
+            inner._arm._settled = True  # type: ignore[union-attr]  # what touches stays as it is
+            backend.step()
+            assert arm.hand_force() == pytest.approx(force, abs=0.5)
+
+
+def test_scans_and_pictures_are_those_of_the_simulation(make: Make) -> None:
+    with make() as backend:
+        backend.step()
+        scan = backend.get(RangeSensor).scan()  # type: ignore[type-abstract,union-attr]
+        inner = backend.inner.get(RangeSensor).scan()  # type: ignore[type-abstract,union-attr]
+        assert scan.ranges == pytest.approx(inner.ranges, rel=1e-6)
+        assert scan.angles == pytest.approx(inner.angles)
+        picture = backend.get(Camera).image()  # type: ignore[type-abstract,union-attr]
+        assert np.array_equal(picture, backend.inner.get(Camera).image())  # type: ignore[type-abstract,union-attr]
+
+
+@pytest.mark.parametrize("fault", ["silent", "frozen", "delayed", "old-stamps", "nan", "wrong-frame"])
+@pytest.mark.parametrize("topic", ["odom", "joint_states"])
+def test_a_topic_that_lies_stops_the_robot(make: Make, fault: str, topic: str) -> None:
+    odometry = {"topic": "odom", "frame": "odom"}
+    joints = {"topic": "joint_states", "frame": ""}
+    with make(faults=(f"{fault}@{topic}@0.5",), odometry=odometry, joint_states=joints) as backend:
+        with pytest.raises(RobotFault, match=topic):
+            drive(backend, 3.0)
+        assert backend.bench is not None
+        backend.bench.step()
+        assert backend.bench.speeds == DriveCommand()  # told at once, not forgotten after a while
+        for _ in range(40):
+            backend.bench.step()
+        assert speed_of(backend) == pytest.approx(0.0, abs=1e-6)
+        with pytest.raises(RosFault, match=topic):
+            backend.step()
+
+
+@pytest.mark.parametrize("fault", ["silent", "frozen", "delayed", "old-stamps", "nan"])
+def test_a_lidar_that_lies_gives_no_scan(make: Make, fault: str) -> None:
+    with make(faults=(f"{fault}@scan@0.5",)) as backend:
+        drive(backend, 2.0)
+        with pytest.raises(RobotFault, match=r"the lidar \(scan\)"):
+            backend.get(RangeSensor).scan()  # type: ignore[type-abstract,union-attr]
+
+
+@pytest.mark.parametrize("fault", ["doubled", "swapped"])
+def test_messages_in_a_wrong_order_are_dropped_and_counted(make: Make, fault: str) -> None:
+    with make(faults=(f"{fault}@odom@0.0",)) as backend:
+        drive(backend, 2.0)
+        drive(backend, 0.2, 0.0)
+        travel = backend.get(Base).wheel_travel()  # type: ignore[type-abstract,union-attr]
+        assert travel.left == pytest.approx(0.4, abs=0.04)
+        assert backend.figures()["rejected_messages"]["odom"] >= 10
+
+
+def test_odometry_that_jumps_stops_the_robot(make: Make) -> None:
+    with make() as backend:
+        drive(backend, 0.5)
+        odometry = backend.bench._drivers._wheels  # type: ignore[union-attr]
+        odometry.pose = odometry.pose._replace(x=odometry.pose.x + 3.0)
+        with pytest.raises(RosFault, match=r"odometry \(odom\) jumps by 3\.0"):
+            backend.step()
+
+
+def test_a_second_master_under_way_stops_the_robot(make: Make) -> None:
+    from handcart.backends.ros2.bench.local_air import LocalLink
+
+    with make() as backend:
+        drive(backend, 0.5)
+        LocalLink(backend.bench.air, "teleop").publisher("geometry_msgs/Twist", "cmd_vel")  # type: ignore[union-attr]
+        with pytest.raises(RosFault, match=r"cmd_vel: 2 nodes publish it .*teleop"):
+            drive(backend, 2.0)
+
+
+def test_drivers_that_are_gone_stop_the_robot(make: Make) -> None:
+    with make() as backend:
+        drive(backend, 0.5)
+        backend.bench.air.listeners["cmd_vel"].clear()  # type: ignore[union-attr]
+        with pytest.raises(RosFault, match="nobody listens to cmd_vel any more"):
+            drive(backend, 2.0)
+
+
+def test_all_that_is_missing_is_told_at_once(make: Make) -> None:
+    with pytest.raises(NotOnTheAir) as told:
+        make(faults=("silent@odom@0", "nan@scan@0"), names={"joint_4": "joint_four"}, first_message_s=0.2)
+    assert "the odometry (odom): /bench (nav_msgs/Odometry) publishes it, but no message" in str(told.value)
+    assert "its angles are not finite" in str(told.value)
+
+
+def test_a_joint_that_nobody_names_is_told_with_the_nearest(make: Make) -> None:
+    with make() as backend:
+        states = backend._topics.states
+        assert states is not None
+        states.expect(["joint_1", "joint_5x"], [1.0, 1.0])
+        backend.step()
+        assert "joint_states: no message has the joint 'joint_5x'" in states.missing
+        assert "joint_5" in states.missing.partition("'joint_5x'")[2]
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf, 50.0])
+def test_no_senseless_speed_is_sent(make: Make, speed: float) -> None:
+    with make() as backend, pytest.raises(CommandError):
+        backend.get(Base).drive(speed, 0.0)  # type: ignore[type-abstract,union-attr]

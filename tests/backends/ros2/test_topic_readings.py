@@ -1,0 +1,105 @@
+"""Readings of drivers that count otherwise than the robot's file."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.description.ros_spec import RosTopicSpec
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.bench.local_messages import new_message
+from handcart.backends.ros2.joint_states import JointStates
+from handcart.backends.ros2.ros_camera import TO_GREY, grey_picture
+from handcart.backends.ros2.ros_lidar import RosLidar
+
+
+class Time:
+    """A clock that the test sets."""
+
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def lidar_of(time: Time) -> RosLidar:
+    """Return the cart's lidar, behind a topic."""
+    spec = load_robot("cart").range_sensor
+    assert spec is not None
+    lidar = RosLidar("the lidar", RosTopicSpec(topic="scan"), time, time)
+    lidar.fit(spec, np.eye(4))
+    return lidar
+
+
+def scan_at(time: float, count: int = 360, start: float = -np.pi, step: float = 2 * np.pi / 360) -> Any:
+    """Return a scan whose ranges are 1.00 m, 1.01 m, and so on."""
+    scan = new_message("sensor_msgs/LaserScan")
+    scan.header.stamp = SimpleNamespace(sec=int(time), nanosec=round(1e9 * (time % 1.0)))
+    scan.angle_min, scan.angle_increment = start, step
+    scan.ranges = [1.0 + 0.01 * each for each in range(count)]
+    return scan
+
+
+def test_a_lidar_that_counts_clockwise_is_turned_round() -> None:
+    time = Time()
+    lidar = lidar_of(time)
+    step = 2 * np.pi / 360
+    lidar.heard(scan_at(100.0, start=np.pi - step, step=-step))
+    lidar.advance()
+    assert lidar.scan().ranges[-1] == pytest.approx(1.0)
+    assert lidar.scan().angles[0] == pytest.approx(-np.pi)
+
+
+@pytest.mark.parametrize(
+    ("scan", "words"),
+    [
+        (scan_at(100.0, 359), "359 beams; the robot's file says 360"),
+        (scan_at(100.0, start=-3.0), "its beams are at -171.9 to 187.1 deg"),
+        (scan_at(40.0), "its stamp is 60 s old; allowed: 0.3 s"),
+        (scan_at(130.0), "its stamp is 30 s in the future"),
+    ],
+)
+def test_a_scan_unlike_the_file_is_refused_with_its_reason(scan: Any, words: str) -> None:
+    lidar = lidar_of(Time())
+    lidar.heard(scan)
+    lidar.advance()
+    assert lidar.age is None
+    assert words in lidar.doubt
+
+
+def test_a_reading_is_one_of_now_until_it_is_stale() -> None:
+    time = Time()
+    lidar = lidar_of(time)
+    lidar.heard(scan_at(100.0))
+    for later, fresh in ((0.0, True), (0.29, True), (0.31, False)):
+        time.now = 100.0 + later
+        lidar.advance()
+        assert (lidar.age is not None and lidar.age <= 0.3) is fresh
+
+
+def test_joints_of_several_publishers_are_put_together() -> None:
+    time = Time()
+    states = JointStates("the joints", RosTopicSpec(topic="joint_states"), time, time)
+    states.expect(["lift", "wrist"], [1.0, -1.0])
+    for number, (name, position) in enumerate((("lift", 0.2), ("wrist", 0.3), ("head", 9.0))):
+        message = new_message("sensor_msgs/JointState")
+        message.header.stamp = SimpleNamespace(sec=100, nanosec=number)
+        message.name, message.position = [name], [position]
+        states.heard(message)
+    states.advance()
+    assert states.positions(["wrist", "lift"]).tolist() == [-0.3, 0.2]
+    assert np.isnan(states.efforts(["lift"])).all()
+
+
+@pytest.mark.parametrize("encoding", TO_GREY)
+def test_a_picture_of_each_encoding_becomes_grey(encoding: str) -> None:
+    channels = TO_GREY[encoding][0]
+    message = new_message("sensor_msgs/Image")
+    message.height, message.width, message.encoding = 2, 3, encoding
+    message.step = 3 * channels + 5  # rows are padded
+    row = [200] * (3 * channels) + [7] * 5
+    message.data = bytes(row * 2)
+    grey = grey_picture(message)
+    assert grey.shape == (2, 3)
+    assert np.abs(grey.astype(int) - 200).max() <= 1

@@ -1,0 +1,84 @@
+"""`handcart bench --ros2`: a simulated robot behind topics, as a process of its own."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from handcart.backends.backend import Backend
+    from handcart.backends.description.robot_file import RobotFile
+
+
+class RosBenchOptions(NamedTuple):
+    """What is simulated, and for how long."""
+
+    robot: str
+    """Name or path of the robot; that of the task where one is given."""
+    backend: str
+    """Name of the simulated backend."""
+    world: Path | None
+    task: Path | None
+    """A task, for its robot, world and start."""
+    seed: int
+    faults: tuple[str, ...]
+    """Each KIND@TOPIC@SECONDS."""
+    seconds: float | None
+    """Duration in [s]; None: until Ctrl-C."""
+
+
+def serve_topics(options: RosBenchOptions) -> None:
+    """Serve the topics of a simulated robot in real time.
+
+    Raises:
+        InputError: no such robot, backend, world or fault.
+        NoRos: rclpy is not installed.
+    """
+    from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
+    from handcart.backends.ros2.bench.ros_bench import RosBench
+    from handcart.backends.ros2.wire.ros_errors import NoTopics
+    from handcart.backends.ros2.wire.ros_link import RosLink, node_name
+    from handcart.tools.terminal.asked_to_end import AskedToEnd
+
+    planned = tuple(map(TopicFault.read, options.faults))
+    spec, inner = _simulated(options)
+    if spec.ros2 is None:
+        inner.close()
+        raise NoTopics()
+    link = RosLink(node_name("bench"), spec.ros2.namespace, spec.ros2.domain)
+    bench = RosBench(spec, spec.ros2, inner, link, BenchFaults(spec.period_s, planned))
+    over = AskedToEnd()
+    begun = due = time.monotonic()
+    print(f"topics of {spec.ros2.namespace or '/'}, simulated by {options.backend}; Ctrl-C ends", flush=True)
+    try:
+        while not over and not (options.seconds is not None and due - begun >= options.seconds):
+            bench.step()
+            due = max(due + spec.period_s, time.monotonic() - spec.period_s)
+            time.sleep(max(0.0, due - time.monotonic()))
+    finally:
+        bench.close()
+
+
+def list_topic_faults() -> None:
+    """Print the faults that a bench of topics can have."""
+    from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS
+
+    for name, words in FAULT_KINDS.items():
+        print(f"{name:<12} {words}")
+
+
+def _simulated(options: RosBenchOptions) -> tuple[RobotFile, Backend]:
+    """Return the robot's file and the simulated robot."""
+    from handcart.backends.loading.robot_loading import load_robot
+    from handcart.backends.registry import make_backend
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+    from handcart.networks.task.preparing import prepare
+    from handcart.tasks.task_names import task_path
+
+    if options.task is not None:
+        prepared = prepare(task_path(options.task), options.backend, {}, options.seed)
+        return prepared.robot.spec, prepared.backend
+    spec = load_robot(options.robot)
+    world = options.world or LIBRARY_FOLDER / "world.yaml"
+    return spec, make_backend(options.backend, spec, world, options.seed)
