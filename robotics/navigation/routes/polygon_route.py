@@ -45,13 +45,14 @@ def polygon_routing(
     It is looked for in steps of about one graph each.
 
     A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
-    otherwise. Where the polygon passes neither way, nor straight through the middle of the narrow place, the
-    spot is closed and another route is looked for.
+    otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.
+    Where none is found, the polygon is led straight through the middle of narrow places.
     """
-    for off in CELL_CENTRES:
-        route = yield from _routing_with(grid, shape, start, goal, settings, off)
-        if route is not None:
-            return route
+    for may_be_tight in (False, True):
+        for off in CELL_CENTRES:
+            route = yield from _routing_with(grid, shape, start, goal, settings, (off, may_be_tight))
+            if route is not None:
+                return route
     return None
 
 
@@ -61,12 +62,14 @@ def _routing_with(
     start: tuple[float, float],
     goal: tuple[float, float],
     settings: RouteSettings,
-    off: float,
+    cells: tuple[float, bool],
 ) -> Generator[None, None, Route | None]:
-    """Return a route on a graph whose cells may be `off` cells off the middle of a gap."""
+    """Return a route; `cells`: how far those of its graph may be off a middle, and whether narrow
+    places are passed straight through their middle.
+    """
     for _ in range(MAX_TRIES):
         try:
-            need = shape.inscribed + settings.room - off * grid.resolution
+            need = shape.inscribed + settings.room - cells[0] * grid.resolution
             graph = voronoi_graph(grid, need, seed_point=start)
         except ValueError:
             return None
@@ -82,7 +85,7 @@ def _routing_with(
             yield
         assert route is not None
         assert spot is not None
-        straight = _straight_route(graph, shape, route, spot, settings.room)
+        straight = _straight_route(graph, shape, route, spot, settings.room) if cells[1] else None
         if straight is not None:
             return straight
         grid = grid.with_points(spot[None])
