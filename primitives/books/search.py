@@ -26,6 +26,7 @@ from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.geometry.transform import Transform, transform
@@ -263,8 +264,7 @@ class Search(ActionPrimitive):
         if isinstance(found, NoGap):
             self._decided_by(found)
             read = Measured("Camera", found.what, found.value, found.limit, found.unit)
-            cause = causes.NOT_SEEN if found.is_unread else book_causes.NO_SLOT
-            raise Discrepancy(found.reason, permanent=True, measured=read, cause=cause)
+            raise Discrepancy(found.reason, permanent=True, measured=read, cause=_cause_of(found))
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
@@ -325,3 +325,8 @@ def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> floa
         return None
     right, last = known[-1]
     return right if no_gap or last == read[-1] else None
+
+
+def _cause_of(gap: NoGap) -> CauseKind:
+    """Return why no gap was found: something could not be read, or there is none."""
+    return causes.NOT_SEEN if gap.is_unread else book_causes.NO_SLOT

@@ -72,10 +72,9 @@ class Localization(ABC):
         """People around the base."""
         self._map_field: LikelihoodField | None = None
         """Field of the given map; None if no scan is compared with a map."""
+        self._people_before = False
         self.lifted: Lost | None = None
-        """Evidence that the base was lifted and set down elsewhere; None if it was not, or is located
-        since.
-        """
+        """Evidence that the base was lifted and set down elsewhere; None before, and since it is located."""
         self._scan_jump = ScanJump()
         self.local_map: LocalMap | None = None
         """Map drawn since the pose on the given map is unknown; None while that pose is known."""
@@ -288,10 +287,11 @@ class Localization(ABC):
             return
         self._scan_jump.roll(left, right, self._wheels.odometry.tread, sideways)
         rests = self.still > 0
-        if (rests and self.still % LOOK_AGAIN != 0) or lidar.silence:
+        if lidar.silence or (rests and self.still % LOOK_AGAIN != 0):
             return
-        jumped = self._scan_jump.take(beams_of(lidar), rests)
-        if jumped and not self.crowd.is_near:  # people change scans at once, too; the map still tells
+        if not self._scan_jump.is_doubtful:  # people change scans, too; and another place seems full of them
+            self._people_before = self.crowd.is_near
+        if self._scan_jump.take(beams_of(lidar), rests) and not self._people_before:
             self.lifted = lifted_by(self._scan_jump.share)
             self._displaced()
 

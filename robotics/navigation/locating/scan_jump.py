@@ -40,6 +40,11 @@ class ScanJump:
         step = Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
         self._moved = self._moved.compose(step)
 
+    @property
+    def is_doubtful(self) -> bool:
+        """True if the last scans have changed, not yet often enough to tell that the base was lifted."""
+        return self._changes > 0
+
     def take(self, beams: ScanBeams, at_rest: bool) -> bool:
         """Return whether the base must have been lifted, by this scan and the previous ones.
 
