@@ -20,6 +20,7 @@ LOOK_TOLERANCE_MM, LOOK_TOLERANCE_DEG = 3.0, 0.3  # beside the claimed uncertain
 SPOT_MM = 30.0  # fixed limit of an object from its spot: PLACE's own limit, and the base's pose
 HEIGHT_MM = 6.0  # of a foot over the surface
 UPRIGHT_DEG = 3.0
+POSTURE_DEG, POSTURE_MM = 1.0, 5.0  # of a joint from its posture
 OUTLINE_MM = 10.0  # that the hand may be outside of the robot's outline
 
 
@@ -97,10 +98,24 @@ def _stowed(survey: Survey, _: Claim) -> list[str]:
     return at_most("the hand is {:.1f} mm outside of the robot's outline", away, OUTLINE_MM, OUTLINE_MM)
 
 
+def _in_posture(survey: Survey, claim: Claim) -> list[str]:
+    """Check that the true joints are those of the posture."""
+    scene = survey.run.world
+    off = np.abs(scene.joints - np.array(scene.robot.posture(claim.primitive.posture)))
+    slides = np.array(scene.robot.joint_units.slides, dtype=np.bool_)
+    turned = math.degrees(float(off[~slides].max(initial=0.0)))
+    slid = 1e3 * float(off[slides].max(initial=0.0))
+    return [
+        *at_most("a joint is {:.1f} deg from the posture", turned, POSTURE_DEG, POSTURE_DEG),
+        *at_most("a sliding joint is {:.1f} mm from the posture", slid, POSTURE_MM, POSTURE_MM),
+    ]
+
+
 OBJECT_EFFECTS: Mapping[str, Effect] = {
     "LOOK_FOR": _found,
     "PICK": _picked,
     "PLACE": _placed,
     "STOW": _stowed,
+    "MOVE_ARM": _in_posture,
 }
 """Effects by the primitive's name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from handcart.evaluation.conformance.kit import KitSetting
@@ -12,6 +13,7 @@ from handcart.evaluation.objects.object_survey import ObjectSurvey
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.objects.look_for import LookFor
+from handcart.primitives.objects.move_arm import MoveArm
 from handcart.primitives.objects.objects import HeldObject, Objects, ObjectSighting
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject
@@ -104,3 +106,12 @@ def test_object_on_the_floor_contradicts_the_run() -> None:
 def test_faulty_primitive_is_found(name: str) -> None:
     mutant = next(each for each in OBJECT_MUTANTS if each.name == name)
     assert mutant.look(KitSetting("kinematic", "librarian").bench) != []
+
+
+@pytest.mark.parametrize(("off_deg", "count"), [(0.0, 0), (0.5, 0), (1.5, 1)])
+def test_an_arm_is_held_against_its_posture(off_deg: float, count: int) -> None:
+    rig = rig_with()
+    joints = np.array(rig.robot.spec.posture("home"))
+    joints[2] += np.radians(off_deg)
+    scene_of(rig).joints = joints
+    assert len(wrong_in(rig, MoveArm(posture="home"))) == count
