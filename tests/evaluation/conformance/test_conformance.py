@@ -282,8 +282,9 @@ def test_a_shipped_task_for_real() -> None:
     report = run_kit(KitSetting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
     assert report.ok
     assert sorted(words for each in report.tasks for words in each.measured) == [
-        "kinematic: Success 2 of 2",
+        "kinematic: Success 3 of 3",
         "kinematic: Success in arrived",
+        "kinematic: Success in drawn",
     ]
 
 

@@ -54,6 +54,7 @@ def figures(rig: Rig, made: Explore) -> MapFigures:
     return compare_with_world(run, made.evidence.maps["explored"], made.radius_m)
 
 
+@pytest.mark.slow
 def test_explore_goes_through_a_door_and_maps_both_rooms(tmp_path: Path) -> None:
     with build_rig(world(tmp_path, TWO_ROOMS), robot="cart") as rig:
         made = Explore()
@@ -77,6 +78,7 @@ def test_explore_leaves_what_is_beyond_its_radius(tmp_path: Path) -> None:
         assert "beyond radius_m" in str(made.facts["unknown_border"])
 
 
+@pytest.mark.slow
 def test_explore_without_way_left_comes_back(tmp_path: Path) -> None:
     with build_rig(world(tmp_path, TWO_ROOMS), robot="cart") as rig:
         begun, made = truth_of(rig), Explore(longest_m=1.0)

@@ -124,6 +124,7 @@ def test_a_blocked_lidar_is_said_and_is_no_obstacle(
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 def test_where_walls_are_beyond_the_reach_silence_is_no_fault(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(lidar={"reach_m": 1.2}, localizer="odometry")
     ended = rig.run(MoveTo(place="shelf_1"))

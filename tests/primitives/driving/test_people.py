@@ -94,6 +94,7 @@ def test_crowd_that_never_ends_is_a_fail_within_the_wait(make_rig: Callable[...,
     assert found.by_robot == 0
 
 
+@pytest.mark.slow
 def test_person_from_behind_while_restoring_is_let_pass(make_rig: Callable[..., Rig]) -> None:
     """K18: the base stands until the person has gone on, and is restored after."""
     walk = "name: anna, waypoints_m: [[1.0, 5.2], [1.0, 3.4], [4.4, 0.9]], starts_s: 8, speed_m_s: 0.8"

@@ -64,6 +64,7 @@ def test_object_off_its_believed_place_is_found() -> None:
     assert 0.001 < math.sqrt(seen.covariance[0][0]) < 0.01
 
 
+@pytest.mark.slow
 def test_missing_object_fails_with_what_was_seen_instead(tmp_path: Path) -> None:
     world = changed(tmp_path, "world.yaml", ("id: 7", "id: 9"))
     rig = at_table_a(world=world)
