@@ -283,7 +283,6 @@ def test_a_shipped_task_for_real() -> None:
     assert report.ok
     assert sorted(words for each in report.tasks for words in each.measured) == [
         "kinematic: Success 3 of 3",
-        "kinematic: Success in arrived",
         "kinematic: Success in drawn",
     ]
 
