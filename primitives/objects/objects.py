@@ -95,7 +95,7 @@ class Objects(Section):
                 if surface.place not in places:
                     words = f"unknown place {surface.place!r}{suggest(surface.place, places)}"
                     yield self.listed.finding(("surfaces", name, "place"), words)
-            elif robot.arm is not None:
+            elif robot.arm is not None and robot.gripper is not None:
                 try:
                     found[name] = standing_place(robot, grid, self.objects, name, tuple(places.values()))
                 except NoStandingPlace as reason:

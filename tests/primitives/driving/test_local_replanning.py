@@ -89,22 +89,28 @@ def test_route_changes_while_driving_before_anything_holds_the_base(make_rig: Ca
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig], seed: int) -> None:
-    """15 % of slip, 5 % of tread: the drive turns hardly more often than with good wheels."""
+    """15 % of slip, 5 % of tread: the drive turns hardly more often than with good wheels.
+
+    Until it is there: such wheels take up to four corrections to stand within 4 mm before a shelf.
+    """
     found = {}
     for name, errors in (("good", {}), ("bad", {"slip_percent": 15.0, "tread_percent": 5.0})):
         rig = make_rig(boxes((4.3, 1.9)), seed=seed, errors=errors)
         turns: list[float] = []
+        driven: list[float] = []
 
-        def watch(rig: Rig = rig, turns: list[float] = turns) -> bool:
+        def watch(rig: Rig = rig, turns: list[float] = turns, driven: list[float] = driven) -> bool:
             rate = rig.robot.driven[1]
-            if abs(rate) > 0.15 and (not turns or rate * turns[-1] < 0.0):
-                turns.append(rate)
+            if rig.robot.pose.distance(rig.model.places["shelf_1"].pose) > 0.1:
+                driven.append(rig.robot.time)
+                if abs(rate) > 0.15 and (not turns or rate * turns[-1] < 0.0):
+                    turns.append(rate)
             return False
 
         outcome = rig.run(MoveTo(place="shelf_1"), cancel=watch)
         assert isinstance(outcome, Success) or (isinstance(outcome, Fail) and outcome.cause is not None)
         assert rig.scene.contacts == []
-        found[name] = (len(turns), rig.robot.time)
+        found[name] = (len(turns), driven[-1])
     assert found["bad"][0] <= found["good"][0] + 6
     assert found["bad"][1] < 1.3 * found["good"][1] + 2.0
 
