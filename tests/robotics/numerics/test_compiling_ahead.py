@@ -49,16 +49,17 @@ file_facts(Path("tasks/stack_blocks/task.yaml"), {})
 assert screw_table in known_first
 assert screw_table.dispatcher.signatures == [types_of(SCREW_TABLE_TYPES)]
 """
-DIES = f"""\
+DIES = """\
 import os, signal
 import numba
-import {NEAR}
 from handcart.robotics.numerics import compiling_ahead as ahead
 
 ahead._cores = lambda: 2
+ahead.COMPILED_AHEAD.clear()
+ahead.COMPILED_AHEAD["takes_a_minute"] = []
 with ahead.compiling_ahead():
     numba.njit(lambda x: x + 1.0)(1.0)
-    print(open(f"/proc/self/task/{{os.getpid()}}/children").read(), flush=True)
+    print(open(f"/proc/self/task/{os.getpid()}/children").read(), flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -83,17 +84,17 @@ def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc: a process's children aren't told")
 def test_helpers_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
-    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    (tmp_path / "takes_a_minute.py").write_text("import time\ntime.sleep(60.0)\n", encoding="utf-8")
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(tmp_path)}
     said = subprocess.run(
         [sys.executable, "-c", DIES], env=env, stdout=subprocess.PIPE, text=True, timeout=120, check=False
     )
     assert said.returncode == -signal.SIGKILL
     (helper,) = said.stdout.split()
-    until = time.monotonic() + 20.0
+    until = time.monotonic() + 30.0
     while _runs(int(helper)) and time.monotonic() < until:
         time.sleep(0.05)
     assert not _runs(int(helper))
-    assert not list(tmp_path.rglob("near_pairs*"))  # it didn't go on to its end
 
 
 def _runs(process: int) -> bool:
