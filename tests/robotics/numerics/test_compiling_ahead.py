@@ -71,6 +71,7 @@ def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
     assert said.stdout == "\n", "these are called with other types"
 
 
+@pytest.mark.slow
 def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:
     """It imports nothing from the folder that it stands in."""
     (tmp_path / "random.py").write_text("raise SystemExit\n", encoding="utf-8")
@@ -168,6 +169,7 @@ def _kernel() -> Any:
     return numba.njit(doubled)
 
 
+@pytest.mark.slow
 def test_a_check_knows_the_domains_kernels_before_the_map_s() -> None:
     """The arm's functions take longest: another core begins with them while the map is checked here."""
     subprocess.run([sys.executable, "-c", CHECKS], cwd=ROOT, check=True, timeout=120)

@@ -46,6 +46,7 @@ def test_a_hundred_thousand_are_told_with_how_far_they_may_be_trusted(
     assert len(facts["learned"]["halves"]) == 4
 
 
+@pytest.mark.slow
 def test_what_is_kept_is_what_is_counted(
     handcart: Callable[..., Said], recorded: Path, tmp_path: Path
 ) -> None:

@@ -79,6 +79,7 @@ def test_fails_of_probability_zero_are_not_followed(
     assert figures["p_unknown"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_network_that_is_too_large_has_an_interval(
     handcart: Callable[..., Said], task: Callable[..., Path]
 ) -> None:

@@ -41,6 +41,7 @@ def test_command_that_is_quick_says_nothing(
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_first_check_says_that_it_compiles(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "handcart", "check", "drive_map"]
     env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
