@@ -86,7 +86,8 @@ def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc: a process's children aren't told")
 def test_helpers_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
     (tmp_path / "takes_a_minute.py").write_text("import time\ntime.sleep(60.0)\n", encoding="utf-8")
-    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(tmp_path)}
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": path}
     said = subprocess.run(
         [sys.executable, "-c", DIES], env=env, stdout=subprocess.PIPE, text=True, timeout=120, check=False
     )
