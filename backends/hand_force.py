@@ -10,7 +10,9 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 _SINGULAR = 1e-3  # share of the largest singular value below which a direction isn't felt
 
 
-def force_by_efforts(model: ArmModel, joints: FloatArray, efforts: FloatArray, told: BoolArray) -> FloatArray:
+def force_by_efforts(
+    model: ArmModel, joints: FloatArray, efforts: FloatArray, known: BoolArray
+) -> FloatArray:
     """Return the force of the surroundings on the hand, (3,) in [N], in the hand frame.
 
     The arm's own weight by the URDF is subtracted; that of a held object stays in the force.
@@ -19,13 +21,13 @@ def force_by_efforts(model: ArmModel, joints: FloatArray, efforts: FloatArray, t
         model: of the arm.
         joints: (n,) in [rad] or [m].
         efforts: (n,) of the joints' motors, in [Nm] or [N].
-        told: (n,) True for the joints whose efforts are known; without any, the force is zero.
+        known: (n,) True for the joints whose efforts are known; without any, the force is zero.
     """
-    if not told.any():
+    if not known.any():
         return np.zeros(3)
-    outside = (model.gravity_torque(joints) - efforts)[told]
+    outside = (model.gravity_torque(joints) - efforts)[known]
     # J^T w = efforts, w force and moment at the hand; of these the force is asked for.
-    wrench, *_ = np.linalg.lstsq(model.jacobian(joints).T[told], outside, rcond=_SINGULAR)
+    wrench, *_ = np.linalg.lstsq(model.jacobian(joints).T[known], outside, rcond=_SINGULAR)
     force: FloatArray = model.forward(joints)[:3, :3].T @ wrench[:3]
     return force
 

@@ -65,9 +65,9 @@ class CanArm(Arm):
 
     @override
     def hand_force(self) -> FloatArray:
-        told = np.array([joint.tells_torque for joint in self._joints], dtype=np.bool_)
+        known = np.array([joint.tells_torque for joint in self._joints], dtype=np.bool_)
         measured = np.array([joint.torque for joint in self._joints]) * self._rated
-        return force_by_efforts(self._model, self.joints(), measured, told)
+        return force_by_efforts(self._model, self.joints(), measured, known)
 
     def halt(self) -> None:
         """Forget a command that hasn't been sent; hold."""

@@ -20,7 +20,7 @@ from handcart.robotics.numerics.arrays import ByteArray
 
 from .bench.local_bench import LocalBench
 from .on_the_air import await_robot, other_masters
-from .ros_topics import RosTopics, capabilities_of
+from .ros_topics import RosTopics, capabilities_of, check_joints
 
 MASTERS_PERIOD_S = 1.0
 """[s] between two looks for other nodes that command the robot."""
@@ -57,12 +57,14 @@ class RosBackend(Backend):
 
         Raises:
             NoTopics: the robot's file has no section `ros2`.
+            UnknownJoints: the section names joints that the arm lacks, or leaves some out.
             NoRos: rclpy is not installed.
             NotOnTheAir: topics are missing, or are not what the file says.
         """
         if robot.ros2 is None:
             raise NoTopics()
         spec = robot.ros2
+        check_joints(robot, spec)
         self.period = robot.period_s
         self.address = f"ros2 {spec.namespace or '/'}{'' if spec.domain is None else f' {spec.domain}'}"
         self._closed, self._begun = False, False
@@ -98,6 +100,7 @@ class RosBackend(Backend):
     ) -> RosBackend:
         if robot.ros2 is None:
             raise NoTopics()
+        check_joints(robot, robot.ros2)
         inner = bench.build(robot, world, seed)
         backend = cls(robot, LocalBench(robot, robot.ros2, inner))
         backend.remarks = inner.remarks
@@ -108,6 +111,7 @@ class RosBackend(Backend):
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
         if robot.ros2 is None:
             raise NoTopics()
+        check_joints(robot, robot.ros2)
         return capabilities_of(robot)
 
     @override

@@ -17,6 +17,7 @@ from handcart.backends.description.ros_spec import RosSpec, RosTopicSpec
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.backends.ros2.wire.messages import joint_message, message_kind, velocity_message
 from handcart.backends.ros2.wire.ros_link import Link, Take
+from handcart.files.suggest import suggest
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .joint_states import JointStates
@@ -27,6 +28,7 @@ from .ros_gripper import RosGripper
 from .ros_imu import RosImu
 from .ros_lidar import RosLidar
 from .topic_sensor import TopicSensor
+from .wire.ros_errors import UnknownJoints
 from .wrench_topic import WrenchTopic
 
 SensorT = TypeVar("SensorT", bound=TopicSensor)
@@ -162,6 +164,25 @@ class RosTopics:
     def _publish(self, kind: str, topic: str) -> None:
         self.commands[topic] = kind
         self._publishers[topic] = self._link.publisher(kind, topic)
+
+
+def check_joints(robot: RobotFile, spec: RosSpec) -> None:
+    """Raise `UnknownJoints` unless each joint of the arm, and no other one, has one controller."""
+    joints = () if robot.arm is None else robot.arm.joints
+    driven = [joint for each in spec.arm.joints_by_topic(joints).values() for joint in each]
+    named = {"arm: controllers": driven, "names": [*spec.names], "reversed": [*spec.reversed]}
+    wrong = [
+        f"ros2: {key}: the arm has no joint {joint!r}{suggest(joint, joints)}"
+        for key, each in named.items()
+        for joint in dict.fromkeys(each)
+        if joint not in joints
+    ]
+    for joint in joints:
+        count = driven.count(joint)
+        if count != 1:
+            wrong.append(f"ros2: arm: controllers: {count} of them have the joint {joint!r}; needed: one")
+    if wrong:
+        raise UnknownJoints(wrong)
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:

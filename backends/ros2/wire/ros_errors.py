@@ -3,6 +3,7 @@
     HandcartError
     ├── InputError
     │   ├── NoTopics            the robot's file has no section `ros2`
+    │   ├── UnknownJoints       the section names joints that the arm lacks, or leaves some out
     │   ├── NoRos               rclpy is not installed
     │   └── NotOnTheAir         topics are missing, or are not what the file says: nothing has moved
     └── RobotFault
@@ -24,6 +25,13 @@ class NoTopics(InputError):
 
     def __init__(self) -> None:
         super().__init__("the robot's file has no section 'ros2'; allowed: `ros2: {}` for the usual topics")
+
+
+class UnknownJoints(InputError):
+    """The section `ros2` names joints that the arm lacks, or has no controller for some of the arm's."""
+
+    def __init__(self, findings: Sequence[str]) -> None:
+        super().__init__("\n".join(findings))
 
 
 class NoRos(InputError):

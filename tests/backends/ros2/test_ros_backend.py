@@ -12,7 +12,7 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.ros2.ros_backend import RosBackend
-from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, UnknownJoints
 
 from .conftest import Make
 
@@ -203,6 +203,20 @@ def test_a_joint_that_nobody_names_is_told_with_the_nearest(make: Make) -> None:
         backend.step()
         assert "joint_states: no message has the joint 'joint_5x'" in states.missing
         assert "joint_5" in states.missing.partition("'joint_5x'")[2]
+
+
+def test_joints_that_the_arm_lacks_are_told_all_at_once(make: Make) -> None:
+    controllers = {"a": ("joint_1", "joint_2", "joint_2"), "b": ("jont_3", "joint_4", "joint_5", "joint_6")}
+    with pytest.raises(UnknownJoints) as error:
+        make(arm={"controllers": controllers}, names={"wrist": "x"}, reversed=("elbow",))
+    for words in (
+        "the arm has no joint 'jont_3'; did you mean 'joint_3'?",
+        "names: the arm has no joint 'wrist'",
+        "reversed: the arm has no joint 'elbow'",
+        "2 of them have the joint 'joint_2'",
+        "0 of them have the joint 'joint_3'",
+    ):
+        assert words in str(error.value)
 
 
 @pytest.mark.parametrize("speed", [math.nan, math.inf, 50.0])
