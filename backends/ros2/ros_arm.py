@@ -14,6 +14,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .joint_states import JointStates
+from .wire.ros_errors import NotOnTheAir
 from .wrench_topic import WrenchTopic
 
 
@@ -44,9 +45,24 @@ class RosArm(Arm):
     def begin(self) -> None:
         """Take the measured joints as the command, before anything is sent.
 
-        A joint that rests at its limit is often read slightly beyond it.
+        A joint that rests at its limit is often read slightly beyond it: by no more than its motion in one
+        period.
+
+        Raises:
+            NotOnTheAir: a joint is read farther beyond its limits.
         """
-        self._command = self._sent = self._model.clipped(self.joints())
+        measured = self.joints()
+        within = self._model.clipped(measured)
+        beyond = np.flatnonzero(np.abs(within - measured) > self._most)
+        if len(beyond):
+            raise NotOnTheAir(
+                [
+                    f"the joint {self._names[joint]!r} is read at {measured[joint]:.3g} rad or m, beyond its"
+                    f" limit {within[joint]:.3g}; is its sign (`reversed`) or its zero another one?"
+                    for joint in beyond
+                ]
+            )
+        self._command = self._sent = within
 
     @override
     def move(self, joints: FloatArray) -> None:

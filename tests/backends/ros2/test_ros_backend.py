@@ -5,12 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from handcart.backends.backend import CommandError, RobotFault
+from handcart.backends.backend import Backend, CommandError, RobotFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.ros2.bench.bench_faults import BenchFaults
+from handcart.backends.ros2.bench.local_bench import LocalBench
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, UnknownJoints
 
@@ -217,6 +221,17 @@ def test_joints_that_the_arm_lacks_are_told_all_at_once(make: Make) -> None:
         "0 of them have the joint 'joint_3'",
     ):
         assert words in str(error.value)
+
+
+def test_a_joint_read_beyond_its_limits_is_refused(monkeypatch: pytest.MonkeyPatch, make: Make) -> None:
+    """The bench has the sign that the file lacks: what both get wrong alike, neither would notice."""
+
+    def reversed_bench(robot: RobotFile, _: RosSpec, inner: Backend, faults: BenchFaults) -> LocalBench:
+        return LocalBench(robot, RosSpec(reversed=("joint_3",)), inner, faults)
+
+    monkeypatch.setattr("tests.backends.ros2.conftest.LocalBench", reversed_bench)
+    with pytest.raises(NotOnTheAir, match=r"'joint_3' is read at -2\.66 .* is its sign"):
+        make()
 
 
 @pytest.mark.parametrize("speed", [math.nan, math.inf, 50.0])
