@@ -12,6 +12,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
+_ANGLES = np.linspace(0.0, math.pi, 24, endpoint=False)
+EVEN_DIRECTIONS = np.vstack([np.cos(_ANGLES), np.sin(_ANGLES)])
+"""(2, 24) unit vectors in columns: with a shift, the worst direction is none of the principal axes."""
 MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
 
 
@@ -98,14 +101,16 @@ def undetermined(
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         need: limit of 3 sigma plus the distance from the wanted pose.
         off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
-        shift: (2,) largest error of the position on the map beyond the covariance, either way, in [m].
+        shift: (2,) largest error of the position on the map beyond the covariance, either way, in [m]. It is
+            a bias of unknown size, the same in all readings at one place, so it is added to 3 sigma.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
     axes, limits = need.axes(covariance)
     if need.across is None and (length := math.hypot(*shift.tolist())) > 0.0:
-        axes, limits = np.column_stack([axes, shift / length]), np.append(limits, need.position)
-    spread = np.hypot(DETERMINED_SIGMAS * sigmas_along(covariance, axes), shift @ axes)
+        axes = np.column_stack([axes, shift / length, EVEN_DIRECTIONS])
+        limits = np.full(axes.shape[1], need.position)
+    spread = DETERMINED_SIGMAS * sigmas_along(covariance, axes) + np.abs(shift @ axes)
     sizes = np.abs(np.array(off[:2]) @ axes) + spread
     worst = int(np.argmax(sizes / limits))
     if sizes[worst] > limits[worst]:
@@ -126,7 +131,7 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
         shift: (2,) in [m], see `undetermined`.
     """
     axes, limits = need.axes(covariance)
-    spread = np.hypot(DETERMINED_SIGMAS * sigmas_along(covariance, axes), math.hypot(*shift.tolist()))
+    spread = DETERMINED_SIGMAS * sigmas_along(covariance, axes) + math.hypot(*shift.tolist())
     room = float((limits - spread).min())
     return room, need.heading - DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
 
