@@ -181,6 +181,17 @@ def test_walls_on_cell_borders_from_one_side_hold_the_claim(
             assert match.inliers > 0.75  # the others end beyond the map
 
 
+def test_points_deep_in_a_drawn_wall_are_not_drawn_to_its_back(scan: Callable[..., np.ndarray]) -> None:
+    """A map that was drawn from echoes has no sides: only the beam's direction tells the back."""
+    for thickness, start in ((0.2, 0.12), (0.2, 0.17), (0.3, 0.2)):
+        boxes = two_walls(0.3, thickness)
+        field = LikelihoodField(from_boxes(boxes, 0.05, (-4.0, -4.0), (14.0, 9.0)), is_drawn=True)
+        pose = Pose2(4.0, 0.5, 0.4)
+        wrong = shifted(pose, np.array([start, start, 0.0]))
+        points = scan(boxes, pose, np.random.default_rng(8))
+        assert match_scan(field, points, wrong, np.diag([0.1, 0.1, 0.03]) ** 2).pose.distance(pose) < 0.03
+
+
 def test_start_behind_a_walls_near_side_finds_the_near_side(scan: Callable[..., np.ndarray]) -> None:
     """From a start that is wrong by more than a wall's thickness, its near side is still found."""
     rng = np.random.default_rng(8)
