@@ -5,9 +5,9 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import NamedTuple
 
 from handcart.networks.chains.effort import Effort
@@ -39,14 +39,23 @@ class NoWayLeft:
     def words(self, named: Callable[[str], str] = str) -> str:
         """Return the path for people, `PICK_UP from book_known fails 3 times`.
 
+        Each action stands where it comes first.
+
         Args:
             named: function that returns the displayed name of a situation.
         """
+        counts = Counter((action.index, failed) for action, failed in self.path)
+        actions = {action.index: action for action, _ in self.path}
+        alike: dict[tuple[str, str], set[str]] = {}
+        for action in actions.values():
+            alike.setdefault((action.name, action.source), set()).add(action.target)
         parts = []
-        for (action, failed), group in groupby(self.path):
-            count = len(list(group))
-            times = f" {count} times" if count > 1 else ""
-            parts.append(f"{action.do} from {named(action.source)} {failed}".rstrip() + times)
+        for (index, failed), count in counts.items():
+            action, times = actions[index], f" {count} times" if count > 1 else ""
+            ends = alike[action.name, action.source]
+            is_clear = len({named(each) for each in ends}) == len(ends)
+            to = f" to {named(action.target) if is_clear else action.target}" if len(ends) > 1 else ""
+            parts.append(f"{action.name} from {named(action.source)}{to} {failed}".rstrip() + times)
         return ", ".join(parts)
 
 

@@ -141,7 +141,7 @@ def _differences(policy: Policy, visits: Sequence[float], chances: Chances) -> l
 
 
 def _decision_words(action: Action | None) -> str:
-    """Return an action with its cost, which tells parallel ones apart."""
+    """Return an action with its cost."""
     return "nothing" if action is None else f"{action}, {action.cost_s:g} s"
 
 

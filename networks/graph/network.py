@@ -22,6 +22,7 @@ from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 from .aims import NO_AIMS, Aims
 from .attempts import MAX_ATTEMPTS as MAX_ATTEMPTS
 from .attempts import Attempts
+from .distinctions import SiblingAction, distinctions
 
 Fact = str | bool | int | float
 
@@ -167,6 +168,8 @@ class Action:
     """Number of the first action that shares its attempts."""
     fail_endings: tuple[FailEnding, ...] = ()
     """Situations that Fails of certain causes lead to; all others lead to `on_fail`."""
+    distinction: str = ""
+    """What tells it from other actions that do the same between the same situations, such as `looks: 8`."""
 
     @cached_property
     def allowance(self) -> Attempts:
@@ -220,8 +223,13 @@ class Action:
         """The primitive's name in files, SKIP for a skip."""
         return self.binding.label if self.binding else "SKIP"
 
+    @property
+    def name(self) -> str:
+        """The primitive's name, with what tells the action from others like it."""
+        return f"{self.do} with {self.distinction}" if self.distinction else self.do
+
     def __str__(self) -> str:
-        return f"{self.do} ({self.source} to {self.target})"
+        return f"{self.name} ({self.source} to {self.target})"
 
 
 @dataclass(frozen=True)
@@ -343,11 +351,18 @@ class ActionNetwork:
 def _numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
     """Return the actions with their numbers, and those of their counters of Fails."""
     first: dict[str, int] = {}
-    found = []
-    for number, action in enumerate(actions):
+    found, every = [], tuple(actions)
+    words = distinctions([_compared(each) for each in every])
+    for number, action in enumerate(every):
         counter = first.setdefault(action.budget, number) if action.budget else number
-        found.append(replace(action, index=number, counter=counter))
+        found.append(replace(action, index=number, counter=counter, distinction=words.get(number, "")))
     return tuple(found)
+
+
+def _compared(action: Action) -> SiblingAction | None:
+    if action.binding is None:
+        return None
+    return SiblingAction(action.do, action.source, action.target, action.binding.given, action.cost_s)
 
 
 def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str, str]]:

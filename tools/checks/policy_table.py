@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
 
 MAX_PERSON_S = 1e6
 """Largest price of a person that a task's file accepts, in [s]."""
+COPY_NUMBER = re.compile(r"\[\d+\]")
+"""Number of an element's copy in the name of a situation."""
 FOUND_SHARE = 1e-3
 """Relative difference of the best price and its lower bound from which the bound is printed."""
 
@@ -32,7 +35,7 @@ def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
         yield "  they decide alike wherever runs are likely to come"
         return
     yield "  where they differ (how often a run of the best policy comes there):"
-    yield from (f"    {_difference(each, found)}" for each in found.differences)
+    yield from (f"    {line}" for line in _differences(found))
 
 
 def _call(found: PolicyComparison, person_s: float) -> str:
@@ -61,6 +64,14 @@ def _ranged(bounds: tuple[float, float], form: str, same: float) -> str:
     return f"{low:{form}}" if math.isclose(low, high, abs_tol=same) else f"[{low:{form}}, {high:{form}}]"
 
 
-def _difference(each: PolicyDifference, found: PolicyComparison) -> str:
-    after = f" after {each.fails}" if each.fails else ""
-    return f"{each.situation}{after}: rule {each.rule}, {found.best.name} {each.best} ({each.share:.4f})"
+def _differences(found: PolicyComparison) -> Iterator[str]:
+    """Yield a line for each difference; copies for the elements of a `repeat` share one."""
+    alike: dict[str, list[PolicyDifference]] = {}
+    for each in found.differences:
+        words = f"{each.situation} {each.fails} {each.rule} {each.best}"
+        alike.setdefault(COPY_NUMBER.sub("[]", words), []).append(each)
+    for first, *others in alike.values():
+        after = f" after {first.fails}" if first.fails else ""
+        like = f", {len(others)} more like it" if others else ""
+        choice = f"rule {first.rule}, {found.best.name} {first.best}"
+        yield f"{first.situation}{after}: {choice} ({first.share:.4f}{like})"

@@ -84,15 +84,15 @@ class Progress(RunObserver):
                 self._begun, self._cost = time, action.cost_s
                 after = self._way[self._way.index(action) + 1 :] if action in self._way else ()
                 self._rest = sum(each.cost_s for each in after)
-                self._tell(f"{number}. {action.do}: {action.source} to {action.target}{again}")
+                self._tell(f"{number}. {action.name}: {action.source} to {action.target}{again}")
             case Restoring(time, action, reason):
                 self._begun, self._cost = time, 0.0
                 self._tell(f"{action.do} restores")
                 self._line(time, f"{action.do} restores: {reason}", "yellow")
             case Ended(time, number, action, _, outcome):
-                self._ended(time, number, f"{action.do}: {action.source} to {action.target}", outcome)
+                self._ended(time, number, f"{action.name}: {action.source} to {action.target}", outcome)
             case LeftOut(time, action, reason):
-                self._line(time, f"{action.do} is not started: {reason}", "yellow")
+                self._line(time, f"{action.name} is not started: {reason}", "yellow")
             case AimChanged(time, words):
                 self._line(time, words, "yellow")
             case RunEnded():

@@ -59,8 +59,8 @@ def test_unreachable_after_fails_names_what_blocks(stand: Stand) -> None:
     end = stand.finish(coordinator(stand, network))
     assert (end.outcome, end.situation, end.fails) == ("Fail", "b", 3)
     assert end.reason == (
-        "no way left from b to z: THINK (b to z) failed 2 times, last: two failed; "
-        "THINK (b to z) failed 1 time, last: other can't be"
+        "no way left from b to z: THINK with name: two (b to z) failed 2 times, last: two failed; "
+        "THINK with name: other (b to z) failed 1 time, last: other can't be"
     )
 
 

@@ -119,7 +119,7 @@ def test_what_more_tries_would_buy(handcart: Callable[..., Said], two_ways: Path
     assert first["slope"] > second["slope"]
     assert report["longest run"] == "at most 3 actions"
     assert len(report["short"]) == 1
-    assert "in 'at_home' no way may be left: MOVE_TO from at_home fails" in report["short"][0]
+    assert "in 'at_home' no way may be left: MOVE_TO with cost_s: 30 from at_home fails" in report["short"][0]
     said = handcart("check", two_ways)
     assert "where a run may end short of the goal" in said.out
     assert f"{two_ways}:10:5: in 'at_home' no way" in said.out

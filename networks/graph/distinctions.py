@@ -1,0 +1,59 @@
+"""What tells actions apart that do the same primitive between the same situations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+MAX_VALUE_LENGTH = 24
+"""Longest value of a parameter that is shown, in characters."""
+
+
+class SiblingAction(NamedTuple):
+    """What distinguishes an action from others."""
+
+    do: str
+    source: str
+    target: str
+    given: Callable[[], Mapping[str, Any]]
+    """Returns the parameters that are not at their defaults."""
+    cost_s: float
+
+
+def distinctions(actions: Sequence[SiblingAction | None]) -> dict[int, str]:
+    """Return what tells each action from those like it, by its place in the sequence.
+
+    Actions are alike that do the same primitive between the same situations. The words are the parameters in
+    which they differ, such as `looks: 8`; where none differs, the cost. None is like nothing.
+    """
+    alike: dict[tuple[str, ...], list[int]] = {}
+    for place, action in enumerate(actions):
+        if action is not None:
+            alike.setdefault(action[:3], []).append(place)
+    found: dict[int, str] = {}
+    for places in alike.values():
+        if len(places) > 1:
+            words = _told_apart([each for place in places if (each := actions[place])])
+            found |= zip(places, words, strict=True)
+    return found
+
+
+def _told_apart(actions: Sequence[SiblingAction]) -> list[str]:
+    given = [action.given() for action in actions]
+    differing = [name for name in dict.fromkeys(n for each in given for n in each) if _differs(name, given)]
+    if not differing:
+        return [f"cost_s: {action.cost_s:g}" for action in actions]
+    return [
+        ", ".join(f"{name}: {_shown(each[name])}" for name in differing if name in each) for each in given
+    ]
+
+
+def _differs(name: str, given: Sequence[Mapping[str, Any]]) -> bool:
+    return any(name not in each or each[name] != given[0][name] for each in given)
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    words = str(value)
+    return words if len(words) <= MAX_VALUE_LENGTH else words[: MAX_VALUE_LENGTH - 3] + "..."
