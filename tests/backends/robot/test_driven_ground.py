@@ -27,6 +27,14 @@ class Ahead(RangeSensor):
         return Scan(angles, np.full(BEAMS, np.inf), Pose2(0.0, 0.0, 0.0))
 
 
+class TurnedAside(RangeSensor):
+    """A lidar on a corner, turned to the left, that sees more on its left than on its right."""
+
+    def scan(self) -> Scan:
+        angles = np.radians(np.linspace(-30.0, 120.0, BEAMS))
+        return Scan(angles, np.full(BEAMS, np.inf), Pose2(0.2, 0.1, math.radians(40.0)))
+
+
 class Driven:
     """A base that drives along a line of its own frame, and the ground that it knows."""
 
@@ -99,3 +107,10 @@ def test_ground_is_always_unseen_in_a_mask_or_behind(given: dict[str, object], p
     lidar = Lidar(Ahead(), load_robot("cart").model_copy(update={"range_sensor": spec}))
     ground = UnseenGround(lidar, RADIUS, lambda: Pose2(0.0, 0.0, 0.0), lambda: 0.0)
     assert ground.is_partial == partial
+
+
+def test_field_of_view_of_a_turned_lidar_is_told_in_the_base_frame() -> None:
+    spec = RangeSpec(beams=BEAMS, reach_m=8.0, sigma_mm=10.0, start_deg=-30.0, end_deg=120.0)
+    lidar = Lidar(TurnedAside(), load_robot("cart").model_copy(update={"range_sensor": spec}))
+    view = UnseenGround(lidar, RADIUS, lambda: Pose2(0.0, 0.0, 0.0), lambda: 0.0).view
+    assert view == pytest.approx((0.2, 0.1, math.radians(10.0), math.radians(150.0)))

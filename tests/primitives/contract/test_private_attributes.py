@@ -55,3 +55,10 @@ def test_what_is_not_there_is_missed_by_its_name(one: Any) -> None:
 def test_a_property_that_asks_for_what_is_not_there_says_so() -> None:
     with pytest.raises(AttributeError, match=r"nothing|broken"):
         _ = Waves().broken
+
+
+def test_findings_of_an_attempt_are_kept_by_name() -> None:
+    one = Waves()
+    one.found(depth_mm=3.0, side="left")
+    one.found(depth_mm=4.0)
+    assert one.evidence.facts == {"depth_mm": 4.0, "side": "left"}
