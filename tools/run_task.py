@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -12,6 +12,7 @@ import typer
 
 if TYPE_CHECKING:
     from handcart.networks.events.run_observer import RunObserver
+    from handcart.networks.runs.run_options import RunOptions
     from handcart.tools.terminal.progress import Progress
 
 Permit = Literal["ask", "always", "never"]
@@ -86,45 +87,67 @@ def run(
     settings = _with_choices(settings or [], robot=robot, policy=policy)
     if dry_run or script is not None:
         sys.exit(_dry_run(task, backend, settings, seed, situation, script, as_json))
+    from handcart.tools.terminal.first_use import first_words
+
+    with first_words(f"loading {task}") as progress_begins:
+        from handcart.files.models.settings import split_setting
+        from handcart.networks.operator.permits import Permits
+        from handcart.networks.runs.run_options import RunOptions
+        from handcart.tools.terminal.writing import check_folder
+
+        check_folder(runs)
+        options = RunOptions(
+            *(backend, dict(map(split_setting, settings)), seed, situation),
+            errors=not no_errors,
+            bench=bench,
+            window=gui,
+            video=video,
+            draw=True,
+            report=report,
+            playback=True,
+            checkpoints=True,
+            record_sensors=record_sensors,
+            sync=sync,
+            permits=Permits(permit, step, breaks),
+        )
+        status = _run_watched(task, runs, options, (view, port, as_json), progress_begins)
+    sys.exit(status)
+
+
+def _run_watched(
+    task: Path,
+    runs: Path,
+    options: RunOptions,
+    shows: tuple[bool, int | None, bool],
+    begins: Callable[[], None],
+) -> int:
+    """Run a task beside its progress, report how it ended, and return the exit status.
+
+    Args:
+        task: the task's file.
+        runs: where the run's folder is made.
+        options: of the run, without observers.
+        shows: whether to show it in the browser, the port, and whether to end with JSON.
+        begins: called before the first progress.
+    """
+    from dataclasses import replace
+
     from handcart.evaluation.trials.running import run_task
-    from handcart.files.models.settings import split_setting
     from handcart.networks.coordination.interrupts import Interrupts
-    from handcart.networks.operator.permits import Permits
-    from handcart.networks.runs.run_options import RunOptions
     from handcart.robotics.numerics.compiling_ahead import compiling_ahead
     from handcart.tools.terminal.progress import Progress
-    from handcart.tools.terminal.writing import check_folder
 
-    check_folder(runs)
-    chosen = dict(map(split_setting, settings))
-    permits = Permits(permit, step, breaks)
-    with Interrupts() as interrupts, Progress() as progress, ExitStack() as stack:
+    view, port, as_json = shows
+    with Interrupts() as interrupts, Progress(begins) as progress, ExitStack() as stack:
         stack.enter_context(compiling_ahead())
-        permits.asking, permits.typed = progress.ask, progress.typed
+        if options.permits:
+            options.permits.asking, options.permits.typed = progress.ask, progress.typed
         shown = (stack.enter_context(_shown(port, progress)),) if view else ()
-        summary, status = run_task(
-            task,
-            runs,
-            RunOptions(
-                *(backend, chosen, seed, situation),
-                errors=not no_errors,
-                bench=bench,
-                window=gui,
-                video=video,
-                draw=True,
-                report=report,
-                playback=True,
-                checkpoints=True,
-                record_sensors=record_sensors,
-                sync=sync,
-                permits=permits,
-                interrupts=interrupts,
-                observers=(progress, *shown),
-            ),
-        )
+        options = replace(options, interrupts=interrupts, observers=(progress, *shown))
+        summary, status = run_task(task, runs, options)
         progress.end()
         _tell(summary, as_json, progress)
-    sys.exit(status)
+    return status
 
 
 def _with_choices(settings: list[str], **choices: str | None) -> list[str]:

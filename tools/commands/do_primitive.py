@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -44,28 +45,27 @@ def do(
     ] = None,
 ) -> None:
     """Run one primitive alone and print its outcome (default: in the library of return_book)."""
-    from dataclasses import replace
-
-    from handcart.evaluation.trials.rig import RigFiles, build_rig
-    from handcart.networks.runs.robot_claim import claimed
-    from handcart.primitives.outcomes.outcome import Success
     from handcart.tools.terminal.first_use import announced
 
-    made = _made(primitive, parameters or [])
-    task = _task(knowledge, settings or [])
-    own = RigFiles() if task is None else RigFiles.of(task)
-    if map == NO_MAP_PATH or (made.draws_map and map is None and task is None):
-        own, map = RigFiles.without_map(own.world), None
-    given = {"world": world, "map": map, "places": places, "start": start}
-    files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
-    whose = robot or (DEFAULT_ROBOT if task is None else task.robot)
-    with (
-        announced(f"running {primitive}"),
-        build_rig(files, whose, backend, seed, put_at_start=start is not None) as rig,
-        claimed(rig.backend),
-    ):
-        _check_names(made, rig.knowledge)
-        outcome = rig.do(made)
+    with announced(f"running {primitive}"):
+        from handcart.evaluation.trials.rig import RigFiles, build_rig
+        from handcart.networks.runs.robot_claim import claimed
+        from handcart.primitives.outcomes.outcome import Success
+
+        made = _made(primitive, parameters or [])
+        task = _task(knowledge, settings or [])
+        own = RigFiles() if task is None else RigFiles.of(task)
+        if map == NO_MAP_PATH or (made.draws_map and map is None and task is None):
+            own, map = RigFiles.without_map(own.world), None
+        given = {"world": world, "map": map, "places": places, "start": start}
+        files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
+        whose = robot or (DEFAULT_ROBOT if task is None else task.robot)
+        with (
+            build_rig(files, whose, backend, seed, put_at_start=start is not None) as rig,
+            claimed(rig.backend),
+        ):
+            _check_names(made, rig.knowledge)
+            outcome = rig.do(made)
     _write_evidence(made, output)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")

@@ -28,42 +28,45 @@ def resume(
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Report the known, expected and unknown state of a run that broke off, then resume it."""
-    import orjson
+    from handcart.tools.terminal.first_use import first_words
 
-    from handcart.evaluation.trials.running import resume_task
-    from handcart.files.printable import printable
-    from handcart.networks.coordination.interrupts import Interrupts
-    from handcart.networks.operator.permits import Permits
-    from handcart.networks.run_files.run_names import latest_run
-    from handcart.networks.runs.run_options import RunOptions
-    from handcart.tools.terminal.next_steps import next_steps
-    from handcart.tools.terminal.progress import Progress
+    with first_words("loading the run") as progress_begins:
+        import orjson
 
-    run = run or latest_run(Path("runs"))
-    permits = Permits(permit)
-    with Interrupts() as interrupts, Progress() as progress:
-        permits.asking, permits.typed = progress.ask, progress.typed
-        summary, status = resume_task(
-            run,
-            confirm,
-            RunOptions(
-                sync=sync,
-                draw=True,
-                report=True,
-                playback=True,
-                permits=permits,
-                interrupts=interrupts,
-                observers=(progress,),
-            ),
-        )
-        progress.end()
-        if as_json:
-            print(orjson.dumps(summary).decode(), flush=True)
-        else:
-            reason = f": {summary['reason']}" if summary["reason"] else ""
-            words = f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}"
-            print(printable(words), flush=True)
-            progress.offer(next_steps(summary))
+        from handcart.evaluation.trials.running import resume_task
+        from handcart.files.printable import printable
+        from handcart.networks.coordination.interrupts import Interrupts
+        from handcart.networks.operator.permits import Permits
+        from handcart.networks.run_files.run_names import latest_run
+        from handcart.networks.runs.run_options import RunOptions
+        from handcart.tools.terminal.next_steps import next_steps
+        from handcart.tools.terminal.progress import Progress
+
+        run = run or latest_run(Path("runs"))
+        permits = Permits(permit)
+        with Interrupts() as interrupts, Progress(progress_begins) as progress:
+            permits.asking, permits.typed = progress.ask, progress.typed
+            summary, status = resume_task(
+                run,
+                confirm,
+                RunOptions(
+                    sync=sync,
+                    draw=True,
+                    report=True,
+                    playback=True,
+                    permits=permits,
+                    interrupts=interrupts,
+                    observers=(progress,),
+                ),
+            )
+            progress.end()
+            if as_json:
+                print(orjson.dumps(summary).decode(), flush=True)
+            else:
+                reason = f": {summary['reason']}" if summary["reason"] else ""
+                words = f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}"
+                print(printable(words), flush=True)
+                progress.offer(next_steps(summary))
     sys.exit(status)
 
 

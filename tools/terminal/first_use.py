@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from handcart.robotics.numerics.compiled import hearing_of_compiling
@@ -15,13 +15,26 @@ SILENT_TIME_S = 1.0
 
 
 @contextmanager
+def first_words(what: str) -> Iterator[Callable[[], None]]:
+    """Print `what` to stderr after a second; yield a function that prevents that once more is known.
+
+    Wrap the imports of a command in it: they take longer than a second on a fresh machine.
+    """
+    timer = threading.Timer(SILENT_TIME_S, _say, [f"{what} ..."])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield timer.cancel
+    finally:
+        timer.cancel()
+
+
+@contextmanager
 def announced(what: str) -> Iterator[None]:
     """Print `what` to stderr after a second, and announce the compilation of inner loops when it begins.
 
     Compilation uses all cores. Nothing is printed by a command that ends within the second.
     """
-    timer = threading.Timer(SILENT_TIME_S, _say, [f"{what} ..."])
-    timer.daemon = True
     said: list[str] = []
 
     def heard(compiling: bool) -> None:
@@ -29,12 +42,8 @@ def announced(what: str) -> Iterator[None]:
             said.append(COMPILING_MESSAGE)
             _say(COMPILING_MESSAGE)
 
-    timer.start()
-    try:
-        with compiling_ahead(), hearing_of_compiling(heard):
-            yield
-    finally:
-        timer.cancel()
+    with first_words(what), compiling_ahead(), hearing_of_compiling(heard):
+        yield
 
 
 def _say(words: str) -> None:

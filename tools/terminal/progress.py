@@ -5,7 +5,7 @@ from __future__ import annotations
 import select
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
@@ -43,7 +43,9 @@ class Progress(RunObserver):
     Writes to stderr, so that stdout holds the result alone.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, begins: Callable[[], None] = lambda: None) -> None:
+        """Prepare the output; `begins` is called before anything is printed."""
+        self._begins = begins
         self._console = Console(stderr=True, highlight=False, soft_wrap=True)
         self._status = self._console.status(LOADING_MESSAGE)
         self._now, self._next = LOADING_MESSAGE, 0.0
@@ -57,6 +59,7 @@ class Progress(RunObserver):
 
     def __enter__(self) -> Progress:
         if self._console.is_terminal:
+            self._begins()
             self._status.start()
         self._listening.enter_context(hearing_of_compiling(self._compiling))
         return self
@@ -164,5 +167,6 @@ class Progress(RunObserver):
         self._print(f"[dim]{time:8.1f} s[/dim]  [{colour}]{escape(words)}[/{colour}]")
 
     def _print(self, words: str) -> None:
+        self._begins()
         with suppress(OSError):  # nobody reads it any more: that must not end a run (row K14)
             self._console.print(words)

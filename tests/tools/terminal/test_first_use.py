@@ -6,12 +6,16 @@ import os
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from handcart.tools.main import main
 from handcart.tools.terminal import first_use
-from handcart.tools.terminal.first_use import COMPILING_MESSAGE, announced
+from handcart.tools.terminal.first_use import COMPILING_MESSAGE, announced, first_words
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -30,6 +34,30 @@ def test_command_that_takes_long_says_what_it_does(
     with announced("checking my.yaml"):
         assert said.wait(10.0)
     assert capsys.readouterr().err == "checking my.yaml ...\n"
+
+
+def test_first_words_are_not_said_once_more_is_known(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(first_use, "SILENT_TIME_S", 0.02)
+    with first_words("loading my.yaml") as more_is_known:
+        more_is_known()
+        time.sleep(0.1)
+    assert capsys.readouterr().err == ""
+
+
+def test_run_says_what_it_loads_before_it_imports_anything(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+
+    @contextmanager
+    def noted(what: str) -> Iterator[Callable[[], None]]:
+        said.append(what)
+        yield lambda: None
+
+    monkeypatch.setattr(first_use, "first_words", noted)
+    with pytest.raises(SystemExit):
+        main(["run", "drive_map", "--from", "nowhere"])
+    assert said == [f"loading {ROOT / 'tasks/drive_map/task.yaml'}"]
 
 
 def test_command_that_is_quick_says_nothing(
