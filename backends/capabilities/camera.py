@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar
+from collections.abc import Iterable
+from typing import ClassVar, TypeVar
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import ByteArray
@@ -11,8 +12,19 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .capability import Capability, Reading
 
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
+HAND_LINK = "hand"
 
-class Camera(Capability):
+
+class AnyCamera(Capability):
+    """A camera anywhere on the robot whose pose follows from the measured joints.
+
+    A primitive that needs a `Camera` needs it on the hand; one that needs this also works with a camera on
+    a head or on a mast.
+    """
+
+
+class Camera(AnyCamera):
     """A grey camera, on the hand or elsewhere on the robot."""
 
     READINGS: ClassVar = {"image": Reading("camera", noisy=True)}
@@ -47,3 +59,25 @@ class Camera(Capability):
     def carrier_T_camera(self) -> Transform:
         """Pose (4, 4) of the optical frame in the frame of the link `carrier`, as calibrated."""
         return self.hand_T_camera
+
+
+def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) -> CapabilityT | None:
+    """Return the camera of a kind that is on the hand; of `AnyCamera`, the first other one if none is."""
+    cameras = [each for each in capabilities if isinstance(each, kind)]
+    on_hand = next((each for each in cameras if getattr(each, "carrier", "") == HAND_LINK), None)
+    return cameras[0] if on_hand is None and kind is AnyCamera else on_hand
+
+
+def usable_kinds(capabilities: Iterable[Capability]) -> list[type[Capability]]:
+    """Return the classes of capabilities as primitives need them.
+
+    A camera that is not on the hand is any camera, no `Camera`; other sensors that are not there are left
+    out.
+    """
+    kinds: list[type[Capability]] = []
+    for capability in capabilities:
+        if getattr(capability, "carrier", HAND_LINK) == HAND_LINK:
+            kinds.append(type(capability))
+        elif isinstance(capability, Camera):
+            kinds.append(AnyCamera)
+    return kinds

@@ -145,6 +145,11 @@ class RobotFile(SensorTable, OutlinedFile):
     urdf: UrdfPlace
     srdf: UrdfPlace | None = None
     """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    without: tuple[str, ...] = ()
+    """Joints of `urdf` that are left out with everything that they carry."""
+    still: dict[str, float] = Field(default_factory=dict)
+    """Joints that nobody moves, such as those of a second arm: where they are, in [deg], if they slide
+    [mm]."""
     links: dict[Role, str] = Field(default_factory=dict)
     """Links of the URDF by their expected names: `hand: tool0`."""
     allowed_contacts: tuple[tuple[str, str], ...] = ()
@@ -210,10 +215,9 @@ class RobotFile(SensorTable, OutlinedFile):
     def whole(self) -> RobotUrdf:
         """Return the robot assembled from its URDFs; raises `UrdfError` if they do not fit together."""
         if self._whole is None:
-            own = PartSpec(urdf=self.urdf, srdf=self.srdf, onto="")
-            self._whole = robot_urdf(
-                (own, *self.parts), self._folder, self.links, self.mapped_joints(), self.allowed_contacts
-            )
+            own = PartSpec(urdf=self.urdf, srdf=self.srdf, without=self.without, onto="")
+            named, allowed = self.mapped_joints(), self.allowed_contacts
+            self._whole = robot_urdf((own, *self.parts), self._folder, self.links, named, allowed, self.still)
         return self._whole
 
     def urdf_text(self) -> str:

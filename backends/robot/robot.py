@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterator
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar, cast
 
 import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
-from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.camera import AnyCamera, Camera, CapabilityT, camera_of_kind
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
@@ -45,12 +45,10 @@ from .seen_people import SeenPeople
 from .unseen_ground import UnseenGround
 
 T = TypeVar("T")
-CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 LOW_HAND_HEIGHT_M = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
 HAND_RADIUS_M = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
-HAND_LINK = "hand"
 
 
 def _other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:
@@ -143,7 +141,7 @@ class Robot:
     # What it can do
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT:
-        """Return the capability of a kind, the first one of several; a `Camera` is the one on the hand.
+        """Return the capability of a kind, the first one of several; of cameras as `camera_of_kind` does.
 
         Raises:
             MissingCapability: the robot has none of that kind.
@@ -151,9 +149,8 @@ class Robot:
         if isinstance(self.lidar, kind):
             return self.lidar
         found = self.backend.get(kind)
-        if isinstance(found, Camera) and found.carrier != HAND_LINK:
-            cameras = (each for each in self.backend.capabilities() if isinstance(each, kind))
-            found = next((each for each in cameras if getattr(each, "carrier", "") == HAND_LINK), None)
+        if isinstance(found, Camera):
+            found = camera_of_kind(self.backend.capabilities(), kind)
         if found is None:
             raise MissingCapability(kind, self.backend)
         return found
@@ -198,6 +195,11 @@ class Robot:
     def camera(self) -> Camera:
         """The camera on the hand."""
         return self.get(Camera)  # type: ignore[type-abstract]
+
+    @property
+    def view_camera(self) -> Camera:
+        """The camera that looks where the hand works: that on the hand, or the first other one."""
+        return cast("Camera", self.get(AnyCamera))
 
     @property
     def range_sensor(self) -> RangeSensor:
@@ -316,18 +318,19 @@ class Robot:
         self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
     def picture(self) -> ByteArray:
-        """Return the camera's picture, (height, width) grey.
+        """Return the picture of `view_camera`, (height, width) grey.
 
         Raises:
             StaleReading: it is the last one to the last bit, although arm or wheels have moved since.
                 A camera without noise may give it again where the robot has come back.
         """
         noisy = self.spec.errors.image_noise_grey > 0.0
-        return self._pictures.take(self.camera.image(), self._carried_by(), noisy)
+        return self._pictures.take(self.view_camera.image(), self._carried_by(), noisy)
 
     def photo(self) -> Photo:
-        """Return the picture of the hand's camera with its pose and the time; errors as `picture`."""
-        return Photo(self.picture(), self.camera.model, self.base_T_camera(self.camera), self.time)
+        """Return the picture of `view_camera` with its pose and the time; errors as `picture`."""
+        camera = self.view_camera
+        return Photo(self.picture(), camera.model, self.base_T_camera(camera), self.time)
 
     def _carried_by(self) -> FloatArray:
         """Return what moves the camera: distances driven by the wheels in [m], then the arm's command."""

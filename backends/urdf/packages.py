@@ -14,6 +14,8 @@ from pathlib import Path
 
 PACKAGE_PREFIX = "package://"
 PACKAGE_NAME = re.compile(r"[A-Za-z_][\w-]*")
+PACKAGE_EXTRAS = {"pybullet_data": "pybullet", "example-robot-data": "robots", "stretch_urdf": "robots"}
+"""Extras of handcart with which a package is installed, by its name in `package://NAME/PATH`."""
 _MODULE = re.compile(r"[A-Za-z_]\w*")
 _SHARES = ("share", "cmeel.prefix/share")
 _DEPTH = 3  # folders below an entry of ROS_PACKAGE_PATH that are searched

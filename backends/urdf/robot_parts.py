@@ -13,16 +13,17 @@ from handcart.files.errors import FileError, Finding, UnsafePath
 from handcart.files.extras import lack
 from handcart.files.inside import portable, resolve_inside
 from handcart.files.models.model import FileModel
-from handcart.files.suggest import did_you_mean
+from handcart.files.suggest import did_you_mean, suggest
 from handcart.files.xml_file import read_xml_text
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_assembly import Part, with_mesh_files
 from handcart.robotics.kinematics.urdf_faults import urdf_faults
+from handcart.robotics.kinematics.urdf_pruning import UnknownJoint, prune, without_joints
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
 from .collada_unit import collada_unit_m
 from .mesh_path import is_mesh, mesh_path
-from .packages import PACKAGE_NAME, PACKAGE_PREFIX, package_folders
+from .packages import PACKAGE_EXTRAS, PACKAGE_NAME, PACKAGE_PREFIX, package_folders
 
 KeyPath = tuple[str | int, ...]
 
@@ -57,6 +58,8 @@ class PartSpec(FileModel):
     """A path from the robot's file, or `package://NAME/PATH` in a package of Python or ROS."""
     srdf: UrdfPlace | None = None
     """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    without: tuple[str, ...] = ()
+    """Joints that are left out with everything that they carry: the fingers of a maker's hand, say."""
     onto: str
     """The link that carries its root link."""
     xyz_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -84,22 +87,28 @@ class ReadPart(NamedTuple):
     """Faults that do not prevent its use."""
 
 
-def read_part(urdf: str, folder: Path) -> ReadPart:
+def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
     """Read a URDF and look whether it can be used.
 
     Args:
         urdf: as in a robot's file.
         folder: where that lies.
+        without: joints that are left out with everything that they carry.
 
     Raises:
         FileError: something is wrong in it, or with a link's mesh.
-        UrdfError: it isn't there.
+        UrdfError: it isn't there, or has no such joint.
     """
     path, root, shown = _found(urdf, folder)
     if not path.is_file():
         raise UrdfError(f"there is no text file {urdf!r}; {did_you_mean(path)}allowed: a URDF")
-    text, doubts = read_urdf_file(path, shown)
+    try:
+        text, doubts = read_urdf_file(path, shown, without)
+    except UnknownJoint as error:
+        wrong = f"{urdf} has no joint {error.joint!r}{suggest(error.joint, error.known)}"
+        raise UrdfError(wrong, ("without", list(without).index(error.joint))) from error
     robot = read_urdf(text)
+    prune(robot, without)
     places = {
         (str(each.tag), each.get("name", "")): (each.line, each.column)
         for each in robot
@@ -112,6 +121,7 @@ def read_part(urdf: str, folder: Path) -> ReadPart:
             lambda name: str(files[name].path) if name in files else name,
             lambda name: files[name].unit_m if name in files else 1.0,
         )
+    text = without_joints(text, without)
     return ReadPart(shown, text, places, doubts)
 
 
@@ -188,7 +198,8 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     package, _, path = urdf.removeprefix(PACKAGE_PREFIX).partition("/")
     roots = list(package_folders(package))
     if not roots:
-        how = "; it comes with: pip install 'handcart[pybullet]'" if package.startswith("pybullet") else ""
+        extra = PACKAGE_EXTRAS.get(package)
+        how = f"; it comes with: pip install 'handcart[{extra}]'" if extra else ""
         raise UrdfError(f"there is no package {package!r}; allowed: {_PACKAGES}{how}")
     root = next((root for root in roots if (root / path).is_file()), roots[0])
     return _inside(root, path), root, str(_inside(root, path))
@@ -218,20 +229,22 @@ class UrdfText(NamedTuple):
     """Faults that do not prevent its use."""
 
 
-def read_urdf_file(path: Path, shown: str | None = None) -> UrdfText:
+def read_urdf_file(path: Path, shown: str | None = None, without: Sequence[str] = ()) -> UrdfText:
     """Read the text of a robot's URDF.
 
     Args:
         path: path of the file.
         shown: file name in the findings (default: `path`).
+        without: joints that are not looked at, nor what they carry.
 
     Raises:
         FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a
             sound
             URDF.
+        UnknownJoint: the URDF has no such joint.
     """
     text = read_xml_text(path)
-    faults = [(_finding(shown or str(path), *each), each.mild) for each in urdf_faults(text)]
+    faults = [(_finding(shown or str(path), *each), each.mild) for each in urdf_faults(text, without)]
     if grave := [finding for finding, mild in faults if not mild]:
         raise FileError(grave)
     return UrdfText(text, [finding for finding, _ in faults])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,8 @@ from handcart.files.errors import InputError
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box, Shape, top
-from handcart.robotics.kinematics.urdf_contents import bodies_of
+from handcart.robotics.kinematics.urdf_contents import bodies_of, joints_of, link_joints
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 FINGER_LINK = "left_finger"
 TRAY_LINK = "tray"
@@ -69,8 +71,21 @@ def tray_shape(arm: ArmModel) -> TrayShape:
 def body_height(urdf_text: str) -> float:
     """Return the height of the top of the link `base` above the floor, in [m], without things mounted on
     it.
+
+    Makers often have a frame on the floor as `base`; then the bodies fixed next to it count.
     """
-    return max((top(each) for each in bodies_of(urdf_text) if each.name == "base"), default=0.0)
+    bodies, joints, links = bodies_of(urdf_text), link_joints(urdf_text), {"base"}
+    moving = {each.name for each in joints_of(urdf_text)}
+    while links:
+        if found := [each for each in bodies if each.name in links]:
+            return max(_top_on(base_T_frame(urdf_text, each.name), each) for each in found)
+        links = {child for name, parent, child in joints if parent in links and name not in moving}
+    return 0.0
+
+
+def _top_on(base_T_link: Transform, body: Shape) -> float:
+    """Return the height of a body's top in the base frame, in [m]."""
+    return top(replace(body, pose=np.asarray(base_T_link @ body.pose)))
 
 
 def finger_shape(arm: ArmModel) -> FingerShape:

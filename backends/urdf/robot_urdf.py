@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +12,9 @@ from handcart.files.errors import FileError, Finding
 from handcart.files.suggest import suggest
 from handcart.robotics.kinematics.srdf import disabled_pairs
 from handcart.robotics.kinematics.urdf_assembly import with_names, with_part
+from handcart.robotics.kinematics.urdf_contents import joints_of
 from handcart.robotics.kinematics.urdf_reading import UrdfFaults
+from handcart.robotics.kinematics.urdf_tree import FollowingJoint, with_still_joints
 
 from .robot_parts import KeyPath, PartSpec, UrdfError, read_part, read_srdf
 
@@ -61,6 +64,7 @@ def robot_urdf(
     roles: Mapping[Any, str],
     joints: Sequence[tuple[KeyPath, str, str]],
     allowed: Sequence[Pair],
+    still: Mapping[str, float] | None = None,
 ) -> RobotUrdf:
     """Put a robot together as its file says.
 
@@ -70,6 +74,7 @@ def robot_urdf(
         roles: of links, with the names that the URDFs have for them.
         joints: that the file names: where, the URDFs' name, and the name that is expected of it.
         allowed: pairs of links that may touch, by the robot's file.
+        still: joints that nobody moves, and their positions in [deg] or [mm], by their names in the URDF.
 
     Raises:
         FileError: what is wrong in a URDF or SRDF.
@@ -80,7 +85,7 @@ def robot_urdf(
     doubts: list[Finding] = []
     for number, spec in enumerate(specs):
         try:
-            part = read_part(spec.urdf, folder)
+            part = read_part(spec.urdf, folder, spec.without)
             text = with_part(text, spec.part(part.text)) if number else part.text
             pairs += _pairs(spec, folder)
         except FileError:  # has the URDF's own lines
@@ -92,6 +97,7 @@ def robot_urdf(
         doubts += part.doubts
         for (kind, name), (line, column) in part.places.items():
             places[kind, spec.prefix + name] = SourcePlace(part.file, line, column)
+    text = _with_still(text, still or {})
     links: dict[str, str] = {}
     joints_now: dict[str, str] = {}
     named = _mapped(roles, joints, places)
@@ -112,6 +118,28 @@ def _key(number: int, key: KeyPath | None) -> KeyPath:
     """Return the key of the robot's file that names its own URDF (number 0) or that of a part."""
     last = key or ("urdf",)
     return last if number == 0 else ("parts", number - 1, *(key or ()))
+
+
+def _with_still(text: str, still: Mapping[str, float]) -> str:
+    """Return the URDF with joints fixed at positions in [deg] or [mm]."""
+    if not still:
+        return text
+    facts = {each.name: each for each in joints_of(text)}
+    positions: dict[str, float] = {}
+    for name, value in still.items():
+        if name not in facts:
+            raise UrdfError(f"the URDF has no movable joint {name!r}{suggest(name, facts)}", ("still", name))
+        joint, slides = facts[name], facts[name].kind == "prismatic"
+        unit, scale = ("mm", 1e-3) if slides else ("deg", math.radians(1.0))
+        positions[name] = scale * value
+        low, high = joint.lower, joint.upper
+        if low is not None and high is not None and not low <= positions[name] <= high:
+            limits = f"{low / scale:.1f} to {high / scale:.1f} {unit}"
+            raise UrdfError(f"{name!r} can't stand at {value:g} {unit}; allowed: {limits}", ("still", name))
+    try:
+        return with_still_joints(text, positions)
+    except FollowingJoint as error:
+        raise UrdfError(str(error), ("still", error.joint)) from error
 
 
 def _pairs(spec: PartSpec, folder: Path) -> list[Pair]:

@@ -11,6 +11,7 @@ import networkx as nx
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.battery import Battery
+from handcart.backends.capabilities.camera import usable_kinds
 from handcart.backends.capabilities.capability import Capability
 from handcart.files.errors import FileError
 from handcart.files.extras import extra_of, lack
@@ -96,8 +97,7 @@ class Task:
 
     def check_capabilities(self, backend: Backend) -> None:
         """Raise `FileError` naming every action whose primitive needs a capability that the robot lacks."""
-        usable = (each for each in backend.capabilities() if getattr(each, "carrier", "hand") == "hand")
-        self.check_kinds([type(each) for each in usable])
+        self.check_kinds(usable_kinds(backend.capabilities()))
 
     def check_kinds(self, kinds: Sequence[type[Capability]]) -> None:
         """Check the actions' needs by the classes of the robot's capabilities; raises `FileError`."""

@@ -14,7 +14,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
-from handcart.robotics.manipulation.motions.motion_planner import plan_motion, plan_straight
+from handcart.robotics.manipulation.motions.motion_planner import LIMIT_ROUNDING, plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -175,7 +175,7 @@ def _beyond(robot: Robot, angles: FloatArray, verb: str) -> str:
         f"{units.names[number]} {verb} {units.words(number, at)}; allowed: {units.words(number, lower)}"
         f" to {units.words(number, upper)}"
         for number, (at, lower, upper, endless) in limits
-        if not endless and not lower <= at <= upper
+        if not endless and not lower - LIMIT_ROUNDING <= at <= upper + LIMIT_ROUNDING
     )
 
 

@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.camera import AnyCamera
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
@@ -54,7 +54,7 @@ class LookFor(ActionPrimitive):
     max_views: Annotated[int, Field(ge=1, le=30)] = 10
     """Maximum number of views."""
 
-    needs: ClassVar = (Arm, Camera)
+    needs: ClassVar = (Arm, AnyCamera)
     reads: ClassVar = ("objects", "held_object")
     writes: ClassVar = ("sightings",)
 
@@ -124,10 +124,9 @@ class LookFor(ActionPrimitive):
             if not (yield from look_from(robot, model, points[aim], towards, VIEW_DISTANCES_M)):
                 continue
             yield from self._look.picture(robot, model, self.evidence, self.object)
-            base_T_camera = robot.base_T_camera(robot.camera)
-            weights = np.where(
-                points_in_view(robot.camera.model, base_T_camera, points, EDGE_PX), 0.0, weights
-            )
+            camera = robot.view_camera
+            shown = points_in_view(camera.model, robot.base_T_camera(camera), points, EDGE_PX)
+            weights = np.where(shown, 0.0, weights)
         if self._look.views == 0:
             raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
 

@@ -18,9 +18,11 @@ from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 
+from .object_names import name_in_world
 from .object_site import held_shape, kind_of, surface_of, surroundings
 from .objects import Objects, ObjectSighting
 from .tag_readings import Located, NotUpright, ReadTag, SeenTwice, locate, read_objects
@@ -74,16 +76,18 @@ def look_closely(
     evidence: Evidence,
     wanted: Direction = "any",
 ) -> Periods:
-    """Move the camera near an object whose place is about known, and read its tags.
+    """Move the camera near an object whose place is about known, clear of it, and read its tags.
 
     Raises:
         Discrepancy: no view of it is free.
     """
     file = model.of(Objects).objects
-    top = base_T_object[:3, 3] + (0.0, 0.0, file.kind_of(name).size[2])
+    kind = file.kind_of(name)
+    top = base_T_object[:3, 3] + (0.0, 0.0, kind.size[2])
+    body = kind.body(name_in_world(name)).seen_from(base_T_object)
     heading = math.atan2(base_T_object[1, 0], base_T_object[0, 0])
     towards = list(directions(file.tags_of(name), heading, wanted))
-    if not (yield from look_from(robot, model, top, towards, CLOSE_DISTANCES_M)):
+    if not (yield from look_from(robot, model, top, towards, CLOSE_DISTANCES_M, (body,))):
         raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
     yield from look.picture(robot, model, evidence, name)
 
@@ -94,9 +98,19 @@ def look_from(
     point: FloatArray,
     towards: Sequence[FloatArray],
     distances: Sequence[float],
+    also_around: Sequence[Box] = (),
 ) -> Generator[None, None, bool]:
-    """Move the camera to a view of a point in the base frame; return False if no view is free."""
-    around, held = surroundings(robot, model), held_shape(model)
+    """Move the camera to a view of a point in the base frame; return False if no view is free.
+
+    Args:
+        robot: robot with a camera.
+        model: knows surfaces, seen objects and what is held.
+        point: (3,) in the base frame, in [m].
+        towards: unit vectors (3,) from the point to the camera, the best ones first.
+        distances: from the camera to the point, in [m], the best ones first.
+        also_around: what else the arm must not touch, in the base frame.
+    """
+    around, held = (*surroundings(robot, model), *also_around), held_shape(model)
     collision = collision_model(robot, held, around)
     found = yield from robot.compute(view_joints, robot, collision, point, towards, distances)
     if found is None:

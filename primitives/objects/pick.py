@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.camera import AnyCamera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -68,7 +68,7 @@ class Pick(ActionPrimitive):
     stow: bool = True
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
 
-    needs: ClassVar = (Arm, Gripper, Camera)
+    needs: ClassVar = (Arm, Gripper, AnyCamera)
     reads: ClassVar = ("objects", "places")
     writes: ClassVar = ("sightings", "held_object")
     hand: ClassVar = TAKES_OBJECT

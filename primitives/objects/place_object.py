@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.camera import AnyCamera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.suggest import suggest
@@ -79,7 +79,7 @@ class PlaceObject(ActionPrimitive):
     stow: bool = True
     """Bring the arm home in the end, as it must be before the base drives away."""
 
-    needs: ClassVar = (Arm, Gripper, Camera)
+    needs: ClassVar = (Arm, Gripper, AnyCamera)
     reads: ClassVar = ("objects",)
     writes: ClassVar = ("sightings", "held_object")
     hand: ClassVar = LETS_GO

@@ -12,7 +12,7 @@ from handcart.backends.description.printed_tag import CORNERS
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
-from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags, tag_pose
+from handcart.robotics.perception.landmarks.tag_reader import Tag, TagPose, read_tags, tag_poses
 from handcart.robotics.perception.objects.upright_fit import TagView, UprightFit, fit_upright
 
 from .object_kind import ObjectKind
@@ -23,6 +23,8 @@ HEIGHT_SIGMA_M = 0.003  # of a surface's height, as the robot knows it
 MAX_TILT_RAD = math.radians(30.0)  # of a single view: beyond, the object has fallen over
 MAX_RMS_PX = 2.0  # of the fit of an upright object
 MAX_APART_M = 0.03  # between two views of one object
+AMBIGUOUS_RMS_PX = 0.35  # of a tag's corners: a pose that fits so well may be the true one
+MIN_DESCENT = 0.2  # of a line of sight, to a metre along it
 ARM_SIGMA_M, ARM_SIGMA_RAD = 1e-3, 3e-3  # of the camera's pose, from view to view
 
 
@@ -54,9 +56,20 @@ def read_objects(
             name, tag = owners[family, read.id]
             object_T_tag = tag.on_box(file.kind_of(name).size)
             view = TagView(camera, base_T_camera, read.corners, apply(object_T_tag, CORNERS * tag.side))
-            pose = base_T_camera @ tag_pose(read, camera, tag.side) @ inverse(object_T_tag)
-            found.append(ReadTag(read, label, name, view, np.asarray(pose)))
+            poses = tag_poses(read, camera, tag.side)
+            found.append(ReadTag(read, label, name, view, _likelier(poses, base_T_camera, object_T_tag)))
     return found
+
+
+def _likelier(poses: Sequence[TagPose], base_T_camera: Transform, object_T_tag: Transform) -> Transform:
+    """Return base_T_object (4, 4) by the pose of its tag that fits best.
+
+    Where another pose fits within the corners' errors too, the one with the object nearer to upright.
+    """
+    fitting = [each for number, each in enumerate(poses) if number == 0 or each.rms_px < AMBIGUOUS_RMS_PX]
+    tag_T_object = inverse(object_T_tag)
+    found = [np.asarray(base_T_camera @ each.camera_T_tag @ tag_T_object) for each in fitting]
+    return max(found, key=lambda pose: float(pose[2, 2]))
 
 
 class Located(NamedTuple):
@@ -94,7 +107,9 @@ def locate(
     """
     poses = [each.base_T_object for each in reads if each.base_T_object is not None]
     views = [each.view for each in reads if each.view is not None]
-    middles = np.array([pose[:3, 3] for pose in poses])
+    middles = np.array(
+        [_on_height(pose, view, surface.height_m) for pose, view in zip(poses, views, strict=True)]
+    )
     apart = float(np.linalg.norm(middles - np.median(middles, axis=0), axis=1).max())
     if apart > MAX_APART_M:
         return SeenTwice(apart)
@@ -105,6 +120,19 @@ def locate(
     if fit.rms_px > MAX_RMS_PX:
         return NotUpright(f"its tags are {fit.rms_px:.1f} px off where they would be on the surface")
     return Located(fit.base_T_box, _with_arm(fit), fit.rms_px)
+
+
+def _on_height(base_T_object: Transform, view: TagView, height: float) -> FloatArray:
+    """Return the place (3,) of an object's foot, moved along the line of sight to the height of a surface.
+
+    From afar a single picture of a tag says least about the distance. A level line of sight never gets
+    there: then the place is as it was seen.
+    """
+    foot, tag = base_T_object[:3, 3], apply(base_T_object, view.on_box.mean(axis=0)[None])[0]
+    sight = tag - view.base_T_camera[:3, 3]
+    if abs(sight[2]) < MIN_DESCENT * np.linalg.norm(sight):
+        return foot
+    return np.asarray(foot + sight * (height - foot[2]) / sight[2])
 
 
 def _with_arm(fit: UprightFit) -> FloatArray:

@@ -9,12 +9,14 @@ from typing import Literal
 import numpy as np
 
 from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
+from handcart.backends.robot.mounted_camera import HAND
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .aimed_view import aimed_joints
 from .surface import ObjectSurface
 
 Direction = Literal["any", "above", "slanted"]
@@ -89,18 +91,21 @@ def view_joints(
     towards: Sequence[FloatArray],
     distances: Sequence[float],
 ) -> tuple[FloatArray, Transform] | None:
-    """Return joints (n,), in [rad] or [m], from which the hand's camera looks at a point, and base_T_camera
+    """Return joints (n,), in [rad] or [m], from which the camera looks at a point, and base_T_camera
     (4, 4).
 
     None if no such joints are found.
 
     Args:
-        robot: robot with a camera on the hand.
+        robot: robot with a camera on the hand, or elsewhere behind joints of its arm.
         collision: the arm among its surroundings.
         point: (3,) in the base frame, in [m].
         towards: unit vectors (3,) from the point to the camera, the best ones first.
-        distances: from the camera to the point, in [m], the best ones first.
+        distances: from the camera to the point, in [m], the best ones first; a camera that is not on the
+            hand cannot choose.
     """
+    if robot.view_camera.carrier != HAND:
+        return aimed_joints(robot, collision, point, towards)
     camera_T_hand = inverse(robot.camera.hand_T_camera)
     here = robot.arm.command()
     for distance in distances:

@@ -9,11 +9,13 @@ import numpy as np
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, meshes, shape_of
+from handcart.robotics.kinematics.following_joints import following
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.kinematics.urdf_mounts import joints_above
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import followers_of, urdf_of_arm
-from handcart.robotics.numerics.arrays import FloatArray, IndexArray
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IndexArray
 
 
 class ArmModel:
@@ -64,7 +66,7 @@ class ArmModel:
         self._order = np.array([self._index(name) for name in joint_names], dtype=np.intp)
         led = followers_of(urdf_text, self.joint_names)
         self.followers = tuple(led)
-        self._spread, self._offset = self._following(led)
+        self._spread, self._offset = following(led, joint_names, self._index, int(self._model.nq))
         self._led = np.array([self._index(name) for name in led], dtype=np.intp)
         types = {each.get("name"): each.get("type") for each in known_urdf(urdf_text).findall("joint")}
         self.endless = np.array([types[name] == "continuous" for name in joint_names], dtype=bool)
@@ -226,7 +228,7 @@ class ArmModel:
         self, root_T_target: pin.SE3, near: FloatArray, restarts: int, seed: int
     ) -> Iterator[FloatArray]:
         yield self.clipped(near)
-        drawn = self._starts(root_T_target, restarts, np.random.default_rng(seed)) if restarts else []
+        drawn = self._starts(root_T_target, near, restarts, np.random.default_rng(seed)) if restarts else []
         starts = [self.nearest(start, near) for start in drawn]
         yield from sorted(starts, key=lambda start: float(np.linalg.norm(start - near)))
 
@@ -241,6 +243,19 @@ class ArmModel:
         base_T_joints = np.array([(self._base_T_root * self._data.oMi[j]).homogeneous for j in joints])
         base_T_joints = base_T_joints.reshape(-1, 4, 4)  # of an arm without bodies too
         return np.asarray(base_T_joints[rows] @ joint_T_bodies)
+
+    @cached_property
+    def moves_tip(self) -> BoolArray:
+        """(n,) True for joints that move the tip, unlike those of a head."""
+        return self.moving(self.tip)
+
+    def moving(self, frame: str) -> BoolArray:
+        """Return a mask (n,), True for joints that move a link, by themselves or by one that follows them."""
+        joints = set(joints_above(self._urdf, frame))
+        joints |= {
+            led[0] for name, led in followers_of(self._urdf, self.joint_names).items() if name in joints
+        }
+        return np.array([name in joints for name in self.joint_names], dtype=np.bool_)
 
     @cached_property
     def _mounts(self) -> tuple[list[int], IndexArray, FloatArray]:
@@ -318,24 +333,6 @@ class ArmModel:
     def _index(self, joint: str) -> int:
         return int(self._model.idx_qs[self._model.getJointId(joint)])
 
-    def _following(
-        self, followers: Mapping[str, tuple[str, float, float]]
-    ) -> tuple[FloatArray | None, FloatArray]:
-        """Return how the angles (m,) of all joints follow from those of the arm (n,): factors, offsets.
-
-        None in place of the factors (m, n) where no joint mimics another. Pinocchio's own mimic joints can't
-        be nearer to the root than the joint that they follow.
-        """
-        offsets = np.zeros(int(self._model.nq))
-        if not followers:
-            return None, offsets
-        factors = np.zeros((int(self._model.nq), self.dof))
-        factors[self._order, np.arange(self.dof)] = 1.0
-        for name, (leader, factor, offset) in followers.items():
-            factors[self._index(name), self.joint_names.index(leader)] = factor
-            offsets[self._index(name)] = offset
-        return factors, offsets
-
     def _frame(self, name: str) -> int:
         if name not in self._frames:
             if not self._model.existFrame(name, pin.FrameType.BODY):
@@ -370,9 +367,15 @@ class ArmModel:
             q = np.clip(q + step * min(1.0, _LONGEST_STEP / longest), lower, upper)
         return None
 
-    def _starts(self, root_T_target: pin.SE3, count: int, rng: np.random.Generator) -> list[FloatArray]:
-        """`count` starts, each the nearest to the target of some random ones: cheaper than more descents."""
+    def _starts(
+        self, root_T_target: pin.SE3, near: FloatArray, count: int, rng: np.random.Generator
+    ) -> list[FloatArray]:
+        """`count` starts, each the nearest to the target of some random ones: cheaper than more descents.
+
+        Joints that do not move the tip, such as those of a head, stay at `near` (n,).
+        """
         drawn = rng.uniform(self.lower, self.upper, (count, _DRAWN, self.dof))
+        drawn = np.where(self.moves_tip, drawn, near)
         return [min(group, key=lambda q: self._distance(root_T_target, q)) for group in drawn]
 
     def _distance(self, root_T_target: pin.SE3, q: FloatArray) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
 from handcart.robotics.kinematics.urdf_doubts import joint_doubts
+from handcart.robotics.kinematics.urdf_pruning import prune
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, UrdfFault, read_urdf
 
 JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -25,16 +26,24 @@ _NO_AXIS = 1e-6
 _SHOWN = 6
 
 
-def urdf_faults(text: str) -> list[UrdfFault]:
+def urdf_faults(text: str, without: Sequence[str] = ()) -> list[UrdfFault]:
     """Return all that is wrong in a URDF, in the order of its lines; empty where it is sound.
 
     Looked at is what kinematics needs: names, references, joint kinds, limits, numbers, the tree,
     collision bodies. Whether files of meshes are there isn't.
+
+    Args:
+        text: the URDF.
+        without: joints that are ignored, with everything that they carry.
+
+    Raises:
+        UnknownJoint: the URDF has no such joint.
     """
     try:
         robot = read_urdf(text)
     except ValueError as error:
         return list(getattr(error, "faults", ()))
+    prune(robot, without)
     if expression := _expression(robot):
         return [expression]
     links, joints = _children(robot, "link"), _children(robot, "joint")

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from handcart.robotics.kinematics.libraries import pin
-from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_reading import known_urdf, read_urdf
 from handcart.robotics.numerics.arrays import FloatArray
 
 MOVABLE_KINDS = ("revolute", "continuous", "prismatic")
@@ -20,6 +20,14 @@ _WORDS = ("name", "type", "link", "joint", "filename")
 _SPECK = 1e-300  # below that a number is none for the parser behind Pinocchio
 
 Element = ElementTree.Element
+
+
+class FollowingJoint(ValueError):
+    """A joint mimics another one and has no position of its own."""
+
+    def __init__(self, joint: str, leader: str) -> None:
+        self.joint = joint
+        super().__init__(f"{joint!r} follows {leader!r} (mimic); allowed: joints that move by themselves")
 
 
 def kinematic_urdf(urdf_text: str) -> str:
@@ -56,6 +64,29 @@ def _urdf_of_arm(urdf_text: str, moving: tuple[str, ...], standing_at: tuple[tup
             _free(joints[name])
         else:
             _fix(joints[name], standing.get(name, factor * standing.get(leader, 0.0) + offset))
+    return _text(robot)
+
+
+def with_still_joints(urdf_text: str, positions: Mapping[str, float]) -> str:
+    """Return the URDF with some joints fixed, as are those that mimic one of them.
+
+    Args:
+        urdf_text: the URDF.
+        positions: in [rad] or [m], by the name of a movable joint.
+
+    Raises:
+        FollowingJoint: a joint mimics another one.
+    """
+    robot = read_urdf(urdf_text)
+    joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
+    leaders = _leaders(joints)
+    for name, value in positions.items():
+        if name in leaders:
+            raise FollowingJoint(name, leaders[name][0])
+        _fix(joints[name], value)
+    for name, (leader, factor, offset) in leaders.items():
+        if leader in positions:
+            _fix(joints[name], factor * positions[leader] + offset)
     return _text(robot)
 
 

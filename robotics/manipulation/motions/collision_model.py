@@ -55,6 +55,7 @@ class CollisionModel:
         self._model, self._bodies, root_T_base = arm.for_collision()
         self._names = [self._model.frames[body.parentFrame].name for body in self._bodies.geometryObjects]
         self._links = range(len(self._names))
+        self._held_body, self._world_T_base = held, world_T_base
         self._held = None if held is None else len(self._names)
         root_T_world = root_T_base if world_T_base is None else root_T_base * pin.SE3(world_T_base).inverse()
         if held is not None:
@@ -102,6 +103,21 @@ class CollisionModel:
         hits = zip(self._bodies.collisionPairs, self._data.collisionResults, strict=True)
         pairs = [(self._names[p.first], self._names[p.second]) for p, hit in hits if hit.isCollision()]
         return list(dict.fromkeys(pairs))
+
+    @property
+    def holds(self) -> bool:
+        """True if the hand holds a body."""
+        return self._held is not None
+
+    def touches(self, q: FloatArray, body: Shape) -> bool:
+        """Return whether a link that the arm moves, or the held body, touches another body at `q` (n,).
+
+        Args:
+            q: (n,) joint angles, in [rad] or [m].
+            body: posed in the frame of the obstacles.
+        """
+        other = CollisionModel(self.arm, (body,), self._held_body, self._world_T_base)
+        return any(body.name in pair for pair in other.contacts(q))
 
     def line_free(self, q_from: FloatArray, q_to: FloatArray, step: float = 0.01) -> bool:
         """Return True if the straight joint line between two postures is free, ends included.

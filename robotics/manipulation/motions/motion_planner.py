@@ -16,6 +16,9 @@ from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
 
+LIMIT_ROUNDING = 1e-6
+"""[rad] or [m] beyond a limit that come from the rounding of a trajectory which ends at the limit."""
+
 
 def plan_motion(
     arm: ArmModel,
@@ -48,8 +51,9 @@ def plan_motion(
             or
         beyond the limits.
     """
-    if not (arm.within(q_start) and arm.within(q_goal)):
+    if not (arm.within(q_start, LIMIT_ROUNDING) and arm.within(q_goal, LIMIT_ROUNDING)):
         return None
+    q_start, q_goal = arm.clipped(q_start), arm.clipped(q_goal)
     q_goal = arm.nearest(q_goal, q_start)
     if collision.in_collision(q_start) or collision.in_collision(q_goal):
         return None

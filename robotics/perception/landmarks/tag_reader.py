@@ -69,10 +69,25 @@ def read_tags(
     return sorted(tags, key=lambda tag: (tag.id, *tag.corners[0]))
 
 
-def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
-    """Return camera_T_tag (4, 4) of a tag: x right, y up, z out of it.
+class TagPose(NamedTuple):
+    """A pose of a tag that fits its corners."""
 
-    Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014).
+    camera_T_tag: FloatArray
+    """(4, 4): x right, y up, z out of the tag."""
+    rms_px: float
+    """Root mean square of the corners' residuals, in [px]."""
+
+
+def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
+    """Return the best camera_T_tag (4, 4) of `tag_poses`; arguments and errors as there."""
+    return tag_poses(tag, camera, side)[0].camera_T_tag
+
+
+def tag_poses(tag: Tag, camera: CameraModel, side: float) -> list[TagPose]:
+    """Return both poses of a square that fit its corners, the better one first.
+
+    From afar, where the perspective is weak, both fit: a tag tilted towards the camera looks like one
+    tilted away from it. Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014).
 
     Args:
         tag: tag with its corners in the image.
@@ -85,12 +100,16 @@ def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
     half = side / 2
     square = np.array([[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]])
     rays = camera.undistort(tag.corners)
-    solved, turn, origin = cv2.solvePnP(square, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
+    flags = cv2.SOLVEPNP_IPPE_SQUARE
+    solved, turns, origins, errors = cv2.solvePnPGeneric(square, rays, np.eye(3), None, flags=flags)
     if not solved:
         raise ValueError(f"the corners of tag {tag.id} are not an image of a square")
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
-    return pose
+    found = []
+    for turn, origin, error in zip(turns, origins, errors, strict=True):
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
+        found.append(TagPose(pose, float(camera.K[0, 0] * error[0])))
+    return found
 
 
 def _correction_rate(family: TagFamily) -> float:

@@ -13,7 +13,8 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 CORNER_SIGMA_PX = 0.3
 STEPS = 12
-STEP = np.array([1e-5, 1e-5, 1e-5, 1e-5])  # [m], [m], [m], [rad]: of the derivatives
+INSET_SIGMA_PX = 0.5  # by which blur moves a corner towards the middle of its tag
+STEP = np.array([1e-5, 1e-5, 1e-5, 1e-5, 1e-4])  # [m], [m], [m], [rad], [px]: of the derivatives
 ENOUGH = 1e-7
 
 
@@ -43,14 +44,17 @@ class UprightFit(NamedTuple):
 def fit_upright(views: Sequence[TagView], start: Transform, height: float, height_sigma: float) -> UprightFit:
     """Fit x, y, z and heading of an upright box to all corners at once (Gauss and Newton).
 
+    Blur moves the corners of a small square inwards, by an amount that is fitted too: from afar it would
+    count as distance.
+
     Args:
         views: at least one.
         start: (4, 4) first guess; its tilt is ignored.
         height: expected height of the foot, in [m].
         height_sigma: its standard deviation, in [m].
     """
-    state = np.array([*start[:3, 3], np.arctan2(start[1, 0], start[0, 0])])
-    J = np.zeros((1, 4))
+    state = np.array([*start[:3, 3], np.arctan2(start[1, 0], start[0, 0]), 0.0])
+    J = np.zeros((1, 5))
     residuals = np.zeros(1)
     for _ in range(STEPS):
         residuals = _residuals(views, state, height, height_sigma)
@@ -63,8 +67,8 @@ def fit_upright(views: Sequence[TagView], start: Transform, height: float, heigh
         state = state + change
         if float(np.abs(change).max()) < ENOUGH:
             break
-    covariance = np.asarray(np.linalg.pinv(J.T @ J))
-    rms = CORNER_SIGMA_PX * float(np.sqrt(np.mean(residuals[:-1] ** 2)))
+    covariance = np.asarray(np.linalg.pinv(J.T @ J)[:4, :4])
+    rms = CORNER_SIGMA_PX * float(np.sqrt(np.mean(residuals[:-2] ** 2)))
     return UprightFit(_pose(state), covariance, rms)
 
 
@@ -73,12 +77,15 @@ def _pose(state: FloatArray) -> Transform:
 
 
 def _residuals(views: Sequence[TagView], state: FloatArray, height: float, height_sigma: float) -> FloatArray:
-    """Residuals (8 n + 1,) in standard deviations: the corners', and last that of the height."""
-    base_T_box = _pose(state)
-    found = [
-        (view.camera.project(apply(inverse(view.base_T_camera) @ base_T_box, view.on_box)) - view.corners)
-        / CORNER_SIGMA_PX
-        for view in views
-    ]
+    """Residuals (8 n + 2,) in standard deviations: the corners', that of the height, that of the inset."""
+    base_T_box, inset = _pose(state), float(state[4])
+    found = [(_corners(view, base_T_box, inset) - view.corners) / CORNER_SIGMA_PX for view in views]
     off = np.nan_to_num(np.concatenate([each.ravel() for each in found]), nan=1e3)
-    return np.append(off, (state[2] - height) / height_sigma)
+    return np.append(off, [(state[2] - height) / height_sigma, inset / INSET_SIGMA_PX])
+
+
+def _corners(view: TagView, base_T_box: Transform, inset: float) -> FloatArray:
+    """Return where a tag's corners (4, 2) are expected in a picture, moved towards its middle, in [px]."""
+    seen = view.camera.project(apply(inverse(view.base_T_camera) @ base_T_box, view.on_box))
+    outwards = seen - seen.mean(axis=0)
+    return np.asarray(seen - inset * outwards / np.linalg.norm(outwards, axis=1, keepdims=True))

@@ -8,9 +8,9 @@ import pytest
 
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.robot_names import named_robots
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError
+from tests.makers import every_robot
 from tests.small_robot import SMALL_ROBOT
 
 URDF = """\
@@ -63,7 +63,7 @@ def test_older_key_is_a_table_with_one_entry(tmp_path: Path) -> None:
     assert old.lidar_link == "laser"
 
 
-@pytest.mark.parametrize("name", [name for name in named_robots() if "/" not in name])
+@pytest.mark.parametrize("name", every_robot(short=True))
 def test_shipped_robots_sensors_are_called_like_their_keys(name: str) -> None:
     robot = load_robot(name)
     assert robot.sensors

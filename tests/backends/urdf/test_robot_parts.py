@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.urdf import robot_parts
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Hull
-from handcart.robotics.kinematics.urdf_contents import link_names
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 ROBOT = """\
 format: handcart-robot/1
@@ -37,6 +40,7 @@ STICK = """\
   </joint>
 </robot>
 """
+HALF = 2**-0.5
 CORNERS = [(x, y, z) for x in (0.0, 0.2) for y in (0.0, 0.04) for z in (0.0, 0.02)]
 FACES = "1 3 4 2|5 6 8 7|1 2 6 5|3 7 8 4|1 5 7 3|2 4 8 6"
 
@@ -159,3 +163,53 @@ def test_fingers_must_tell_their_size(tmp_path: Path) -> None:
     (tmp_path / "librarian.urdf").write_text(urdf.replace(box, ""), encoding="utf-8")
     (tmp_path / "robot.yaml").write_bytes((source / "robot.yaml").read_bytes())
     assert "the link 'left_finger' has no collision box" in error_of(tmp_path / "robot.yaml")
+
+
+def test_joints_are_left_out_with_all_that_they_carry(robot: Path) -> None:
+    robot.write_text(ROBOT.replace("onto: stick_end,", "onto: stick_end, without: [turn],"), encoding="utf-8")
+    names = link_names(load_robot(str(robot)).urdf_text())
+    assert "stick_end" in names and "upper_stick" in names and "upper_stick_end" not in names
+
+
+def test_joint_to_leave_out_that_is_missing_is_named(robot: Path) -> None:
+    robot.write_text(ROBOT.replace("onto: stick_end,", "onto: stick_end, without: [trun],"), encoding="utf-8")
+    words = error_of(robot)
+    assert ":5:51: stick.urdf has no joint 'trun'; did you mean 'turn'?" in words
+
+
+def test_faults_of_what_is_left_out_do_not_count(robot: Path) -> None:
+    broken = STICK.replace('lower="-1"', 'lower="$(optenv LOW -1)"')
+    (robot.parent / "stick.urdf").write_text(broken, encoding="utf-8")
+    assert "an expression of xacro" in error_of(robot)
+    both = ROBOT.replace("onto: base,", "onto: base, without: [turn],").replace("stick_end", "stick")
+    robot.write_text(both.replace("onto: stick,", "onto: stick, without: [turn],"), encoding="utf-8")
+    assert "upper_stick" in link_names(load_robot(str(robot)).urdf_text())
+
+
+def test_still_joints_hold_their_position(robot: Path) -> None:
+    robot.write_text(f"{ROBOT}still: {{turn: 45}}\n", encoding="utf-8")
+    loaded = load_robot(str(robot))
+    assert [each.name for each in joints_of(loaded.urdf_text())] == ["upper_turn"]
+    stick = base_T_frame(loaded.urdf_text(), "upper_stick")
+    assert np.allclose(stick[:2, :2], [[-HALF, -HALF], [HALF, -HALF]])  # 90 deg by the part, 45 by the joint
+
+
+@pytest.mark.parametrize(
+    ("still", "words"),
+    [
+        ("{trun: 3}", ":12:15: the URDF has no movable joint 'trun'; did you mean 'turn'?"),
+        ("{turn: 70}", ":12:15: 'turn' can't stand at 70 deg; allowed: -57.3 to 57.3 deg"),
+    ],
+)
+def test_still_joints_that_cannot_be_so_are_named(robot: Path, still: str, words: str) -> None:
+    robot.write_text(f"{ROBOT}still: {still}\n", encoding="utf-8")
+    assert words in error_of(robot)
+
+
+def test_missing_package_comes_with_the_command_that_installs_it(robot: Path) -> None:
+    text = ROBOT.replace("urdf: cart.urdf", "urdf: package://example-robot-data/robots/a.urdf")
+    robot.write_text(text, encoding="utf-8")
+    with patch.object(robot_parts, "package_folders", return_value=iter(())):
+        words = error_of(robot)
+    assert words.startswith(f"{robot}:2:7: there is no package 'example-robot-data'")
+    assert words.endswith("pip install 'handcart[robots]'")

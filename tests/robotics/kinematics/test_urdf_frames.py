@@ -6,12 +6,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from handcart.backends.description.robot_names import named_robots
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame, link_poses
 from handcart.robotics.kinematics.urdf_tree import kinematic_urdf
+from tests.makers import every_robot
 
 UPSIDE_DOWN = """<robot name="r"><link name="tip"/><link name="base"/><link name="root"/>
 <joint name="b" type="revolute"><parent link="base"/><child link="tip"/>
@@ -22,7 +22,7 @@ UPSIDE_DOWN = """<robot name="r"><link name="tip"/><link name="base"/><link name
 </robot>"""
 
 
-@pytest.mark.parametrize("text", [UPSIDE_DOWN, *named_robots()])
+@pytest.mark.parametrize("text", [UPSIDE_DOWN, *every_robot()])
 def test_links_stand_where_pinocchio_has_them(text: str) -> None:
     urdf = text if text.startswith("<") else load_robot(text).urdf_text()
     model = pin.buildModelFromXML(kinematic_urdf(urdf))

@@ -1,0 +1,109 @@
+"""Views of a camera that is not on the hand: its head turns it, and the arm stays out of its sight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.grasping.aiming import aim
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.numerics.arrays import FloatArray
+
+MAX_AIM_ERROR_RAD = 0.15  # between the optical axis and the point
+LIFT_SHARES = (0.9, 0.6, 0.3, 0.05)  # of the range of a joint that slides and moves arm and camera
+ASIDE_TURNS_RAD = (0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
+VERTICAL_COSINE = 0.99  # of the angle between a joint's axis and the vertical
+SIGHT_WIDTH_M = 0.10  # around the line from the camera to the point
+NEAR_CAMERA_M = 0.15  # that may be the head's own bodies
+NEAR_POINT_M = 0.02  # over the point, where sight may touch what is looked at
+SIGHT = "sight"
+
+
+def aimed_joints(
+    robot: Robot, collision: CollisionModel, point: FloatArray, towards: Sequence[FloatArray]
+) -> tuple[FloatArray, Transform] | None:
+    """Return joints (n,), in [rad] or [m], with a camera off the hand turned to a point, and base_T_camera
+    (4, 4).
+
+    The arm stays where it is if it hides nothing; otherwise it goes to `home` with an empty hand, or aside
+    about a vertical joint, which keeps a held object upright. Of several heights of a lift, the one that
+    looks most in the first wanted direction comes first. None if no view is free.
+
+    Args:
+        robot: robot with a camera behind joints of the section `arm`.
+        collision: the arm among its surroundings.
+        point: (3,) in the base frame, in [m].
+        towards: unit vectors (3,) from the point to the camera, the best ones first.
+    """
+    camera, here = robot.view_camera, robot.arm.command()
+    home = [] if collision.holds else [np.array(robot.spec.posture("home"))]
+    for posture in (here, *home, *_asides(robot.arm_model, here)):
+        views = list(aimed_views(robot.arm_model, camera.carrier, camera.carrier_T_camera, point, posture))
+        views.sort(key=lambda view: -_along(view[1], point, towards))
+        for joints, base_T_camera in views:
+            if not collision.in_collision(joints) and not _is_hidden(collision, joints, base_T_camera, point):
+                return joints, base_T_camera
+    return None
+
+
+def aimed_views(
+    arm: ArmModel, carrier: str, carrier_T_camera: Transform, point: FloatArray, posture: FloatArray
+) -> Iterator[tuple[FloatArray, Transform]]:
+    """Yield joints (n,) that turn a camera to a point, and base_T_camera (4, 4), at some heights of a lift.
+
+    Args:
+        arm: kinematics of arm and head.
+        carrier: link that carries the camera.
+        carrier_T_camera: (4, 4) of the optical frame.
+        point: (3,) in the base frame, in [m].
+        posture: (n,) of all joints; those that move the hand keep it, but for lifts.
+    """
+    above = arm.moving(carrier)
+    turning = above & ~arm.moves_tip
+    lifts = np.flatnonzero(above & arm.moves_tip & arm.slides)
+    for share in LIFT_SHARES if len(lifts) else (0.0,):
+        start = np.array(posture, dtype=np.float64)
+        start[lifts] = arm.lower[lifts] + share * (arm.upper[lifts] - arm.lower[lifts])
+        joints, off = aim(arm, carrier, carrier_T_camera, point, turning, start)
+        if off < MAX_AIM_ERROR_RAD:
+            yield joints, np.asarray(arm.forward(joints, carrier) @ carrier_T_camera)
+
+
+def _asides(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
+    """Yield postures (n,), in [rad] or [m], with the arm turned about a joint whose axis is vertical."""
+    vertical = np.abs(arm.jacobian(here)[5]) > VERTICAL_COSINE
+    for number in np.flatnonzero(vertical & arm.moves_tip & ~arm.slides):
+        for turn in ASIDE_TURNS_RAD:
+            posture = here.copy()
+            posture[number] += turn
+            if arm.within(posture):
+                yield posture
+
+
+def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatArray]) -> float:
+    """Return how well a view looks in the first wanted direction: the cosine of the angle between them."""
+    back = base_T_camera[:3, 3] - point
+    return float(towards[0] @ back / np.linalg.norm(back)) if towards else 0.0
+
+
+def _is_hidden(
+    collision: CollisionModel, joints: FloatArray, base_T_camera: Transform, point: FloatArray
+) -> bool:
+    """Return whether the arm, or what it holds, is between the camera and a point."""
+    line = point - base_T_camera[:3, 3]
+    length = float(np.linalg.norm(line))
+    near, far = min(NEAR_CAMERA_M, length / 3), NEAR_POINT_M
+    pose = np.eye(4)
+    pose[:3, :3] = base_T_camera[:3, :3]
+    pose[:3, 2] = line / length
+    pose[:3, 0] = np.cross(pose[:3, 1], pose[:3, 2])
+    pose[:3, 0] /= np.linalg.norm(pose[:3, 0])
+    pose[:3, 1] = np.cross(pose[:3, 2], pose[:3, 0])
+    pose[:3, 3] = base_T_camera[:3, 3] + line / length * (near + length - far) / 2
+    sight = Box(pose, (SIGHT_WIDTH_M, SIGHT_WIDTH_M, length - near - far), SIGHT)
+    return collision.touches(joints, sight)

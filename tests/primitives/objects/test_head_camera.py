@@ -1,0 +1,88 @@
+"""LOOK_FOR, PICK and PLACE with a camera on a head: it looks where the hand works, past the arm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot.robot import Robot
+from handcart.backends.robot.robot_errors import MissingCapability
+from handcart.evaluation.trials.rig import Rig
+from handcart.files.errors import FileError
+from handcart.networks.task.task_file import load_task
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.objects.aimed_view import aimed_joints
+from handcart.primitives.objects.look_for import LookFor
+from handcart.primitives.objects.pick import Pick
+from handcart.primitives.objects.place_object import PlaceObject
+from handcart.primitives.outcomes.outcome import Success
+from handcart.robotics.geometry.transform import apply, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+
+from .fetching import TASK, rig_with, scene_of
+from .head_robot import head_robot
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    """The robot with a head, at home."""
+    return rig_with(robot=str(head_robot(tmp_path_factory.mktemp("head"))), seed=1)
+
+
+def test_head_finds_picks_and_places_an_object(rig: Rig) -> None:
+    for primitive in (
+        MoveTo(place="table_a"),
+        LookFor(object="parcel_1"),
+        Pick(object="parcel_1", to="table_a"),
+        PlaceObject(surface="table_a"),
+    ):
+        outcome = rig.do(primitive)
+        assert isinstance(outcome, Success), outcome
+    scene = scene_of(rig)
+    parcel = scene.thing_named("object parcel_1").pose
+    assert abs(parcel[2, 3] - 0.6) < 1e-3 and parcel[2, 2] > 0.999
+    assert {each.body for each in scene.contacts} == {"load"}  # touched down
+
+
+def test_head_turns_to_a_point_and_the_arm_keeps_its_posture(rig: Rig) -> None:
+    robot, point = rig.robot, np.array([0.6, 0.5, 0.5])
+    found = aimed_joints(robot, CollisionModel(robot.arm_model), point, [])
+    assert found is not None
+    joints, base_T_camera = found
+    x, y, z = apply(inverse(base_T_camera), point[None])[0]
+    assert np.hypot(x, y) < 1e-3 * z
+    assert np.array_equal(joints[2:], robot.arm.command()[2:])
+
+
+def test_view_that_the_held_object_hides_is_not_taken(rig: Rig) -> None:
+    robot = rig.robot
+    hand = robot.base_T("hand")
+    below = hand[:3, 3] + 0.9 * (hand[:3, 3] - robot.base_T("camera")[:3, 3])
+    board = Box(transform(), (0.3, 0.3, 0.3), "board")
+    free, loaded = CollisionModel(robot.arm_model), CollisionModel(robot.arm_model, held=board)
+    assert aimed_joints(robot, free, np.array([0.6, 0.5, 0.5]), []) is not None
+    assert aimed_joints(robot, loaded, below, []) is None
+
+
+def test_inverse_kinematics_keep_the_head_where_it_is(rig: Rig) -> None:
+    arm, near = rig.robot.arm_model, np.array([0.4, 0.3, *rig.robot.spec.posture("home")[2:]])
+    assert arm.moves_tip.tolist() == [False, False, *[True] * 6]
+    pose = arm.forward(np.array(rig.robot.spec.posture("search_ready")))
+    found = list(arm.solutions(pose, near, restarts=10))
+    assert found and all(np.array_equal(each[:2], near[:2]) for each in found)
+
+
+def test_primitives_that_need_the_hand_camera_refuse_a_head(rig: Rig) -> None:
+    from handcart.backends.capabilities.camera import AnyCamera, Camera
+
+    robot: Robot = rig.robot
+    assert robot.get(AnyCamera) is robot.view_camera
+    with pytest.raises(MissingCapability):
+        robot.get(Camera)  # type: ignore[type-abstract]
+    assert isinstance(rig.backend, KinematicBackend)
+    task = load_task(TASK.parent / "stack_blocks" / "task.yaml")
+    with pytest.raises(FileError, match="needs what the robot doesn't have: Camera"):
+        task.check_capabilities(rig.backend)
+    load_task(TASK / "task.yaml").check_capabilities(rig.backend)
