@@ -32,6 +32,7 @@ class ArmModel:
         followers: names (k,) of joints that mimic one of the arm's.
         velocity: joint speed limits (n,), in [rad/s].
         slides: (n,) True for prismatic joints, whose numbers are in [m].
+        moves_tip: (n,) True for joints that move the tip, unlike those of a head.
         allowed: pairs of links that may touch each other.
 
     Raises:
@@ -81,6 +82,7 @@ class ArmModel:
         self._last_poses: dict[tuple[bytes, int], Transform] = {}  # asked several times in a period
         self._frames: dict[str, int] = {}
         self._tip_id = self._frame(tip)
+        self.moves_tip = self.moving(tip)
         self._root_T_base = self._fixed_placement(self._frame(base))
         self._base_T_root = self._root_T_base.inverse()
 
@@ -243,11 +245,6 @@ class ArmModel:
         base_T_joints = np.array([(self._base_T_root * self._data.oMi[j]).homogeneous for j in joints])
         base_T_joints = base_T_joints.reshape(-1, 4, 4)  # of an arm without bodies too
         return np.asarray(base_T_joints[rows] @ joint_T_bodies)
-
-    @cached_property
-    def moves_tip(self) -> BoolArray:
-        """(n,) True for joints that move the tip, unlike those of a head."""
-        return self.moving(self.tip)
 
     def moving(self, frame: str) -> BoolArray:
         """Return a mask (n,), True for joints that move a link, by themselves or by one that follows them."""
