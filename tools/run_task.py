@@ -60,6 +60,11 @@ def run(
         int | None,
         typer.Option(min=0, max=65535, help="port of --view (default: 8080 or the next free one)"),
     ] = None,
+    node: Annotated[
+        bool,
+        typer.Option("--node", help="publish it in ROS 2 and take commands there; simulated: in real time"),
+    ] = False,
+    node_namespace: Annotated[str, typer.Option(help="namespace of --node's topics and services")] = "",
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="write report.html into the run's folder")
     ] = True,
@@ -110,7 +115,8 @@ def run(
             sync=sync,
             permits=Permits(permit, step, breaks),
         )
-        status = _run_watched(task, runs, options, (view, port, as_json), progress_begins)
+        namespace = node_namespace if node else None
+        status = _run_watched(task, runs, options, (view, port, as_json), namespace, progress_begins)
     sys.exit(status)
 
 
@@ -119,6 +125,7 @@ def _run_watched(
     runs: Path,
     options: RunOptions,
     shows: tuple[bool, int | None, bool],
+    node: str | None,
     begins: Callable[[], None],
 ) -> int:
     """Run a task beside its progress, report how it ended, and return the exit status.
@@ -128,6 +135,7 @@ def _run_watched(
         runs: where the run's folder is made.
         options: of the run, without observers.
         shows: whether to show it in the browser, the port, and whether to end with JSON.
+        node: namespace of its node in ROS 2; None for no node.
         begins: called before the first progress.
     """
     from dataclasses import replace
@@ -142,7 +150,11 @@ def _run_watched(
         stack.enter_context(compiling_ahead())
         if options.permits:
             options.permits.asking, options.permits.typed = progress.ask, progress.typed
-        shown = (stack.enter_context(_shown(port, progress)),) if view else ()
+        shown = [stack.enter_context(_shown(port, progress))] if view else []
+        if node is not None:
+            from handcart.tools.node.open_node import opened_node
+
+            shown.append(stack.enter_context(opened_node(node, progress.say)))
         options = replace(options, interrupts=interrupts, observers=(progress, *shown))
         summary, status = run_task(task, runs, options)
         progress.end()

@@ -39,7 +39,7 @@ class NoRos(InputError):
 
     def __init__(self, missing: ImportError) -> None:
         super().__init__(
-            f"the backend 'ros2' needs the package {missing.name or missing!r}; on a robot it belongs to its"
+            f"ROS 2 needs the package {missing.name or missing!r}; on a robot it belongs to its"
             " ROS distribution (`source /opt/ros/DISTRIBUTION/setup.bash`), elsewhere:"
             " pip install 'handcart[ros2]'"
         )

@@ -1,0 +1,93 @@
+"""A node that publishes a state that stays readable, and answers services."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple, Protocol
+
+from typing_extensions import override
+
+from .ros_errors import NoRos
+from .ros_link import RosLink, Take, message_class
+
+DIAGNOSTICS_TOPIC = "/diagnostics"
+
+
+class Answer(NamedTuple):
+    """Answer of a `std_srvs/Trigger` service."""
+
+    success: bool
+    message: str
+
+
+class ServingLink(Protocol):
+    """Connection to ROS 2 of a program that is watched and commanded."""
+
+    def message(self, kind: str) -> Any:
+        """Return a new message."""
+
+    def latched(self, kind: str, topic: str) -> Take:
+        """Return a function that publishes; a late subscriber receives the last message, too."""
+
+    def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:
+        """Offer a Trigger service; one that is `apart` is answered while another one still works."""
+
+    def servers(self, name: str) -> int:
+        """Return the number of nodes that offer a service."""
+
+    def now(self) -> float:
+        """Return the time of ROS in [s]."""
+
+    def spin(self, seconds: float) -> None:
+        """Answer the calls that arrive within so many seconds."""
+
+    def close(self) -> None:
+        """Leave; a second call does nothing."""
+
+
+class RosServingLink(RosLink, ServingLink):
+    """A node of rclpy whose services are answered by threads of their own."""
+
+    EXECUTOR = "MultiThreadedExecutor"
+
+    @override
+    def latched(self, kind: str, topic: str) -> Take:
+        qos = self._qos
+        profile = qos.QoSProfile(
+            depth=1,
+            reliability=qos.ReliabilityPolicy.RELIABLE,
+            durability=qos.DurabilityPolicy.TRANSIENT_LOCAL,
+        )
+        publish: Take = self._node.create_publisher(message_class(kind), topic, profile).publish
+        return publish
+
+    @override
+    def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:
+        def served(_: Any, response: Any) -> Any:
+            try:
+                response.success, response.message = answer()
+            except Exception as error:  # the caller needs an answer, and the node goes on
+                response.success, response.message = False, f"{type(error).__name__}: {error}"
+            return response
+
+        try:
+            groups = import_module("rclpy.callback_groups")
+            trigger = import_module("std_srvs.srv").Trigger
+        except ImportError as missing:
+            raise NoRos(missing) from None
+        group = groups.MutuallyExclusiveCallbackGroup() if apart else None
+        self._node.create_service(trigger, name, served, callback_group=group)
+
+    @override
+    def servers(self, name: str) -> int:
+        full = self._node.resolve_service_name(name)
+        return sum(
+            full in dict(self._node.get_service_names_and_types_by_node(node, namespace))
+            for node, namespace in self._node.get_node_names_and_namespaces()
+            if (node, namespace) != (self._node.get_name(), self._node.get_namespace())
+        )
+
+    @override
+    def spin(self, seconds: float) -> None:
+        self._executor.spin_once(timeout_sec=seconds)

@@ -1,0 +1,1 @@
+"""Benchmarks of robots that speak ROS 2."""

@@ -1,0 +1,97 @@
+"""Run shipped tasks over the bench of ROS 2 topics: `python -m benchmarks.ros2.tasks`.
+
+Each task is run with each seed as `handcart run TASK --backend ros2 --bench BACKEND` does it: commands and
+readings pass through the messages of ROS, in one process and without its middleware. Printed are the
+Successes, the outcomes that the ground truth contradicts, and the reasons of all other ends. Status 1 if an
+outcome was false or fewer than 95 % were Successes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from handcart.evaluation.trials.running import run_task
+from handcart.networks.runs.run_options import RunOptions
+from handcart.tasks.task_names import task_path
+
+TASKS = ("return_book", "stack_blocks", "drive_map", "fetch_and_carry")
+MIN_SUCCESS_RATIO = 0.95
+
+
+@dataclass
+class Figures:
+    """Results of the runs of one task on one simulated backend."""
+
+    runs: int = 0
+    ends: Counter[str] = field(default_factory=Counter)
+    false: list[str] = field(default_factory=list)
+    simulated_s: float = 0.0
+    cpu_s: float = 0.0
+
+    @property
+    def is_good(self) -> bool:
+        """True if nothing was false and at least 95 % were Successes."""
+        return not self.false and self.ends["Success"] >= MIN_SUCCESS_RATIO * self.runs
+
+
+def main() -> None:
+    """Print a row for each task and simulated backend."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--tasks", nargs="+", default=list(TASKS))
+    words.add_argument("--benches", nargs="+", default=["kinematic", "mujoco"], help="simulated backends")
+    words.add_argument("--seeds", type=int, default=20, help="number of seeds on the kinematic bench")
+    words.add_argument("--physics-seeds", type=int, default=5, help="number of seeds on every other bench")
+    words.add_argument("--first", type=int, default=0, help="first seed")
+    asked = words.parse_args()
+    rows: list[Figures] = []
+    for bench in asked.benches:
+        count = asked.seeds if bench == "kinematic" else asked.physics_seeds
+        for task in asked.tasks:
+            rows.append(measure(task, bench, range(asked.first, asked.first + count)))
+            print(row_of(task, bench, rows[-1]), flush=True)
+    sys.exit(0 if all(each.is_good for each in rows) else 1)
+
+
+def measure(task: str, bench: str, seeds: range) -> Figures:
+    """Run a task with some seeds over the bench in front of a simulated backend."""
+    found = Figures()
+    for seed in seeds:
+        print(f"{task} on {bench}, seed {seed} ...", end=" ", file=sys.stderr, flush=True)
+        begun = time.process_time()
+        summary = run_once(task, bench, seed)
+        found.runs += 1
+        found.cpu_s += time.process_time() - begun
+        found.simulated_s += summary["sim_time_s"]
+        success = summary["outcome"] == "Success"
+        found.ends["Success" if success else f"{summary['outcome']}: {summary['reason'][:160]}"] += 1
+        found.false += [f"seed {seed}: {each}" for each in summary["metrics"]["untrue"]]
+        print(f"{summary['outcome']} {summary['reason']}", file=sys.stderr, flush=True)
+    return found
+
+
+def run_once(task: str, bench: str, seed: int) -> dict[str, Any]:
+    """Run a task once over the bench, and return its summary."""
+    with TemporaryDirectory(prefix="ros2-") as folder:
+        options = RunOptions(backend="ros2", seed=seed, bench=bench)
+        summary, _ = run_task(task_path(Path(task)), Path(folder), options)
+    return summary
+
+
+def row_of(task: str, bench: str, found: Figures) -> str:
+    """Return the printed row, with the other ends and the false outcomes below it."""
+    head = f"{task:<16}{bench:<10} Success {found.ends['Success']}/{found.runs}  false {len(found.false)}"
+    speed = found.simulated_s / max(found.cpu_s, 1e-9)
+    others = [f"    {count} x {end}" for end, count in found.ends.items() if end != "Success"]
+    wrong = [f"    false: {each}" for each in found.false]
+    return "\n".join([f"{head}  {found.cpu_s:.0f} CPU s, {speed:.1f} times real time", *others, *wrong])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+"""State of a run as its node publishes it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.tracking.people import People
+from handcart.robotics.numerics.arrays import FloatArray
+
+NO_POINTS = np.empty((0, 2))
+
+
+@dataclass(frozen=True)
+class SeenState:
+    """What the robot believes at one time; all on its map."""
+
+    pose: Pose2
+    """map_T_base."""
+    covariance: FloatArray
+    """(3, 3) of the pose, in [m] and [rad]."""
+    planned: FloatArray = field(default_factory=NO_POINTS.copy)
+    """(n, 2) path that the action plans to drive, in [m]."""
+    driven: FloatArray = field(default_factory=NO_POINTS.copy)
+    """(n, 2) path that it believes to have driven in this action, in [m]."""
+    felt: FloatArray = field(default_factory=NO_POINTS.copy)
+    """(n, 2) points where the base touched something, in [m]."""
+    people: FloatArray = field(default_factory=lambda: np.empty((0, 7)))
+    """(p, 7) tracked people, as `People.rows`."""
+    snapshot: Pose2 | None = None
+    """map_T_base at the start of the action: what a Fail restores."""
+
+
+def seen_state(
+    robot: Robot, evidence: Mapping[str, FloatArray], driven: list[Pose2], snapshot: Pose2 | None
+) -> SeenState:
+    """Copy what is published of a robot.
+
+    Args:
+        robot: the robot, between two periods.
+        evidence: (n, 2) points of the running action by name.
+        driven: poses of the base since the action's start.
+        snapshot: pose of the base at the action's start; None before the first one.
+    """
+    people = np.empty((0, 7))
+    with suppress(Exception):  # primitives that need its readings report it
+        people = People.of(robot.people.now(robot.time)).rows
+    return SeenState(
+        robot.pose,
+        np.array(robot.localization.covariance),
+        np.array(evidence.get("planned", NO_POINTS)).reshape(-1, 2),
+        np.array([(pose.x, pose.y) for pose in driven]).reshape(-1, 2),
+        np.array(robot.base.felt).reshape(-1, 2),
+        people,
+        snapshot,
+    )
+
+
+def action_state(number: int, action: Any, fails: int) -> dict[str, Any]:
+    """Return the published description of an action that starts; `fails`: its earlier ones."""
+    given = {} if action.binding is None else action.binding.given()
+    return {
+        "number": number,
+        "index": action.index,
+        "do": action.do,
+        "from": action.source,
+        "to": action.target,
+        "with": {key: str(value) for key, value in given.items()},
+        "fails": fails,
+        "state": "running",
+    }

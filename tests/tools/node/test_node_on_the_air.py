@@ -1,0 +1,69 @@
+"""A run's node through the middleware, from another process. Runs where rclpy is installed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+
+pytest.importorskip(
+    "rclpy", reason="rclpy is not installed; needed: the extra ros2, apart", exc_type=ImportError
+)
+from tests.middleware import Client, passes_messages
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),  # of a parser that rclpy imports
+]
+RUN = ("run", "drive_map", "--robot", "cart", "--backend", "kinematic", "--node", "--no-report")
+
+
+@pytest.fixture(autouse=True)
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep this test's topics on this machine, and apart from those of others."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(100 + (os.getpid() + 50) % 100))
+    monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
+    if not passes_messages():
+        pytest.skip("the middleware passes no messages between two nodes of this machine")
+
+
+@pytest.fixture
+def client(alone: None) -> Iterator[Client]:
+    found = Client()
+    yield found
+    found.close()
+
+
+def test_a_kinematic_run_is_watched_and_stopped(client: Client, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "handcart", *RUN, "--runs", str(tmp_path)]
+    status: list[Any] = []
+    client.listen("std_msgs/String", "handcart/status", lambda each: status.append(orjson.loads(each.data)))
+    kinds = {
+        "handcart/markers": "visualization_msgs/MarkerArray",
+        "handcart/map": "nav_msgs/OccupancyGrid",
+        "handcart/pose": "geometry_msgs/PoseWithCovarianceStamped",
+        "/diagnostics": "diagnostic_msgs/DiagnosticArray",
+    }
+    seen: dict[str, Any] = {}
+    for topic, kind in kinds.items():
+        client.listen(kind, topic, partial(seen.__setitem__, topic))
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as run:
+        client.wait(lambda: len(seen) == len(kinds) and bool(status), 60.0)
+        assert seen["/diagnostics"].status[0].level == b"\0"
+        assert client.call("handcart/pause").success
+        client.wait(lambda: status[-1]["state"] == "paused while acting", 5.0)
+        begun = time.monotonic()
+        stopped = client.call("handcart/stop")
+        assert stopped.success and "Cancelled" in stopped.message
+        assert time.monotonic() - begun < 3.0
+        assert run.wait(timeout=15.0) == 130
+    client.wait(lambda: status[-1]["state"] == "ended", 5.0)

@@ -1,0 +1,1 @@
+"""handcart as a node of ROS 2."""

@@ -1,0 +1,37 @@
+"""The node of one run: `handcart run --node`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from handcart.networks.events.run_observer import RunObserver
+
+DISCOVERY_S = 1.5
+"""[s] in which another run's node is looked for."""
+
+
+@contextmanager
+def opened_node(namespace: str, say: Callable[[str], None]) -> Iterator[RunObserver]:
+    """Yield an observer that publishes the run, and offers the operator's services.
+
+    Args:
+        namespace: of the node's topics and services; "" for none.
+        say: receives what a person should know.
+
+    Raises:
+        NoRos: rclpy is not installed.
+        SecondNode: another run has a node in that namespace.
+    """
+    from handcart.backends.ros2.wire.ros_link import node_name
+    from handcart.backends.ros2.wire.serving_link import RosServingLink
+    from handcart.evaluation.viewing.node.run_node import RunNode, check_alone
+
+    link = RosServingLink(node_name("run"), namespace)
+    try:
+        check_alone(link, DISCOVERY_S)
+        yield RunNode(link, say)
+    finally:
+        link.close()
