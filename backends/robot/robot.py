@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Generator, Iterator
 from functools import cached_property
 from typing import Any, ClassVar, TypeVar, cast
@@ -28,7 +27,6 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
-from handcart.robotics.navigation.following.blocked_motion import Blocked, BlockedMotion
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle
 from handcart.robotics.navigation.localization.attitude import Attitude
@@ -40,6 +38,7 @@ from .beside import beside
 from .fresh_pictures import FreshPictures, Photo
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
+from .progress_watch import ProgressWatch
 from .robot_errors import MissingCapability, MissingSensor, NoSidewaysDrive, UnknownStart
 from .seen_people import SeenPeople
 from .unseen_ground import UnseenGround
@@ -116,9 +115,6 @@ class Robot:
         """Command of the base in the last period."""
         self.held: HoldingObstacle | None = None
         """Obstacle that the base was held back from in the last period, because it would have touched it."""
-        self.blocked: Blocked | None = None
-        """That the base was driven and did not get on, found in the last period."""
-        self._motion = BlockedMotion(self.period)
         self.failed_from: Pose2 | None = None
         """map_T_base where the first of several Fails in a row began; None after any other end."""
         if spec.localizer in OUTDOOR_LOCALIZERS:
@@ -126,6 +122,8 @@ class Robot:
         where = Pose2(0.0, 0.0, 0.0) if start is None else start
         self.localization = localization_of(backend, spec, where, grid, self.lidar, is_start_exact)
         """Estimate of the base's pose, from the sensors that the robot has."""
+        self.progress = ProgressWatch(spec, self.period, self.localization)
+        """Whether the base gets on as it is driven."""
         if start is None:
             if not self.localization.can_relocate:
                 raise UnknownStart(spec)
@@ -299,13 +297,7 @@ class Robot:
         """Bring the estimated pose up to date, and see whether the base gets on."""
         travel, before = self.localization.travel, self.localization.odometry_pose
         self.localization.update(self.command)
-        rolled, way = self.localization.travel, self.command.direction
-        ahead = 0.5 * (rolled.left - travel.left + rolled.right - travel.right)
-        along = ahead * math.cos(way) + (rolled.sideways - travel.sideways) * math.sin(way)
-        now = self.localization.odometry_pose
-        self.blocked = self._motion.update(self.command.along, along, before, now, way)
-        if self.blocked is not None:
-            self._motion.clear()
+        self.progress.update(self.command, travel, before)
 
     def _feel(self) -> None:
         """Take in what the inertial sensors read."""

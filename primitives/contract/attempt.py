@@ -270,7 +270,7 @@ def _restore_once(
         Exception: a fault broke it off. No second restore is tried on top of it here.
     """
     verdict: Fail | GiveUp = GiveUp(failure.reason, cause=failure.cause)
-    view, blocked = model.view(primitive), robot.blocked
+    view, blocked = model.view(primitive), robot.progress.blocked
     for again in range(RESTORE_MAX_TRIES):
         room = primitive.base_room(robot, view)
         restore = _way_back(primitive.restore(robot, view, start, trace), robot, blocked, trace)

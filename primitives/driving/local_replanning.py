@@ -95,7 +95,7 @@ class LocalReplanning:
         return self._layer.points
 
     def sense(self, robot: Robot) -> None:
-        """Take in this period's scan."""
+        """Take in this period's scan; only watch for people where its pose is in doubt."""
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
         ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
@@ -107,6 +107,8 @@ class LocalReplanning:
         self._sensed = robot.pose.apply(scan.points())
         explained[hit] = self._field.read(self._sensed) <= margin
         moving, left = self.people.take(robot, scan, ranges, explained)
+        if not robot.localization.held_base.is_settled:
+            return
         self._layer.erase(left)
         self._layer.take(map_T_sensor, scan.angles, ranges, explained | moving, robot.time)
 

@@ -66,6 +66,8 @@ class PeopleWatch:
         if robot.time <= self._taken_at or len(ranges) < 3:
             return TrackedScan(moving, np.empty((0, 3)))
         self._taken_at = robot.time
+        if not robot.localization.held_base.is_settled:
+            return self._unsettled(robot, moving)
         beams = self._ordered(scan.angles)
         sensor = robot.pose.compose(scan.base_T_sensor)
         chosen = beams.order[(np.isfinite(scan.ranges) & ~explained)[beams.order]]
@@ -78,6 +80,13 @@ class PeopleWatch:
         robot.people.show(robot.time, tracks, robot.localization, suspects)
         robot.base.keep_off_people(People.of([*tracks, *suspects]))
         return TrackedScan(moving, tracked.left)
+
+    def _unsettled(self, robot: Robot, moving: BoolArray) -> TrackedScan:
+        """Track nobody by a scan whose pose is in doubt: walls beside the map would count as people."""
+        if robot.localization.held_base.searches:
+            self._tracks, self.people = MovingTracks(REACH_M), People.of(())
+        robot.base.keep_off_people(self.people)
+        return TrackedScan(moving, np.empty((0, 3)))
 
     def _ordered(self, angles: FloatArray) -> BeamOrder:
         """Return the beams of a scan in even steps to the left; where they are uneven, the nearest ones."""

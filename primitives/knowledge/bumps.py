@@ -89,7 +89,8 @@ def _away(robot: Robot, points: FloatArray) -> FloatArray:
 
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     """Record a bump if the base was stopped in the last period; called once a period."""
-    blocked = robot.blocked
+    _check_wheels(robot)
+    blocked = robot.progress.blocked
     if blocked is None:
         return
     known = model.bumps, model.arm_bumps
@@ -104,6 +105,32 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     )
     raise Discrepancy(
         _words(blocked, bump, robot.spec), measured=moved, check="contact", cause=causes.BASE_STOPPED
+    )
+
+
+def _check_wheels(robot: Robot) -> None:
+    """Raise `Discrepancy` if a wheel was driven in the last periods and the base did not get on there.
+
+    Where the obstacle is remains unknown: it may be anywhere around the base.
+    """
+    found = robot.progress.blocked_wheel
+    if found is None:
+        return
+    turns = "its wheels turn" if found.evidence.slips else "its wheels stand, or its drives are off"
+    held = "it" if found.side == "both" else f"it at its {found.side} side"
+    moved = Measured(
+        "Base",
+        f"progress of the {'wheels' if found.side == 'both' else f'{found.side} wheel'} while driven",
+        found.evidence.moved,
+        MAX_PROGRESS * found.evidence.commanded,
+        unit="m",
+    )
+    raise Discrepancy(
+        f"the base is driven and does not move so: something holds {held}"
+        f" at ({found.pose.x:.2f}, {found.pose.y:.2f}) m, and {turns}",
+        measured=moved,
+        check="contact",
+        cause=causes.BASE_STOPPED,
     )
 
 

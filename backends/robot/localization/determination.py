@@ -12,6 +12,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
+BIAS_SIGMAS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
+BIASED_SIGMAS = (3.0, 2.915, 2.857, 2.822, 2.792, 2.784, 2.783)
+"""Sigmas beyond a bias of as many `BIAS_SIGMAS`, within which as many errors are as within 3 without one."""
 _ANGLES = np.linspace(0.0, math.pi, 24, endpoint=False)
 EVEN_DIRECTIONS = np.vstack([np.cos(_ANGLES), np.sin(_ANGLES)])
 """(2, 24) unit vectors in columns: with a shift, the worst direction is none of the principal axes."""
@@ -102,7 +105,7 @@ def undetermined(
         need: limit of 3 sigma plus the distance from the wanted pose.
         off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
         shift: (2,) largest error of the position on the map beyond the covariance, either way, in [m]. It is
-            a bias of unknown size, the same in all readings at one place, so it is added to 3 sigma.
+            a bias of unknown size, the same in all readings at one place, so noise comes on top of it.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
@@ -110,7 +113,7 @@ def undetermined(
     if need.across is None and (length := math.hypot(*shift.tolist())) > 0.0:
         axes = np.column_stack([axes, shift / length, EVEN_DIRECTIONS])
         limits = np.full(axes.shape[1], need.position)
-    spread = DETERMINED_SIGMAS * sigmas_along(covariance, axes) + np.abs(shift @ axes)
+    spread = _reach(sigmas_along(covariance, axes), np.abs(shift @ axes))
     sizes = np.abs(np.array(off[:2]) @ axes) + spread
     worst = int(np.argmax(sizes / limits))
     if sizes[worst] > limits[worst]:
@@ -131,9 +134,21 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
         shift: (2,) in [m], see `undetermined`.
     """
     axes, limits = need.axes(covariance)
-    spread = DETERMINED_SIGMAS * sigmas_along(covariance, axes) + math.hypot(*shift.tolist())
+    sigmas = sigmas_along(covariance, axes)
+    spread = _reach(sigmas, np.full(len(sigmas), math.hypot(*shift.tolist())))
     room = float((limits - spread).min())
     return room, need.heading - DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
+
+
+def _reach(sigmas: FloatArray, biases: FloatArray) -> FloatArray:
+    """Return the limits (k,) of errors with a bias that are kept as often as 3 sigma without one, in [m].
+
+    Args:
+        sigmas: (k,) in [m].
+        biases: (k,) in [m].
+    """
+    beyond = np.interp(biases / np.maximum(sigmas, 1e-12), BIAS_SIGMAS, BIASED_SIGMAS)
+    return np.asarray(biases + beyond * sigmas)
 
 
 def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:

@@ -19,18 +19,18 @@ from handcart.robotics.navigation.localization.likelihood_field import Likelihoo
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
-from handcart.robotics.navigation.locating.scan_jump import ScanJump
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .crowd import Crowd
+from .held_base import HeldBase
 from .lidar import Lidar, beams_of
+from .lift_watch import LOOK_AGAIN, LiftWatch
 from .lost import Lost, lifted_by
-from .older_states import completed
+from .older_states import completed, local_map_of
 from .pose_covariance import SCAN_REPEATABILITY, worst_sigmas
 from .sensed import Sensed
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
-LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 MAX_REST_WHEEL_DIFFERENCE_M = 2e-4
 STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
@@ -72,10 +72,11 @@ class Localization(ABC):
         """People around the base."""
         self._map_field: LikelihoodField | None = None
         """Field of the given map; None if no scan is compared with a map."""
-        self._people_before = False
         self.lifted: Lost | None = None
         """Evidence that the base was lifted and set down elsewhere; None before, and since it is located."""
-        self._scan_jump = ScanJump()
+        self._lift_watch = LiftWatch(wheels.odometry.tread)
+        self.held_base = HeldBase(wheels, None, backend.period)
+        """Watch for wheels that turn while something holds the base."""
         self.local_map: LocalMap | None = None
         """Map drawn since the pose on the given map is unknown; None while that pose is known."""
 
@@ -120,9 +121,7 @@ class Localization(ABC):
 
     @property
     def particles(self) -> FloatArray | None:
-        """Possible poses (3, n) on the map, x, y in [m] and heading in [rad]; None for a filter without
-        particles.
-        """
+        """Possible poses (3, n) on the map, in [m] and [rad]; None for a filter without particles."""
         return None
 
     @property
@@ -145,10 +144,7 @@ class Localization(ABC):
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigma of `repeatability` along its worst direction in [m], and of the heading in [rad].
-
-        Infinite while the robot is lost.
-        """
+        """Sigma of `repeatability`, worst direction in [m] and heading in [rad]; infinite while lost."""
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
@@ -168,9 +164,7 @@ class Localization(ABC):
 
     @property
     def doubt(self) -> Lost | None:
-        """Reason why the claimed accuracy of the pose is unreliable at the moment; None while it is
-        reliable.
-        """
+        """Reason why the claimed accuracy of the pose is unreliable now; None while it is reliable."""
         return self.lost
 
     @property
@@ -214,11 +208,10 @@ class Localization(ABC):
         travel = self._base.wheel_travel()
         if not all(map(math.isfinite, travel)):
             travel = self.travel  # the next sound reading has it all
-        left, right = travel.left - self.travel.left, travel.right - self.travel.right
-        sideways = travel.sideways - self.travel.sideways
+        rolled = WheelTravel(*(now - then for now, then in zip(travel, self.travel, strict=True)))
         self.travel, before = travel, self.pose
-        self._predict(left, right, sideways)
-        self._watch_lifting(left, right, sideways)
+        self._predict(*rolled)
+        self._watch_scans(rolled)
         self._extend_local_map()
         if travel.away(self._stood) <= MAX_REST_WHEEL_DIFFERENCE_M:
             self.still += 1
@@ -233,6 +226,7 @@ class Localization(ABC):
             self.crowd.moved()
         self._correct()
         self.crowd.passed()
+        self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
         """Check whether the base, but for `rolled` since it rested, is still at its pose; if not, find it."""
@@ -280,19 +274,16 @@ class Localization(ABC):
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1
 
-    def _watch_lifting(self, left: float, right: float, sideways: float) -> None:
-        """Compare this period's scan with the one before; the wheels travelled this far, in [m]."""
+    def _watch_scans(self, rolled: WheelTravel) -> None:
+        """Compare this period's scan with earlier ones; the wheels travelled this far, in [m]."""
+        if self.held_base.update(rolled, self.still):
+            self._lift_watch.reset()
+            self.crowd = Crowd()
         lidar = self._range_sensor
         if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
-        self._scan_jump.roll(left, right, self._wheels.odometry.tread, sideways)
-        rests = self.still > 0
-        if lidar.silence or (rests and self.still % LOOK_AGAIN != 0):
-            return
-        if not self._scan_jump.is_doubtful:  # people change scans, too; and another place seems full of them
-            self._people_before = self.crowd.is_near
-        if self._scan_jump.take(beams_of(lidar), rests) and not self._people_before:
-            self.lifted = lifted_by(self._scan_jump.share)
+        self.lifted = self._lift_watch.take(lidar, rolled, self.still, self.crowd)
+        if self.lifted is not None:
             self._displaced()
 
     def _extend_local_map(self) -> None:
@@ -304,13 +295,16 @@ class Localization(ABC):
             local.add(self.pose, beams_of(lidar))
             self._wheels.extend_map(local.field)
 
+    @property
+    def _is_found(self) -> bool:
+        """True if a scan shows where the base is."""
+        return True
+
     def mark(self) -> None:
         """Mark this moment for `smoothed`."""
 
     def smoothed(self) -> list[Belief]:
-        """Return the poses at the marked moments by all readings before and after; empty if smoothing adds
-        nothing.
-        """
+        """Return the poses at the marked moments by all readings; empty if smoothing adds nothing."""
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:
@@ -330,11 +324,10 @@ class Localization(ABC):
     def _displaced(self) -> None:
         self.displacements += 1
         self.still = 0
+        self.held_base.reset()
 
     def _fresh_points(self) -> FloatArray:
-        """Return (n, 2) in [m] of this period's scan; none if it is stale: the same although the wheels
-        rolled.
-        """
+        """Return (n, 2) in [m] of this period's scan; none if it stays the same while the wheels roll."""
         assert self._range_sensor is not None
         scan = self._range_sensor.scan()
         if not np.array_equal(scan.ranges, self._ranges):
@@ -371,7 +364,8 @@ class Localization(ABC):
         self._set_local_map(state.get(LOCAL_MAP_KEY))
         share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
         self.lifted = lifted_by(share) if share else None
-        self._scan_jump.reset()
+        self._lift_watch.reset()
+        self.held_base.reset()
 
     def _set_local_map(self, echoes: object) -> None:
         """Restore whether the pose on the map is known; `echoes` are those of the local map, if it is not."""
@@ -383,10 +377,7 @@ class Localization(ABC):
             return
         if not self.can_relocate:
             raise NotAState("no state of this localization: it needs a map and a lidar")
-        flat = from_plain(echoes, list[float], LOCAL_MAP_KEY)
-        if len(flat) % 2:
-            raise NotAState(f"no saved state: {LOCAL_MAP_KEY}: pairs of numbers are needed")
-        self.local_map = LocalMap.of_echoes(np.array(flat).reshape(-1, 2), self.pose)
+        self.local_map = local_map_of(from_plain(echoes, list[float], LOCAL_MAP_KEY), self.pose)
         self._wheels.extend_map(self.local_map.field)
         self._wheels.surface_error = DRAWN_SURFACE_M
 

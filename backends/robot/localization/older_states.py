@@ -1,9 +1,14 @@
-"""States of localizations in checkpoints of earlier versions."""
+"""Parts of localizations in checkpoints, also of earlier versions."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from handcart.backends.plain_values import attributes, to_plain
+from handcart.backends.saved_state import NotAState
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.bent_way import BentWay
+from handcart.robotics.navigation.locating.local_map import LocalMap
 
 from .crowd import Crowd
 
@@ -17,3 +22,18 @@ def completed(state: object) -> object:
     if isinstance(odometry, dict) and "_bent" not in odometry:
         found["odometry"] = {**odometry, "_bent": to_plain(BentWay.straight(), BentWay)}
     return found
+
+
+def local_map_of(echoes: list[float], pose: Pose2) -> LocalMap:
+    """Return the local map of a checkpoint.
+
+    Args:
+        echoes: x and y of each, alternating, in [m].
+        pose: of the base on it.
+
+    Raises:
+        NotAState: a coordinate is missing.
+    """
+    if len(echoes) % 2:
+        raise NotAState("no saved state: local map: pairs of numbers are needed")
+    return LocalMap.of_echoes(np.array(echoes).reshape(-1, 2), pose)

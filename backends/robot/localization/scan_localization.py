@@ -17,10 +17,13 @@ from handcart.robotics.navigation.localization.surface_depth import depth_shift
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .held_base import HeldBase
 from .lidar import MIN_ECHOES, Lidar, beams_of
 from .localization import Localization
 from .lost import Lost
 from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
+
+MIN_SHARE_FOUND = 0.85  # of the share explained before, from which a scan shows where a base is that was held
 
 
 class ScanLocalization(Localization):
@@ -37,6 +40,8 @@ class ScanLocalization(Localization):
         matching.correct(self._range_sensor.scan().points())
         if isinstance(lidar, Lidar):
             matching.check_start(beams_of(lidar))
+            self.held_base = HeldBase(matching, lidar, backend.period)
+        self._share_before = 0.0  # of the scan that the map explained while nothing denied the wheels
         self.set_origin()
 
     @property
@@ -80,7 +85,7 @@ class ScanLocalization(Localization):
         if self.lifted is not None:
             return self.lifted
         if not self._matching.lost:
-            return None
+            return self.held_base.lost
         share = "share of the scan that the map explains"
         silence = self._range_sensor.silence if isinstance(self._range_sensor, Lidar) else ""
         if silence:
@@ -96,6 +101,14 @@ class ScanLocalization(Localization):
     def explained(self) -> float:
         match = self._matching.last_match
         return super().explained if match is None else match.inliers
+
+    @property
+    @override
+    def _is_found(self) -> bool:
+        if not self.held_base.searches:
+            self._share_before = self.explained
+            return True
+        return self._matching.sure and self.explained >= MIN_SHARE_FOUND * self._share_before
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
         slip, way, layer = self._matching.slip, self._matching.way, self._matching.unmapped.layer

@@ -15,6 +15,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 
+from .held_base import HeldBase
+from .lidar import Lidar
 from .localization import Localization
 from .lost import Lost
 
@@ -41,6 +43,8 @@ class WheelLocalization(Localization):
         self._reckoning = wheels
         self._map_field = wheels.field
         self._period, self._unanswered = backend.period, 0.0
+        if isinstance(lidar, Lidar):
+            self.held_base = HeldBase(wheels, lidar, backend.period)
 
     @property
     @override
@@ -62,7 +66,7 @@ class WheelLocalization(Localization):
             why = "after the drive its scan fits the map nowhere near where its wheels say"
             return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
         if self._unanswered <= MAX_COMMANDED_TRAVEL_M:
-            return None
+            return self.held_base.lost
         why = "its wheels are driven, and read the same again and again"
         way = "way driven since the wheels read anything new"
         return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * MAX_COMMANDED_TRAVEL_M, "mm")
@@ -82,6 +86,11 @@ class WheelLocalization(Localization):
         if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
             self._reckoning.check_drive(self._fresh_points())
         super().look_again(rolled)
+
+    @property
+    @override
+    def _is_found(self) -> bool:
+        return self.still >= REST_PERIODS and not (self._reckoning.unchecked or self._reckoning.astray)
 
     def _correct(self) -> None:
         if self.still == REST_PERIODS:

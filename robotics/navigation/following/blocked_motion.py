@@ -70,8 +70,14 @@ class BlockedMotion:
     `MIN_COMMANDED_M` in `LONGEST_WINDOW_S` is below the noise of the pose and is not judged.
     """
 
-    def __init__(self, period: float) -> None:
-        """Start with an empty window; `period` is the control period in [s]."""
+    def __init__(self, period: float, confirming: int = CONFIRMING_PERIODS) -> None:
+        """Start with an empty window.
+
+        Args:
+            period: control period, in [s].
+            confirming: periods in a row that have to show it.
+        """
+        self._confirming = confirming
         self._shortest = max(2, round(SHORTEST_WINDOW_S / period))
         self._periods: deque[_Period] = deque(maxlen=max(self._shortest, round(LONGEST_WINDOW_S / period)))
         self._length = period
@@ -104,7 +110,7 @@ class BlockedMotion:
             self._periods.append(_Period(commanded, rolled, before, now, ahead, direction))
         found = self._judged()
         self._in_a_row = 0 if found is None else self._in_a_row + 1
-        return found if self._in_a_row >= CONFIRMING_PERIODS else None
+        return found if self._in_a_row >= self._confirming else None
 
     def _judged(self) -> Blocked | None:
         commanded, rolled, ahead = 0.0, 0.0, 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from typing_extensions import override
@@ -19,7 +19,7 @@ from handcart.robotics.navigation.localization.scan_matching import (
     ScanMatch,
     match_scan,
 )
-from handcart.robotics.navigation.localization.slip_monitor import SlipMonitor, turn_variance
+from handcart.robotics.navigation.localization.slip_monitor import RolledWay, SlipMonitor, turn_variance
 from handcart.robotics.navigation.localization.start_search import ScanBeams, StartFit, check_start
 from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
 from handcart.robotics.navigation.localization.way_monitor import WayMonitor
@@ -40,24 +40,6 @@ MAX_REST_SPREAD = (
 DISPLACED_SIGMAS = 3.0  # sigmas of a match by which its pose then lies elsewhere
 MAX_SIDEWAYS_RATIO = 0.2  # of the way ahead; more of it, and the length of the way ahead is not compared
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
-
-
-class RolledWay(NamedTuple):
-    """Travel of the wheels, in [m]."""
-
-    left: float = 0.0
-    right: float = 0.0
-    sideways: float = 0.0
-
-    def added(self, left: float, right: float, sideways: float) -> RolledWay:
-        """Return the travel with more of it.
-
-        Args:
-            left: travel of the left wheels, in [m].
-            right: travel of the right wheels, in [m].
-            sideways: travel to the left, in [m].
-        """
-        return RolledWay(self.left + left, self.right + right, self.sideways + sideways)
 
 
 class Localizer(ABC):
@@ -122,6 +104,16 @@ class Localizer(ABC):
         """
         self._odometry.reset(pose, covariance)
         self.extend_map(field)
+
+    def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
+        """Take over a pose that the wheels deny; how far it is from theirs is unsure from now on.
+
+        Args:
+            pose: map_T_base by scans.
+            covariance: (3, 3) that it adds to that of the pose, in [m, m, rad].
+        """
+        off = pose_difference(self.pose, pose)
+        self._odometry.shift(pose, covariance + np.outer(off, off))
 
     def find_again(self, points: FloatArray) -> bool:
         """Take over another pose if a scan clearly fits there; return whether it was taken over.
@@ -206,6 +198,14 @@ class ScanLocalizer(Localizer):
     def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         super().change_map(field, pose, covariance)
         self._poor, self._map_error, self.misplaced, self.last_match = 0, np.zeros((3, 3)), False, None
+        self.slip.begin()
+        self.way.begin()
+        self._rolled = RolledWay()
+
+    @override
+    def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
+        super().deny_wheels(pose, covariance)
+        self.unmapped.layer.clear()
         self.slip.begin()
         self.way.begin()
         self._rolled = RolledWay()

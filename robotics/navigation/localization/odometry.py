@@ -135,6 +135,16 @@ class Odometry:
         if covariance is not None:
             self._state[:3, :3] = covariance
 
+    def shift(self, pose: Pose2, added: FloatArray) -> None:
+        """Move to a pose that the wheels do not report; the errors of earlier poses are still in it.
+
+        Args:
+            pose: map_T_base.
+            added: (3, 3) covariance of the shift: x, y in [m] and heading in [rad].
+        """
+        self.pose = pose
+        self._state[:3, :3] += added
+
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
         """Set the pose by a measurement of the motion since `set_origin`; keep the calibration of the wheels.
 

@@ -106,6 +106,12 @@ class OdometryLocalizer(Localizer):
         elif self._stands is not None:
             self._stands = self._stands.compose(self.pose.relative_to(before))
 
+    @override
+    def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
+        super().deny_wheels(pose, covariance)
+        self._stands = None
+        self._driven = max(self._driven, 2.0 * DRIVING_WHEEL_TRAVEL_M)
+
     def correct(self, points: FloatArray) -> bool:
         """Ignore a scan (n, 2), in the base frame in [m]; return False."""
         return False

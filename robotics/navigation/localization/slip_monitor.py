@@ -3,13 +3,31 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 WINDOW_M = 0.3  # travel of a wheel over which the turn is compared: scan noise counts for little
 MAX_WINDOWS = 10
 MIN_WINDOWS = 3
 SCAN_TURN_VARIANCE = 2.0 * 0.003**2  # [rad²] of a turn between two scans
 MAX_FACTOR = 400.0  # of the claimed variance: 20 times its sigma
+
+
+class RolledWay(NamedTuple):
+    """Travel of the wheels, in [m]."""
+
+    left: float = 0.0
+    right: float = 0.0
+    sideways: float = 0.0
+
+    def added(self, left: float, right: float, sideways: float) -> RolledWay:
+        """Return the travel with more of it.
+
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, in [m].
+            sideways: travel to the left, in [m].
+        """
+        return RolledWay(self.left + left, self.right + right, self.sideways + sideways)
 
 
 class SlipMonitor:

@@ -53,7 +53,7 @@ class ScanJump:
             at_rest: True if the base is at rest: scans are then taken more rarely.
         """
         before = self._reference
-        if before is not None and _same_ranges(before.ranges, beams.ranges):
+        if before is not None and same_ranges(before.ranges, beams.ranges):
             return False  # an old scan given again says nothing of where the base is now
         changed = self._reference is not None and self._is_changed(self._reference, beams)
         self._changes = self._changes + 1 if changed else 0
@@ -85,7 +85,7 @@ class ScanJump:
 
 
 @compiled
-def _same_ranges(one: FloatArray, other: FloatArray) -> bool:
+def same_ranges(one: FloatArray, other: FloatArray) -> bool:
     """Return whether all ranges are the same to the last bit; NaN is the same as NaN."""
     if len(one) != len(other):
         return False

@@ -174,7 +174,7 @@ def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: p
 
 def test_a_new_robot_has_done_and_seen_nothing(robot: Robot) -> None:
     assert (robot.time, robot.driven) == (0.0, (0.0, 0.0))
-    assert (robot.held, robot.blocked, robot.seen, robot.failed_from) == (None, None, None, None)
+    assert (robot.held, robot.progress.blocked, robot.seen, robot.failed_from) == (None, None, None, None)
 
 
 def test_limits_are_those_of_its_files(robot: Robot) -> None:
@@ -308,11 +308,13 @@ def test_driven_base_is_blocked_by_how_far_wheels_and_pose_came(
 ) -> None:
     """The distance of a period is the mean of both wheels, not their sum or more."""
     taken: list[tuple[float, float]] = []
-    monkeypatch.setattr(robot._motion, "update", lambda speed, rolled, *poses: taken.append((speed, rolled)))
+    monkeypatch.setattr(
+        robot.progress._motion, "update", lambda speed, rolled, *poses: taken.append((speed, rolled))
+    )
     for _ in range(12):
         robot.base.drive(0.2, 0.0)
         robot.step()
     speed, rolled = taken[-1]
     assert speed == pytest.approx(0.2)
     assert rolled == pytest.approx(0.2 * robot.period, rel=0.1)
-    assert robot.blocked is None
+    assert robot.progress.blocked is None

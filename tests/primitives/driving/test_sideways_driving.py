@@ -56,7 +56,7 @@ def test_a_low_step_beside_is_felt_with_its_direction(make_rig: Callable[..., Ri
         turns = rig.robot.pose.theta > 0.02 and number < 60
         rig.robot.base.drive(0.0, -1.0 if turns else 0.0, 0.0 if turns else 0.3)
         rig.robot.step()
-        found = found or rig.robot.blocked
+        found = found or rig.robot.progress.blocked
     assert found is not None
     assert abs(found.direction - math.pi / 2) < 1e-6
     assert abs(found.heading - math.pi / 2) < 0.1

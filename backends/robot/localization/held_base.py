@@ -1,0 +1,82 @@
+"""A base that something holds while its wheels turn: scans deny the motion, and show its pose again."""
+
+from __future__ import annotations
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.robotics.navigation.localization.localizer import Localizer
+from handcart.robotics.navigation.locating.wheel_check import WheelCheck
+
+from .lidar import Lidar, beams_of
+from .lost import Lost
+
+REST_PERIODS = 4  # periods at rest, after which the wheels report nothing more
+MAX_SEARCH_S = 10.0  # after the wheels were denied, until the pose counts as lost
+HELD_REASON = "its wheels turned while something held it, and its scans do not show where it is since"
+
+
+class HeldBase:
+    """Compares wheels with scans once a period; corrects the pose where they disagree."""
+
+    def __init__(self, wheels: Localizer, lidar: Lidar | None, period: float) -> None:
+        """Begin at rest; without a lidar the wheels are believed. The control period is in [s]."""
+        self._wheels, self._lidar, self._period = wheels, lidar, period
+        odometry = wheels.odometry
+        self._check = WheelCheck(odometry.tread, odometry.errors, period)
+        self._searched = 0
+
+    @property
+    def compares_scans(self) -> bool:
+        """True if scans show what the wheels do not: that the base is held while they turn."""
+        return self._lidar is not None
+
+    @property
+    def is_settled(self) -> bool:
+        """True if the scans show the motion that the wheels report, or the pose was found again since."""
+        return self._searched == 0 and not self._check.is_doubtful
+
+    @property
+    def searches(self) -> bool:
+        """True if the wheels were denied and no scan has shown the pose since."""
+        return self._searched > 0
+
+    @property
+    def lost(self) -> Lost | None:
+        """Reason why the pose is unknown; None while it is known or may still be found."""
+        searched = self._searched * self._period
+        if searched <= MAX_SEARCH_S:
+            return None
+        return Lost(
+            HELD_REASON, "RangeSensor", "time since the wheels were denied", searched, MAX_SEARCH_S, "s"
+        )
+
+    def update(self, rolled: WheelTravel, still: int) -> bool:
+        """Compare the wheels' travel in a period with its scan; return whether the pose was corrected.
+
+        Args:
+            rolled: travel in the period, in [m].
+            still: periods that the base has been at rest.
+        """
+        if self._lidar is None:
+            return False
+        self._searched += self.searches
+        if still >= REST_PERIODS:
+            self._check.reset()
+            return False
+        self._check.roll(*rolled)
+        found = None if self._lidar.silence else self._check.take(beams_of(self._lidar))
+        if found is None:
+            return False
+        self._wheels.deny_wheels(*found)
+        self._searched = max(1, self._searched)
+        return True
+
+    def note_pose(self, is_found: bool) -> None:
+        """Take the pose after this period's corrections; `is_found`: a scan shows where the base is."""
+        self._check.note_pose(self._wheels.pose)
+        if is_found and not self._check.is_contradicted:
+            self._searched = 0
+
+    def reset(self) -> None:
+        """Begin again, at a pose that was set."""
+        self._check.reset()
+        self._searched = 0

@@ -1,0 +1,42 @@
+"""A base that is lifted and set down elsewhere: its scans change at once, and its wheels do not turn."""
+
+from __future__ import annotations
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.robotics.navigation.locating.scan_jump import ScanJump
+
+from .crowd import Crowd
+from .lidar import Lidar, beams_of
+from .lost import Lost, lifted_by
+
+LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
+
+
+class LiftWatch:
+    """Compares each period's scan with the one before."""
+
+    def __init__(self, tread: float) -> None:
+        """Begin without scans; `tread` of the wheels in [m]."""
+        self._tread, self._jump, self._people_before = tread, ScanJump(), False
+
+    def take(self, lidar: Lidar, rolled: WheelTravel, still: int, crowd: Crowd) -> Lost | None:
+        """Return the evidence that the base was lifted in the last periods, or None.
+
+        Args:
+            lidar: its first lidar.
+            rolled: travel of the wheels in this period, in [m].
+            still: periods that the base has been at rest.
+            crowd: people around it: they change scans, too.
+        """
+        self._jump.roll(rolled.left, rolled.right, self._tread, rolled.sideways)
+        if lidar.silence or (still > 0 and still % LOOK_AGAIN != 0):
+            return None
+        if not self._jump.is_doubtful:  # another place seems full of people
+            self._people_before = crowd.is_near
+        if self._jump.take(beams_of(lidar), still > 0) and not self._people_before:
+            return lifted_by(self._jump.share)
+        return None
+
+    def reset(self) -> None:
+        """Discard all scans so far."""
+        self._jump.reset()

@@ -1,0 +1,54 @@
+"""Whether a base gets on as it is driven, by all its sensors."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.backends.capabilities.base import DriveCommand, WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.blocked_motion import Blocked, BlockedMotion
+from handcart.robotics.navigation.following.blocked_wheels import BlockedWheel, BlockedWheels
+
+from .localization.localization import Localization
+
+
+class ProgressWatch:
+    """Compares commands with the estimated motion, once a period.
+
+    Attributes:
+        blocked: that the base does not get on ahead or backwards, found in the last period.
+        blocked_wheel: likewise that it does not get on at a wheel, for example on the spot; None with
+            `blocked`.
+    """
+
+    def __init__(self, spec: RobotFile, period: float, localization: Localization) -> None:
+        """Begin at rest; the control period is in [s]."""
+        self._localization, self._is_car = localization, spec.drive.kind == "ackermann"
+        self._motion, self._wheels = BlockedMotion(period), BlockedWheels(period, spec.drive.tread_m)
+        self.blocked: Blocked | None = None
+        self.blocked_wheel: BlockedWheel | None = None
+
+    def update(self, command: DriveCommand, travel: WheelTravel, before: Pose2) -> None:
+        """Take in a period that has passed.
+
+        Args:
+            command: command of the base in it.
+            travel: of the wheels before it.
+            before: estimated pose before it, `Localization.odometry_pose`.
+        """
+        rolled, way = self._localization.travel, command.direction
+        now = self._localization.odometry_pose
+        left, right = rolled.left - travel.left, rolled.right - travel.right
+        along = 0.5 * (left + right) * math.cos(way) + (rolled.sideways - travel.sideways) * math.sin(way)
+        self.blocked = self._motion.update(command.along, along, before, now, way)
+        if self.blocked is not None:
+            self._motion.clear()
+            self._wheels.clear()
+        self.blocked_wheel = None
+        if self._is_car or command.sideways != 0.0 or not self._localization.held_base.compares_scans:
+            self._wheels.clear()
+            return
+        if self.blocked is None:
+            wheels = command.speed, command.turn_rate
+            self.blocked_wheel = self._wheels.update(wheels, (left, right), before, now)

@@ -1,0 +1,65 @@
+"""Detect that one wheel of a base, or both, does not get on as it is commanded, also on the spot."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .blocked_motion import Blocked, BlockedMotion
+
+CONFIRMING_PERIODS = 7  # in a row: an obstacle ahead is found first, with its place
+START = Pose2(0.0, 0.0, 0.0)
+
+
+class BlockedWheel(NamedTuple):
+    """Evidence that something holds a base at a wheel, or keeps it from turning."""
+
+    side: str
+    """`left`, `right` or `both`."""
+    pose: Pose2
+    """Estimated map_T_base."""
+    evidence: Blocked
+    """Travel of one such wheel that was commanded, rolled and made; its poses are along the wheel's way."""
+
+
+class BlockedWheels:
+    """Compares the commanded travel of each wheel with that of the base at the wheel, by the estimated pose.
+
+    A base that is held while it should turn on the spot moves neither ahead nor back, so the distance
+    ahead does not show it. A base held at one side turns about it.
+    """
+
+    def __init__(self, period: float, tread: float) -> None:
+        """Start with an empty window; control period in [s], distance of the wheels in [m]."""
+        self._period, self._tread = period, tread
+        self._sides = {side: BlockedMotion(period, CONFIRMING_PERIODS) for side in ("left", "right")}
+
+    def clear(self) -> None:
+        """Forget what was commanded so far."""
+        for side in self._sides.values():
+            side.clear()
+
+    def update(
+        self, command: tuple[float, float], rolled: tuple[float, float], before: Pose2, now: Pose2
+    ) -> BlockedWheel | None:
+        """Take in a period's motion; return the evidence that a wheel is blocked, or None.
+
+        Args:
+            command: speed ahead in [m/s] and turn rate in [rad/s].
+            rolled: travel of the left and the right wheel by their encoders, in [m].
+            before: estimated map_T_base before the period.
+            now: estimated map_T_base after the period.
+        """
+        motion, half = now.relative_to(before), 0.5 * self._tread
+        found = {}
+        for (name, side), sign, way in zip(self._sides.items(), (-1.0, 1.0), rolled, strict=True):
+            moved = Pose2(motion.x + sign * half * motion.theta, 0.0, 0.0)
+            speed = command[0] + sign * half * command[1]
+            if (blocked := side.update(speed, way, START, moved)) is not None:
+                found[name] = blocked
+        if not found:
+            return None
+        worst = max(found.values(), key=lambda each: abs(each.commanded))
+        self.clear()
+        return BlockedWheel("both" if len(found) > 1 else next(iter(found)), now, worst)

@@ -1,0 +1,301 @@
+"""Comparison of what wheels say of a base's motion with what its scans show, without any map.
+
+A base that something holds (the edge of a table, a low bar, a foot) turns its wheels and stays. Its scans
+stay the same, too: they show how far it moved.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.odometry import OdometryErrors
+from handcart.robotics.navigation.localization.start_search import ScanBeams
+from handcart.robotics.navigation.mapping.line_matching import match_surfaces
+from handcart.robotics.navigation.mapping.scan_surface import Surface, fit_surface
+from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.compiled import compiled
+
+from .scan_jump import same_ranges
+
+MIN_MOTION_M, MIN_MOTION_RAD = 0.03, 0.03
+"""Motion by the wheels, less of which is not compared with scans."""
+SHORT_BASELINE, LONG_BASELINE = (0.03, 0.03), (0.2, 0.25)
+"""Motion by the wheels in [m] and in [rad], after which a scan is replaced by a later one."""
+MAX_REFERENCE_M, MAX_REFERENCE_RAD = 0.5, 1.0
+"""Motion by the wheels, after which the reference is too old."""
+CLEAR_DIFFERENCE = 0.06
+"""Difference of two disagreements, from which scans contradict the wheels."""
+MAX_LAG_S = 0.15
+"""Time by which scans may be older than the wheels' readings."""
+MIN_SHARE_OFF = 0.3
+"""Share of the wheels' motion that scans must miss: free wheels slip by less."""
+WRONG_SIGMAS = 4.0
+MIN_INLIERS = 0.6
+"""Share of the earlier scan that the later one must show again."""
+SMALL_GATES_M = (0.2, 0.1)
+AGREEMENT_SCALE_M = 0.05
+"""Difference of ranges that counts half."""
+FASTEST_KEPT = 0.8
+"""Share of the greatest speed that is kept from one reference to the next: scans lag behind a stop."""
+AGREEING_SCANS = 6
+"""Scans in a row that agree with the wheels again, until the wheels are believed."""
+MIN_BEAMS = 20
+
+
+class Contradiction(NamedTuple):
+    """Pose of a base whose wheels deny its motion."""
+
+    pose: Pose2
+    """map_T_base by the pose at the earlier scan, and the motion that the scans show."""
+    covariance: FloatArray
+    """(3, 3) of that motion, on the map: x, y in [m] and heading in [rad]."""
+
+
+class WheelCheck:
+    """Compares each scan with two earlier ones, moved as the wheels say.
+
+    The later of the two shows at once that the base is held; the earlier one shows wheels that half slip.
+
+    Attributes:
+        is_doubtful: True if the last scan fits better where the base moved less than its wheels say.
+        is_contradicted: True from the first contradiction until scans and wheels agree again.
+    """
+
+    def __init__(self, tread: float, errors: OdometryErrors, period: float) -> None:
+        """Begin without scans.
+
+        Args:
+            tread: distance of the wheels, in [m].
+            errors: of the wheels.
+            period: control period, in [s].
+        """
+        self._lag_periods = MAX_LAG_S / period
+        self._baselines = tuple(Baseline(tread, errors, *least) for least in (SHORT_BASELINE, LONG_BASELINE))
+        self._last = np.empty(0)
+        self._agreeing = 0
+        self.is_doubtful = self.is_contradicted = False
+
+    def roll(self, left: float, right: float, sideways: float) -> None:
+        """Take the wheels' travel in a period into account.
+
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, in [m].
+            sideways: travel to the left, in [m].
+        """
+        for each in self._baselines:
+            each.roll(left, right, sideways)
+
+    def note_pose(self, pose: Pose2) -> None:
+        """Take the best estimate of map_T_base in this period, after `take`."""
+        for each in self._baselines:
+            each.note_pose(pose)
+
+    def take(self, beams: ScanBeams) -> Contradiction | None:
+        """Return where the base is if this scan and an earlier one contradict its wheels."""
+        if same_ranges(self._last, beams.ranges):
+            return None  # an old scan given again
+        self._last = beams.ranges
+        compared = [each for each in self._baselines if each.compares(beams)]
+        if not compared:
+            return None
+        doubted = [each for each in compared if each.fits_elsewhere(beams)]
+        self.is_doubtful = bool(doubted)
+        self._agreeing = 0 if doubted else self._agreeing + 1
+        self.is_contradicted = self.is_contradicted and self._agreeing < AGREEING_SCANS
+        for each in compared:
+            if not doubted and each.is_complete:
+                each.begin(beams)
+        lag = 0.0 if self.is_contradicted else self._lag_periods
+        found = next((fit for each in doubted if (fit := each.contradiction(beams, lag))), None)
+        if found is not None:
+            self.is_contradicted = True
+            for each in self._baselines:
+                each.begin(beams)
+        return found
+
+    def reset(self) -> None:
+        """Discard all scans so far; the base was moved by others, or its wheels are not compared."""
+        for each in self._baselines:
+            each.reset()
+        self._agreeing = 0
+        self.is_doubtful = self.is_contradicted = False
+
+
+class Baseline:
+    """A scan, and the travel of the wheels since."""
+
+    def __init__(self, tread: float, errors: OdometryErrors, way: float, turn: float) -> None:
+        """Begin without a scan.
+
+        Args:
+            tread: distance of the wheels, in [m].
+            errors: of the wheels.
+            way: travel of a wheel after which the scan is replaced, in [m].
+            turn: turn after which the scan is replaced, in [rad].
+        """
+        self._tread, self._errors, self._complete = tread, errors, (way, turn)
+        self._before: ScanBeams | None = None
+        self._surface: Surface | None = None
+        self._then = Pose2(0.0, 0.0, 0.0)  # map_T_base at that scan
+        self._left, self._right, self._sideways, self._way = 0.0, 0.0, 0.0, 0.0
+        self._fastest = np.zeros(2)  # distance in [m] and turn in [rad] by the wheels in a period
+        self._moved = Pose2(0.0, 0.0, 0.0)
+
+    def roll(self, left: float, right: float, sideways: float) -> None:
+        """Add the wheels' travel in a period, in [m]: left, right and to the left."""
+        step = rolled_motion(left, right, sideways, self._tread)
+        self._moved = self._moved.compose(step)
+        self._left, self._right = self._left + left, self._right + right
+        self._sideways, self._way = self._sideways + sideways, self._way + abs(left) + abs(right)
+        self._fastest = np.maximum(self._fastest, _size(step))
+
+    def note_pose(self, pose: Pose2) -> None:
+        """Take map_T_base; it is that of the scan while the wheels have not moved since."""
+        if self._way == 0.0 and self._sideways == 0.0:
+            self._then = pose
+
+    def begin(self, beams: ScanBeams) -> None:
+        """Begin with a scan."""
+        self._before, self._surface = beams, None
+        self._left = self._right = self._sideways = self._way = 0.0
+        self._moved, self._fastest = Pose2(0.0, 0.0, 0.0), FASTEST_KEPT * self._fastest
+
+    def reset(self) -> None:
+        """Discard the scan."""
+        self._before, self._surface = None, None
+
+    def compares(self, beams: ScanBeams) -> bool:
+        """Return whether the wheels moved far enough to compare a scan; begin with the first one."""
+        before = self._before
+        old = self._has_moved(MAX_REFERENCE_M, MAX_REFERENCE_RAD)
+        if before is None or old or len(before.angles) != len(beams.angles):
+            self.begin(beams)
+            return False
+        return self._has_moved(MIN_MOTION_M, MIN_MOTION_RAD)
+
+    @property
+    def is_complete(self) -> bool:
+        """True if the next scan may replace this one."""
+        return self._has_moved(*self._complete)
+
+    def _has_moved(self, way: float, turn: float) -> bool:
+        rolled = max(abs(self._left), abs(self._right), abs(self._sideways))
+        return rolled > way or abs(self._right - self._left) > turn * self._tread
+
+    def fits_elsewhere(self, beams: ScanBeams) -> bool:
+        """Return whether a motion with held wheels explains a scan clearly better than the wheels do."""
+        own = self._disagreement(beams, self._moved)
+        if own <= CLEAR_DIFFERENCE:
+            return False
+        return any(self._disagreement(beams, each) < own - CLEAR_DIFFERENCE for each in self._held())
+
+    def _held(self) -> list[Pose2]:
+        """Return the motions of a base that is held, or held at one wheel."""
+        shares = ((0.0, 0.0, 0.0), (0.5, 0.5, 0.5), (0.0, 1.0, 1.0), (1.0, 0.0, 1.0))
+        return [
+            rolled_motion(one * self._left, two * self._right, three * self._sideways, self._tread)
+            for one, two, three in shares
+        ]
+
+    def _disagreement(self, beams: ScanBeams, moved: Pose2) -> float:
+        back, before = moved.inverse(), self._before
+        assert before is not None
+        then = before.origin, before.angles, before.ranges
+        pose = (back.x, back.y, back.theta)
+        return float(disagreement_of_ranges(then, pose, beams.origin, beams.angles, beams.ranges))
+
+    def contradiction(self, beams: ScanBeams, lag: float) -> Contradiction | None:
+        """Return where a scan shows the base; None if the wheels may be right.
+
+        Args:
+            beams: beams of the scan.
+            lag: periods by which scans may be older than the wheels' readings.
+        """
+        starts = sorted(self._held(), key=lambda each: self._disagreement(beams, each))
+        if self._surface is None:
+            assert self._before is not None
+            self._surface = fit_surface(self._before.points, self._before.origin)
+        now = fit_surface(beams.points, beams.origin)
+        way, turn = (_size(self._moved) + np.array([MIN_MOTION_M, MIN_MOTION_RAD])).tolist()
+        prior = np.diag([way**-2, way**-2, turn**-2])
+        match = match_surfaces(self._surface, now, starts[0], prior, SMALL_GATES_M)
+        noise = np.asarray(np.linalg.inv(match.information), dtype=np.float64)
+        if match.inliers < MIN_INLIERS or not self._is_beyond(match.pose, noise, lag):
+            return None
+        pose = self._then.compose(match.pose)
+        cos, sin = math.cos(self._then.theta), math.sin(self._then.theta)
+        rotation = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        return Contradiction(pose, rotation @ noise @ rotation.T)
+
+    def _is_beyond(self, moved: Pose2, noise: FloatArray, lag: float) -> bool:
+        """Return whether a motion is not that of the wheels, whatever their errors and the lag of scans."""
+        errors, (way, turn) = self._errors, _size(self._moved)
+        slip = errors.slip**2 * errors.slip_length * self._way
+        by_turn = (slip + 2.0 * (errors.radius * way) ** 2) / self._tread**2 + (errors.tread * turn) ** 2
+        claimed = np.array([0.25 * slip + (errors.radius * way) ** 2, by_turn])
+        sigmas = np.sqrt(claimed + np.array([max(noise[0, 0], noise[1, 1]), noise[2, 2]]))
+        least = np.maximum(WRONG_SIGMAS * sigmas, MIN_SHARE_OFF * np.array([way, turn]))
+        off = _size(moved.relative_to(self._moved))
+        return bool((off > np.maximum(least, lag * self._fastest)).any())
+
+
+def _size(motion: Pose2) -> FloatArray:
+    """Return the distance in [m] and the turn in [rad] of a motion (2,), without signs."""
+    return np.array([math.hypot(motion.x, motion.y), abs(motion.theta)])
+
+
+def rolled_motion(left: float, right: float, sideways: float, tread: float) -> Pose2:
+    """Return the motion before_T_after of a base by its wheels' travel, all in [m]."""
+    forward, turn = 0.5 * (left + right), (right - left) / tread
+    cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)
+    return Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
+
+
+@compiled
+def disagreement_of_ranges(
+    before: tuple[FloatArray, FloatArray, FloatArray],
+    moved: tuple[float, float, float],
+    sensor: FloatArray,
+    angles: FloatArray,
+    ranges: FloatArray,
+) -> float:
+    """Return the mean robust difference of two scans of one place, 0 to 1; 0 if too few beams compare.
+
+    Args:
+        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan.
+        moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
+        sensor: (2,) origin of the beams, in [m].
+        angles: (n,) ascending in even steps, in [rad].
+        ranges: (n,) in [m].
+    """
+    origin, rays, reaches = before
+    cos, sin = math.cos(moved[2]), math.sin(moved[2])
+    count = len(angles)
+    step = (angles[count - 1] - angles[0]) / max(1, count - 1)
+    if step <= 0.0:
+        return 0.0
+    total, compared = 0.0, 0
+    for i in range(len(rays)):
+        if not math.isfinite(reaches[i]):
+            continue
+        ahead = origin[0] + reaches[i] * math.cos(rays[i])
+        left = origin[1] + reaches[i] * math.sin(rays[i])
+        x = moved[0] + cos * ahead - sin * left - sensor[0]
+        y = moved[1] + sin * ahead + cos * left - sensor[1]
+        away = math.sqrt(x * x + y * y)
+        at = ((math.atan2(y, x) - angles[0]) % (2.0 * math.pi)) / step
+        low = int(at)
+        if low + 1 >= count or not (math.isfinite(ranges[low]) and math.isfinite(ranges[low + 1])):
+            continue
+        one, two = ranges[low], ranges[low + 1]
+        share = at - low
+        between = (1.0 - share) * one + share * two
+        off = min(abs(away - between), abs(away - one), abs(away - two))
+        compared += 1
+        total += off * off / (off * off + AGREEMENT_SCALE_M**2)
+    return total / compared if compared >= MIN_BEAMS else 0.0
