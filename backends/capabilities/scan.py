@@ -27,6 +27,9 @@ class Validity(IntEnum):
     """No reading, or a masked one: the space along the beam is unknown."""
 
 
+_TOO_CLOSE, _INVALID = int(Validity.TOO_CLOSE), int(Validity.INVALID)  # looked up in an enumeration slowly
+
+
 class _Beams(NamedTuple):
     """Fields of a scan."""
 
@@ -60,7 +63,7 @@ class Scan(_Beams):
 
     def blind(self) -> BoolArray:
         """Return a mask (n,): True for beams that show neither an obstacle nor free ground."""
-        return self.validity >= Validity.TOO_CLOSE
+        return self.validity >= _TOO_CLOSE
 
     def rep117(self) -> FloatArray:
         """Return the ranges (n,) as REP 117 encodes them, in [m].
@@ -69,6 +72,6 @@ class Scan(_Beams):
         """
         ranges = self.ranges.copy()
         if len(self.validity):
-            ranges[self.validity == Validity.TOO_CLOSE] = -np.inf
-            ranges[self.validity == Validity.INVALID] = np.nan
+            ranges[self.validity == _TOO_CLOSE] = -np.inf
+            ranges[self.validity == _INVALID] = np.nan
         return ranges

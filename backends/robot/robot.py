@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator
 from functools import cached_property
 from typing import Any, ClassVar, TypeVar, cast
 
@@ -17,10 +17,9 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
-from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
-from handcart.backends.robot.localization.lidar import Lidar
+from handcart.backends.robot.localization.lidar import Lidar, other_lidars
 from handcart.backends.saved_state import NotAState
 from handcart.backends.sensors.sensor_kind import capability_of
 from handcart.robotics.geometry.pose2 import Pose2
@@ -48,14 +47,6 @@ T = TypeVar("T")
 LOW_HAND_HEIGHT_M = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
 HAND_RADIUS_M = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
-
-
-def _other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:
-    """Yield the lidars of a robot besides the first one."""
-    for each in backend.capabilities():
-        section = spec.sensors.get(each.sensor_name)
-        if isinstance(each, RangeSensor) and each is not first and isinstance(section, RangeSpec):
-            yield Lidar(each, spec, section)
 
 
 class Robot:
@@ -91,10 +82,11 @@ class Robot:
         self.own_start = start if is_start_exact else None
         """Pose that is given to the start because there is no map; None with a map."""
         self.period, self.time = backend.period, 0.0
+        self._known: dict[type[Capability], Capability] = {}
         sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
         self.lidar = None if sensor is None else Lidar(sensor, spec)
         """Its first lidar, with scans that are read by the robot's file; None without one."""
-        self.other_lidars = tuple(_other_lidars(backend, spec, sensor))
+        self.other_lidars = tuple(other_lidars(backend, spec, sensor))
         """Further lidars: the base keeps off what they see, too."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
         if spec.drive.kind == "holonomic" and not isinstance(wheels, HolonomicBase):
@@ -144,6 +136,11 @@ class Robot:
         Raises:
             MissingCapability: the robot has none of that kind.
         """
+        if kind not in self._known:
+            self._known[kind] = self._capability(kind)
+        return self._known[kind]  # type: ignore[return-value]
+
+    def _capability(self, kind: type[CapabilityT]) -> CapabilityT:
         if isinstance(self.lidar, kind):
             return self.lidar
         found = self.backend.get(kind)
@@ -375,9 +372,8 @@ class Robot:
         Args:
             work: function to run.
             args: its positional arguments.
-            takes: simulated duration of the computation, in [s]; on a real robot it runs next to the
-                control
-                loop instead and takes as long as it needs.
+            takes: simulated duration of the computation, in [s]; on a real robot it runs
+                next to the control loop instead and takes as long as it needs.
         """
         if not self.backend.simulated:
             return (yield from beside(work, *args))

@@ -66,7 +66,7 @@ class SimulatedBackend(Backend):
         self._arm: SimulatedArm | None = None
         self._gripper: SimulatedGripper | None = None
         self._sensors: dict[str, SimulatedSensor] = {}
-        self._by_kind: dict[type[Capability], Capability] = {}
+        self._by_kind: dict[type[Capability], Capability | None] = {}
 
     @classmethod
     @override
@@ -106,6 +106,7 @@ class SimulatedBackend(Backend):
         for name, make in make_sensors(self._robot, self.SIMULATIONS, self.name).items():
             if make.settled_first is settled:
                 self._sensors[name] = make(self._site(name, engine))
+        self._by_kind.clear()
 
     def _site(self, name: str, engine: object) -> SensorSite[Any]:
         spec = self._robot.sensors[name]
@@ -128,12 +129,9 @@ class SimulatedBackend(Backend):
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
         """See `Backend`; asked many times a period."""
-        known = self._by_kind.get(kind)
-        if known is None:
-            known = super().get(kind)
-            if known is not None:
-                self._by_kind[kind] = known
-        return known  # type: ignore[return-value]
+        if kind not in self._by_kind:
+            self._by_kind[kind] = super().get(kind)
+        return self._by_kind[kind]  # type: ignore[return-value]
 
     def _kidnapped_to(self) -> Pose2 | None:
         """Return where a person sets the robot down in this period (world_T_base), or None."""

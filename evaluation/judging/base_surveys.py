@@ -82,8 +82,9 @@ class PathSurvey(Survey):
 
     @override
     def look(self, robot: Robot) -> None:
-        self._driven += robot.localization.odometry_pose.distance(self._at)
-        self._at = robot.localization.odometry_pose
+        now = robot.localization.odometry_pose
+        self._driven += now.distance(self._at)
+        self._at = now
 
     @override
     def notes(self) -> float:

@@ -102,12 +102,13 @@ class ContactSurvey(Survey):
 
     def look(self, robot: Robot) -> None:
         """Update the contacts after a period."""
-        if self.run.world.held is not None:
-            self._held = self.run.world.held.name
-        touching = self.run.world.touching
+        world = self.run.world
+        if world.held is not None:
+            self._held = world.held.name
+        touching = world.touching
         speed = max(abs(robot.command.along), self._speed)
-        self._speed = self._base.distance(self.run.world.base) / robot.period
-        self._base = self.run.world.base
+        self._speed = self._base.distance(world.base) / robot.period
+        self._base = world.base
         if not touching and not self._lasting:
             return
         self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -36,6 +37,13 @@ class SeamStretch:
         self.times: list[float] = []
         self.joints: list[FloatArray] = []
         self.tips: list[FloatArray] = []
+
+    @cached_property
+    def notes(self) -> StretchNotes:
+        """The stretch as plain data, once it has ended."""
+        part = {name: np.asarray(value).tolist() for name, value in self.part._asdict().items()}
+        joints, tips = np.array(self.joints).tolist(), np.array(self.tips).tolist()
+        return StretchNotes(part, self.score, self.times, joints, [(x, y, z) for x, y, z in tips])
 
 
 @dataclass(frozen=True)
@@ -97,7 +105,7 @@ class SeamSurvey(Survey):
 
     @override
     def notes(self) -> list[StretchNotes]:
-        return [_noted(each) for each in self.stretches]
+        return [each.notes for each in self.stretches]
 
     @override
     def go_on(self, noted: list[StretchNotes]) -> None:
@@ -169,12 +177,6 @@ class SeamSurvey(Survey):
         force = 0.0 if tool is None else tool.force_n
         push = np.array([load.push(q, force * way) for q, way in zip(joints, ways, strict=True)])
         return load.use(joints, self.run.robot.period, load.torque, push)
-
-
-def _noted(stretch: SeamStretch) -> StretchNotes:
-    part = {name: np.asarray(value).tolist() for name, value in stretch.part._asdict().items()}
-    joints, tips = ([each.tolist() for each in points] for points in (stretch.joints, stretch.tips))
-    return StretchNotes(part, stretch.score, stretch.times, joints, [(x, y, z) for x, y, z in tips])
 
 
 def _again(noted: StretchNotes, dof: int) -> SeamStretch:

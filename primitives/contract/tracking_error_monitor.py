@@ -36,6 +36,9 @@ class TrackingErrorMonitor:
         if len(self._commands) < MAX_LAG_PERIODS:
             return
         joints = arm.joints().tolist()
+        if self._follows_latest(joints):
+            self._off = 0
+            return
         commanded = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
         follows = all(
             low - joint <= TRACKING_TOLERANCE_RAD and joint - high <= TRACKING_TOLERANCE_RAD
@@ -50,6 +53,14 @@ class TrackingErrorMonitor:
                 ]
             )
             raise self._discrepancy(int(np.argmax(off)), float(off.max()))
+
+    def _follows_latest(self, joints: list[float]) -> bool:
+        """Return whether all joints are at the latest command: then they are within the range of commands."""
+        latest = self._commands[-1]
+        return all(
+            abs(joint - wanted) <= TRACKING_TOLERANCE_RAD
+            for joint, wanted in zip(joints, latest, strict=True)
+        )
 
     def _discrepancy(self, joint: int, off: float) -> Discrepancy:
         slides = self._robot.spec.joint_units.slides[joint]

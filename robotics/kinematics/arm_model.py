@@ -65,6 +65,7 @@ class ArmModel:
             if isinstance(body.geometry, pin.coal.BVHModelBase):
                 body.geometry = hull_of_mesh(body.geometry, self._model.frames[body.parentFrame].name)
         self._order = np.array([self._index(name) for name in joint_names], dtype=np.intp)
+        self._places = np.argsort(self._order)
         led = followers_of(urdf_text, self.joint_names)
         self.followers = tuple(led)
         self._spread, self._offset = following(led, joint_names, self._index, int(self._model.nq))
@@ -301,16 +302,14 @@ class ArmModel:
         """
         if self._spread is not None:
             return np.asarray(self._spread @ q + self._offset)
-        result = np.empty(self.dof)
-        result[self._order] = q
-        return result
+        return q.take(self._places)
 
     def ordered_rates(self, rates: FloatArray) -> FloatArray:
         """Return the rates (m,) of all movable joints in Pinocchio's order, from those of the arm (n,).
 
         Both are speeds in [rad/s] or [m/s], or accelerations in [rad/s²] or [m/s²].
         """
-        return self.ordered(rates) - self._offset
+        return self.ordered(rates) if self._spread is None else self.ordered(rates) - self._offset
 
     def effort_limits(self) -> FloatArray:
         """Return the effort limits (n,) of the URDF, in [Nm] or [N]."""
@@ -325,7 +324,7 @@ class ArmModel:
         """
         if self._spread is not None:
             return np.asarray(columns @ self._spread)
-        return np.asarray(columns[..., self._order])
+        return columns.take(self._order, axis=-1)
 
     def _index(self, joint: str) -> int:
         return int(self._model.idx_qs[self._model.getJointId(joint)])

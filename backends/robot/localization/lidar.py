@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from typing_extensions import override
 
+from handcart.backends.backend import Backend
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.description.range_spec import RangeSpec
@@ -89,3 +90,11 @@ def beams_of(lidar: Lidar) -> ScanBeams:
     sensor = scan.base_T_sensor
     ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
     return ScanBeams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)
+
+
+def other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:
+    """Yield the lidars of a robot besides the first one."""
+    for capability in backend.capabilities():
+        section = spec.sensors.get(capability.sensor_name)
+        if isinstance(capability, RangeSensor) and capability is not first and isinstance(section, RangeSpec):
+            yield Lidar(capability, spec, section)

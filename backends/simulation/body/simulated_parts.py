@@ -21,6 +21,7 @@ from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.small_solve import lapack_solved
 
 _DAMPING = 1e-8 * np.eye(6)
 _GIVES = 5e-3  # [rad] by which joints give together at most
@@ -235,7 +236,7 @@ class ArmError:
         twist = np.zeros(6)
         twist[:3] = off / 1e3
         damped = J @ J.T + _DAMPING
-        gives = J.T @ np.linalg.solve(damped, twist)
+        gives = J.T @ lapack_solved(damped, twist)
         if (most := float(np.linalg.norm(gives))) > _GIVES:
             gives *= _GIVES / most
         return np.asarray(offset + gives)

@@ -150,6 +150,8 @@ class Passers:
         Args:
             height: height of the lidar's plane above the floor, in [m].
         """
+        if not self._walks:
+            return np.empty((0, 3))
         rows = [(each.x, each.y, each.radius) for each in self.parts() if each.low <= height < each.high]
         return np.array(rows).reshape(-1, 3)
 

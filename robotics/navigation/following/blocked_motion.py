@@ -100,14 +100,16 @@ class BlockedMotion:
             now: estimated map_T_base after the period.
             direction: direction of travel against the heading, in [rad].
         """
+        if speed == 0.0:
+            self.clear()
+            return None
         if direction != 0.0:
             before, now = (pose.compose(Pose2(0.0, 0.0, direction)) for pose in (before, now))
         commanded = speed * self._length
-        if commanded == 0.0 or (self._periods and commanded * self._periods[-1].commanded < 0.0):
+        if self._periods and commanded * self._periods[-1].commanded < 0.0:
             self.clear()
-        if commanded != 0.0:
-            ahead = now.relative_to(before).x
-            self._periods.append(_Period(commanded, rolled, before, now, ahead, direction))
+        ahead = now.relative_to(before).x
+        self._periods.append(_Period(commanded, rolled, before, now, ahead, direction))
         found = self._judged()
         self._in_a_row = 0 if found is None else self._in_a_row + 1
         return found if self._in_a_row >= self._confirming else None

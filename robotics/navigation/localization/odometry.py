@@ -9,11 +9,13 @@ import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.small_solve import lapack_solved
 
 from .bent_way import BentWay
 from .watched_moment import Belief, WatchedMoment
 
-_LEAST = 1e-12 * np.eye(3)  # [m², rad²] of a pose that is certain: it can be divided by
+_IDENTITY = np.eye(3)
+_LEAST = 1e-12 * _IDENTITY  # [m², rad²] of a pose that is certain: it can be divided by
 
 
 class SidewaysErrors(NamedTuple):
@@ -224,15 +226,13 @@ class Odometry:
                 of an optimal filter with this covariance.
         """
         prior = self._state[:3, :3] + _LEAST
-        gain = np.linalg.solve(
-            prior, self._state[:3]
-        ).T  # (6, 3): what a change of the pose says of all states
+        gain = lapack_solved(prior, self._state[:3]).T  # (6, 3): what a change of the pose says of all states
         turn = wrap(float(pose.theta - self.pose.theta))
         change = np.array([pose.x - self.pose.x, pose.y - self.pose.y, turn])
         self._scales += (gain @ change)[3:]
-        rest = np.linalg.solve(prior, covariance).T if kept is None else kept
-        lost = self._origin.shared[:, :3] @ (np.eye(3) - rest).T @ gain.T
-        self._origin = self._origin._replace(shared=self._origin.shared - lost)
+        rest = lapack_solved(prior, covariance).T if kept is None else kept
+        lost = self._origin.shared[:, :3] @ (_IDENTITY - rest).T @ gain.T
+        self._origin = WatchedMoment(self._origin.belief, self._origin.shared - lost)
         self._state = self._state + gain @ (covariance - prior) @ gain.T
         self._state[:3, :3] = covariance
         self._bent = self._bent.corrected(np.asarray(rest))

@@ -12,11 +12,13 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.small_solve import lapack_solved
 
 KEPT_PERIODS = 64  # periods of wheel travel: readings may be as late
 MAX_SQUARED_MAHALANOBIS = 25.0  # squared Mahalanobis distance beyond which a reading isn't explained
 IN_A_ROW = 3  # of them: a single reading may be broken
 REST_DRIFT_COVARIANCE = np.diag([2e-5, 2e-5, 1e-5]) ** 2  # [m², rad²] a reading: a standing base creeps
+_IDENTITY = np.eye(3)
 
 
 class PositioningLocalizer(Localizer):
@@ -79,17 +81,18 @@ class PositioningLocalizer(Localizer):
         if number == self._number:
             return False
         self._number = number
-        now = measured.compose(self.pose.relative_to(self._remembered(periods)))
+        before = self.pose
+        now = measured.compose(before.relative_to(self._remembered(periods)))
         prior = self.covariance + REST_DRIFT_COVARIANCE
-        off = np.array([now.x - self.pose.x, now.y - self.pose.y, wrap(now.theta - self.pose.theta)])
+        off = np.array([now.x - before.x, now.y - before.y, wrap(now.theta - before.theta)])
         spread = prior + self._noise
-        if float(off @ np.linalg.solve(spread, off)) > MAX_SQUARED_MAHALANOBIS:
+        if float(off @ lapack_solved(spread, off)) > MAX_SQUARED_MAHALANOBIS:
             return self._not_explained(now)
         self._strange = 0
-        gain = np.linalg.solve(spread, prior).T
+        gain = lapack_solved(spread, prior).T
         dx, dy, turn = (gain @ off).tolist()
-        pose = Pose2(self.pose.x + dx, self.pose.y + dy, wrap(self.pose.theta + turn))
-        kept = np.eye(3) - gain
+        pose = Pose2(before.x + dx, before.y + dy, wrap(before.theta + turn))
+        kept = _IDENTITY - gain
         self._odometry.correct(pose, kept @ prior, kept)
         self._shift()
         return False
