@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from typing_extensions import override
@@ -10,6 +11,7 @@ from typing_extensions import override
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.hand_force import force_by_efforts
 from handcart.backends.limits import checked_joints
+from handcart.backends.plain_values import Kinds
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -20,6 +22,8 @@ from .wrench_topic import WrenchTopic
 
 class RosArm(Arm):
     """Joints whose controllers follow a new point each period, and hold the last one."""
+
+    STATE: ClassVar[Kinds] = {"_command": FloatArray, "_sent": FloatArray}
 
     def __init__(
         self,

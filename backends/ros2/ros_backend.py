@@ -16,6 +16,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.live.pace import Pace
 from handcart.backends.ros2.wire.ros_errors import NoTopics, RosFault
 from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
+from handcart.backends.saved_state import NotAState
 from handcart.robotics.numerics.arrays import ByteArray
 
 from .bench.local_bench import LocalBench
@@ -172,6 +173,24 @@ class RosBackend(Backend):
         self._link.close()
         if self.bench is not None:
             self.bench.close()
+
+    @override
+    def state(self) -> object | None:
+        kept = None if self.bench is None else self.bench.state()
+        return None if kept is None else {**kept, "topics": self._topics.state()}
+
+    @override
+    def set_state(self, state: object) -> None:
+        if self.bench is None:
+            super().set_state(state)
+            return
+        if not isinstance(state, dict) or "topics" not in state:
+            raise NotAState("no state of a bench of topics; needed: topics")
+        own, others = state["topics"], {key: value for key, value in state.items() if key != "topics"}
+        self._topics.forget()
+        self.bench.set_state(others)
+        self._topics.set_state(own, self._link.receive)
+        self._looked = self._link.clock()
 
     @override
     def figures(self) -> Mapping[str, Any]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
 from handcart.backends.description.robot_file import Drive
 from handcart.backends.limits import checked_command
+from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .topic_sensor import TopicSensor
@@ -26,6 +27,7 @@ class OdometryTopic(TopicSensor):
     """
 
     KIND = "nav_msgs/Odometry"
+    STATE: ClassVar[Kinds] = {"travel": WheelTravel, "_last": tuple[float, Pose2] | None}
     travel = WheelTravel(0.0, 0.0)
     """Travel since the first message."""
     jumped = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from typing_extensions import override
@@ -12,6 +13,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.description.ros_spec import RosGripperSpec
 from handcart.backends.limits import checked_width
+from handcart.backends.plain_values import Kinds
 
 from .joint_states import JointStates
 
@@ -28,6 +30,8 @@ class RosGripper(Gripper):
 
     Pressing is seen by fingers at rest that are wider open than commanded, or closed upon each other.
     """
+
+    STATE: ClassVar[Kinds] = {"_command": float, "_sent": float, "_width": float, "_still_s": float}
 
     def __init__(
         self,

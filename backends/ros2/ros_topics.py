@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
 
 from handcart.backends.capabilities.arm import Arm
@@ -14,9 +14,11 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec, RosTopicSpec
+from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.backends.ros2.wire.messages import joint_message, message_kind, velocity_message
 from handcart.backends.ros2.wire.ros_link import Link, Take
+from handcart.backends.saved_state import NotAState
 from handcart.files.suggest import suggest
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
@@ -76,6 +78,39 @@ class RosTopics:
         states = self.states
         if self.gripper is not None and states is not None and states.is_fresh and not states.missing:
             self.gripper.advance()
+
+    def state(self) -> dict[str, object]:
+        """Return what of commands and readings does not come with the next messages."""
+        return {name: attributes(part, part.STATE) for name, part in self._kept().items()}
+
+    def set_state(self, state: object, receive: Callable[[], None]) -> None:
+        """Restore what `state` returned.
+
+        Args:
+            state: the state.
+            receive: delivers the messages of the time to which it belongs.
+
+        Raises:
+            NotAState: it belongs to another robot.
+        """
+        kept = self._kept()
+        if not isinstance(state, dict) or state.keys() != kept.keys():
+            raise NotAState(f"no state of this robot's topics; needed: {', '.join(kept)}")
+        set_attributes(self.odometry, OdometryTopic.STATE, state["odometry"])
+        receive()
+        self.advance()
+        for name, part in kept.items():
+            set_attributes(part, part.STATE, state[name])
+
+    def forget(self) -> None:
+        """Forget all messages."""
+        self._link.receive()
+        for each in self.sensors:
+            each.forget()
+
+    def _kept(self) -> dict[str, OdometryTopic | RosArm | RosGripper]:
+        parts = {"odometry": self.odometry, "arm": self.arm, "gripper": self.gripper}
+        return {name: part for name, part in parts.items() if part is not None}
 
     def halt(self) -> None:
         """Drop all commands; arm and gripper hold."""

@@ -88,6 +88,10 @@ class TopicSensor(LiveSensor):
         self._last_stamp = stamp
         return ""
 
+    def forget(self) -> None:
+        """Forget all messages: the next one begins anew."""
+        self._arrived, self._last_stamp, self._came, self.doubt = [], None, None, ""
+
     @override
     def close(self) -> None:
         self._arrived = []

@@ -57,11 +57,13 @@ class KitSetting:
     """Folder names of the whole tasks to run; empty: all tasks that the robot can do."""
     own_tasks: Sequence[Path] = ()
     """Task files to test in, in place of those that domains declare; empty: those."""
+    simulated: str | None = None
+    """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     @property
     def bench(self) -> KitBench:
         """Return the bench on which checks run."""
-        return KitBench(self.backend, self.robot, self._files, quick=self.quick)
+        return KitBench(self.backend, self.robot, self._files, quick=self.quick, simulated=self.simulated)
 
     @cached_property
     def _files(self) -> RigFiles:
@@ -71,7 +73,7 @@ class KitSetting:
 
     def batches(self) -> list[Batch]:
         """Faults in each primitive of a task that the robot is tried in, and in REACH."""
-        full, quick = QUICK_INSTANTS.get(self.backend, OTHER_INSTANTS)
+        full, quick = QUICK_INSTANTS.get(self.simulated or self.backend, OTHER_INSTANTS)
         count = self.instants or (quick if self.quick else full)
         shares = math.ceil(count / MAX_INSTANTS_PER_JOB)
         return [
@@ -99,7 +101,12 @@ class KitSetting:
         """The tasks that the robot is tried in, each cut short as its domain says."""
         short = declared()
         return tuple(
-            Rehearsal(task, self.backend, settings={**self._chosen, **short.get(task, {})})
+            Rehearsal(
+                task,
+                self.backend,
+                settings={**self._chosen, **short.get(task, {})},
+                simulated=self.simulated,
+            )
             for task in self.tasks
         )
 
@@ -114,7 +121,7 @@ class KitSetting:
         """Return the task runs of the kit, each without and with the robot's errors."""
         seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
         chosen = [task for task in self.tasks if task.parent.name in self.only_tasks or not self.only_tasks]
-        return task_runs(chosen, self.backend, seeds, self._chosen)
+        return task_runs(chosen, self.backend, seeds, self._chosen, self.simulated)
 
     @property
     def chosen_parts(self) -> Sequence[str]:

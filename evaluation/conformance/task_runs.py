@@ -47,6 +47,8 @@ class OneRun:
     seed: int = 0
     errors: bool = True
     settings: Mapping[str, str] = field(default_factory=dict)
+    simulated: str | None = None
+    """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     def __str__(self) -> str:
         how = f"with seed {self.seed}" if self.errors else "without errors"
@@ -58,7 +60,7 @@ class OneRun:
             summary, _ = run_task(
                 self.task,
                 Path(folder),
-                RunOptions(self.backend, self.settings, self.seed, errors=self.errors),
+                RunOptions(self.backend, self.settings, self.seed, errors=self.errors, bench=self.simulated),
             )
         return Ran(
             self.task.parent.name,
@@ -72,11 +74,17 @@ class OneRun:
         )
 
 
-def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping[str, str]) -> list[OneRun]:
+def task_runs(
+    tasks: Sequence[Path],
+    backend: str,
+    seeds: int,
+    settings: Mapping[str, str],
+    simulated: str | None = None,
+) -> list[OneRun]:
     """Return all runs: each task once without errors, and once for each seed with errors."""
     backends = dict.fromkeys((backend, REFERENCE_BACKEND))
     return [
-        OneRun(task, name, seed, errors, settings)
+        OneRun(task, name, seed, errors, settings, simulated if name == backend else None)
         for task in tasks
         for name in backends
         for errors, count in ((False, 1), (True, seeds))

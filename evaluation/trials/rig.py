@@ -116,8 +116,12 @@ def build_rig(
     seed: int = 0,
     put_at_start: bool = False,
     is_start_known: bool = True,
+    bench: str | None = None,
 ) -> Rig:
-    """Build a robot on a backend, with files for a test, without a task."""
+    """Build a robot on a backend, with files for a test, without a task.
+
+    `bench` is the name of the simulated backend behind its drives or topics.
+    """
     spec, findings = load_robot(robot), Findings()
     spec = started_exactly(spec) if files.is_without_map else spec
     places = load_places(files.places) if files.places else None
@@ -134,6 +138,6 @@ def build_rig(
     model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
     findings.add(*model.fit(spec))
     findings.raise_all()
-    made = make_backend(backend, spec, files.world, seed, start, put_at_start=put_at_start)
+    made = make_backend(backend, spec, files.world, seed, start, bench=bench, put_at_start=put_at_start)
     made_robot = Robot(made, spec, start if is_start_known else None, grid, files.is_without_map)
     return Rig(made_robot, model, made, knowledge)

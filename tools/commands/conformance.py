@@ -29,6 +29,9 @@ def conformance(
             help="a shipped robot, or the path of a robot's file (default: librarian, or that of --rehearse)"
         ),
     ] = None,
+    bench: Annotated[
+        str | None, typer.Option(help="with --backend can or ros2: simulated drives before this backend")
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick/--full", help="few faults and no complete tasks; full: everything")
     ] = True,
@@ -60,7 +63,9 @@ def conformance(
     chosen = _chosen(parts or [], [*(primitives or []), *(rehearse or [])], tasks or [])
     own = [task_path(each) for each in rehearse or []]
     robot = robot or default_robot(own)
-    setting = KitSetting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or (), own)
+    setting = KitSetting(
+        backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or (), own, bench
+    )
     _check(setting)
     if quick:
         print("quick: few faults and no complete tasks; --full tries everything", file=sys.stderr)
@@ -120,12 +125,14 @@ def _chosen(parts: list[str], faults: Sequence[object], tasks: list[str]) -> tup
 
 def _check(setting: KitSetting) -> None:
     """Reject options that cannot be tested, before any test."""
-    from handcart.backends.registry import backend_class
+    from handcart.backends.registry import backend_class, bench_class
     from handcart.files.errors import FileError
     from handcart.files.suggest import suggest
     from handcart.networks.task.preparing import check
 
     backend_class(setting.backend)
+    if setting.simulated is not None:
+        bench_class(setting.simulated, setting.backend)
     for task in setting.own_tasks:
         if errors := check(task, setting.backend, {"robot": setting.robot}).errors:
             raise FileError(errors)

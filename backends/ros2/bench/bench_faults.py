@@ -60,6 +60,10 @@ class BenchFaults:
         self._planned, self._periods = planned, max(1, round(DELAY_S / period))
         self._kept: dict[TopicFault, list[Any]] = {}
 
+    def add(self, fault: TopicFault) -> None:
+        """Plan one more."""
+        self._planned = (*self._planned, fault)
+
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
         """Return what is sent instead of a message, at a time of the bench in [s]."""
         sent = [message]

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.plain_values import from_plain
+from handcart.backends.saved_state import NotAState
 
 from .bench_faults import BenchFaults
 from .local_air import LocalAir, LocalLink
@@ -47,6 +51,27 @@ class LocalBench:
         """Let a period pass."""
         self.air.time += self.inner.period
         self._drivers.step()
+
+    def state(self) -> dict[str, object] | None:
+        """Return the state of robot, drivers and time; None if the robot keeps none."""
+        inner = self.inner.state()
+        if inner is None:
+            return None
+        return {"inner": inner, "time": self.air.time, **self._drivers.state()}
+
+    def set_state(self, state: Any) -> None:
+        """Restore what `state` returned, and publish the readings of that time.
+
+        Raises:
+            NotAState: it is not such a state.
+        """
+        needed = {"inner", "time", "drivers", "wheels"}
+        if not isinstance(state, dict) or state.keys() != needed:
+            raise NotAState(f"no state of a bench of topics; needed: {', '.join(sorted(needed))}")
+        self.air.time = from_plain(state["time"], float, "time")
+        self.inner.set_state(state["inner"])
+        self._drivers.set_state(state)
+        self._drivers.announce()
 
     def close(self) -> None:
         """Let go of the robot."""

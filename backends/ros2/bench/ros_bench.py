@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.hand_force import efforts_of_force
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.ros2.wire.ros_link import Link
+from handcart.robotics.far import Far
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -29,6 +31,13 @@ COMMAND_TIMEOUT_S = 0.25
 
 class RosBench:
     """Drivers of a simulated robot: each period it obeys what has arrived, and publishes its readings."""
+
+    STATE: ClassVar[Kinds] = {
+        "time": float,
+        "_command": DriveCommand,
+        "_commanded": Far,
+        "_wanted": dict[str, float],
+    }
 
     def __init__(
         self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link, faults: BenchFaults | None = None
@@ -72,6 +81,18 @@ class RosBench:
     def announce(self) -> None:
         """Publish the readings without letting time pass."""
         self._publish()
+
+    def state(self) -> dict[str, object]:
+        """Return the state of the drivers, without that of the robot."""
+        return {
+            "drivers": attributes(self, self.STATE),
+            "wheels": attributes(self._wheels, WheelOdometry.STATE),
+        }
+
+    def set_state(self, state: Mapping[str, object]) -> None:
+        """Restore what `state` returned."""
+        set_attributes(self, self.STATE, state["drivers"])
+        set_attributes(self._wheels, WheelOdometry.STATE, state["wheels"])
 
     def close(self) -> None:
         """Leave the air, and let go of the robot."""

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 from handcart.backends.capabilities.base import DriveCommand, WheelTravel
 from handcart.backends.description.robot_file import Drive
+from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 
 
 class WheelOdometry:
     """Pose in a frame of its own, that begins where the bench begins."""
+
+    STATE: ClassVar[Kinds] = {"pose": Pose2, "_last": WheelTravel | None}
 
     def __init__(self, drive: Drive) -> None:
         """Begin at zero."""

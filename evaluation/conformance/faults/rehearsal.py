@@ -42,6 +42,8 @@ class Rehearsal:
     """Values of the task's parameters, as with `handcart run --set`."""
     instead: Mapping[str, type[ActionPrimitive]] = field(default_factory=dict)
     """Other classes for primitives, by name."""
+    simulated: str | None = None
+    """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     def actions(self) -> list[Action]:
         """Return the rehearsed actions: the cheapest plan to the goal, and the computing actions along it.
@@ -58,7 +60,7 @@ class Rehearsal:
         Raises:
             NoRehearsal: an attempt does not succeed.
         """
-        with prepare(self.task, self.backend, self.settings, self.seed) as prepared:
+        with prepare(self.task, self.backend, self.settings, self.seed, bench=self.simulated) as prepared:
             inner = prepared.backend
             spec = load_robot(prepared.task.robot)
             wrapped = inner if self.liar is None else liar_around(self.liar, inner, spec)

@@ -25,6 +25,8 @@ class KitBench:
     liar: str | None = None
     """A liar put around the backend, by its name in `backend_liars.LIARS`; None: the backend as it is."""
     quick: bool = True
+    simulated: str | None = None
+    """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     def spec(self) -> RobotFile:
         """Return the original robot file, unmodified."""
@@ -32,7 +34,7 @@ class KitBench:
 
     def rig(self, seed: int = 0) -> Rig:
         """Return a robot in the world, at its start."""
-        rig = build_rig(self.files, self.robot, self.backend, seed)
+        rig = build_rig(self.files, self.robot, self.backend, seed, bench=self.simulated)
         if self.liar is None:
             return rig
         return self.around(rig, liar_around(self.liar, rig.backend, rig.robot.spec))
