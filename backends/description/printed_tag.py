@@ -60,8 +60,14 @@ class PrintedTag(FileModel):
         """Side of its black square, in [m]."""
         return self.side_mm / 1e3
 
-    def fits(self, size_mm: tuple[float, float, float]) -> bool:
-        """Return whether the tag lies within its side of a box of that size."""
+    def fits(self, size_mm: tuple[float, float, float], is_round: bool = False) -> bool:
+        """Return whether the tag lies within its side of a box of that size.
+
+        On a cylinder it must lie within a square on its top or foot: on the curved side it would be bent.
+        """
+        if is_round:
+            within = size_mm[0] * math.sqrt(0.5)
+            return self.face[1] == "z" and self.fits((within, within, size_mm[2]))
         turn = math.radians(self.turn_deg)
         half = 0.5 * self.side_mm * (abs(math.cos(turn)) + abs(math.sin(turn)))
         along, up = FACE_AXES[self.face[1]]

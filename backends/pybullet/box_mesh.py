@@ -1,4 +1,4 @@
-"""The look of a box: a mesh whose faces show parts of one picture."""
+"""The look of a box or cylinder: a mesh whose faces show parts of one picture."""
 
 from __future__ import annotations
 
@@ -6,26 +6,25 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
-from handcart.backends.physics.engine.thing_form import BOX_FACES, BOX_NORMALS, Uvs
-from handcart.robotics.numerics.arrays import FloatArray
+from handcart.backends.physics.engine.form_mesh import FormMesh, form_mesh
+from handcart.backends.physics.engine.thing_form import Uvs
 
 from .bullet import bullet, quiet
 
 
-def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
-    """Return Bullet's visual shape of a box, centred at its middle.
+def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs], is_round: bool = False) -> int:
+    """Return Bullet's visual shape of a box or cylinder, centred at its middle.
 
     Args:
         client: Bullet's client.
         size: (3,) lengths in [m].
         uvs: four corners of each face in the texture, in the order of `ThingForm.uvs`.
+        is_round: True for a cylinder along z.
     """
     p = bullet()
     with tempfile.TemporaryDirectory() as folder, quiet():
         path = Path(folder) / "box.obj"
-        path.write_text(_obj(np.array(size) / 2, uvs), encoding="utf-8")
+        path.write_text(_obj(form_mesh(size, uvs, is_round)), encoding="utf-8")
         return int(
             p.createVisualShape(
                 p.GEOM_MESH,
@@ -37,12 +36,12 @@ def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
         )
 
 
-def _obj(half: FloatArray, uvs: Sequence[Uvs]) -> str:
-    """Return the box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
-    lines = [f"v {x} {y} {z}" for face in BOX_FACES for x, y, z in half * face]
-    lines += [f"vt {u} {v}" for face in uvs for u, v in face]
-    lines += [f"vn {x} {y} {z}" for x, y, z in BOX_NORMALS]
-    for number in range(len(BOX_FACES)):
+def _obj(mesh: FormMesh) -> str:
+    """Return the surface as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
+    lines = [f"v {x} {y} {z}" for face in mesh.corners for x, y, z in face]
+    lines += [f"vt {u} {v}" for face in mesh.uvs for u, v in face]
+    lines += [f"vn {x} {y} {z}" for x, y, z in mesh.normals]
+    for number in range(len(mesh.corners)):
         a, b, c, d = (f"{4 * number + i}/{4 * number + i}/{number + 1}" for i in (1, 2, 3, 4))
         lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
     return "\n".join(lines) + "\n"

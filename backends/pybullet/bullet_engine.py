@@ -137,7 +137,8 @@ class BulletEngine(Engine):
     @override
     def add_thing(self, form: ThingForm) -> int:
         p, client = self.p, self.client
-        shape, visual = thing_shape(client, form.pieces), box_mesh(client, form.size, form.uvs)
+        shape = thing_shape(client, form.pieces)
+        visual = box_mesh(client, form.size, form.uvs, form.is_round)
         body = int(p.createMultiBody(form.mass, shape, visual, *placed(form.middle), physicsClientId=client))
         self.show(body, form.picture)
         if form.sticks is not None:

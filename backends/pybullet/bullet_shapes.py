@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from handcart.backends.physics.engine.thing_form import Cuboid, Wedge
+from handcart.backends.physics.engine.thing_form import Cuboid, Piece, Rod, Wedge
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .bullet import bullet, quiet
@@ -66,12 +66,17 @@ def tile_shape(client: int, cell: float, heights: FloatArray) -> tuple[int, int]
     return int(shape), int(seen)
 
 
-def thing_shape(client: int, pieces: Sequence[Cuboid | Wedge]) -> int:
+def thing_shape(client: int, pieces: Sequence[Piece]) -> int:
     """Return Bullet's collision shape of all pieces of a thing, centred at its middle."""
     p = bullet()
     if len(pieces) == 1 and isinstance(pieces[0], Cuboid) and pieces[0].ahead == 0.0:
         half = [length / 2 for length in pieces[0].size]
         return int(p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client))
+    if len(pieces) == 1 and isinstance(pieces[0], Rod):
+        radius, length = pieces[0]
+        return int(
+            p.createCollisionShape(p.GEOM_CYLINDER, radius=radius, height=length, physicsClientId=client)
+        )
     with tempfile.TemporaryDirectory() as folder, quiet():
         kinds, halves, files, places = [], [], [], []
         for number, piece in enumerate(pieces):
@@ -80,7 +85,7 @@ def thing_shape(client: int, pieces: Sequence[Cuboid | Wedge]) -> int:
                 halves.append(tuple(length / 2 for length in piece.size))
                 files.append("")
                 places.append((piece.ahead, 0.0, 0.0))
-            else:
+            elif isinstance(piece, Wedge):
                 path = Path(folder) / f"wedge_{number}.obj"
                 path.write_text(_wedge_mesh(piece), encoding="utf-8")
                 kinds.append(p.GEOM_MESH)

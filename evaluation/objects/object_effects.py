@@ -46,6 +46,8 @@ def _false_sighting(survey: Survey, name: str) -> list[str]:
     covariance = np.array(seen.covariance)
     sigma = 1e3 * math.sqrt(max(np.linalg.eigvalsh(covariance[:2, :2]).max(), 0.0))
     heading = math.degrees(math.sqrt(max(covariance[2, 2], 0.0)))
+    if thing.is_round:
+        turned = 0.0  # a cylinder looks the same from all around
     return [
         *at_most(
             "it is {:.1f} mm from where it was seen", off, LOOK_TOLERANCE_MM + LIMIT_SIGMAS * sigma, LOOK_MM

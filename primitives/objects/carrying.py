@@ -13,7 +13,7 @@ from handcart.primitives.motions.arm_motion import collision_model, move_to_join
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
-from handcart.robotics.kinematics.shapes import Box, corners
+from handcart.robotics.kinematics.shapes import Solid, corners
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .object_kind import ObjectKind
@@ -29,7 +29,7 @@ IK_RESTARTS = 2
 
 def stow(
     robot: Robot,
-    around: Sequence[Box],
+    around: Sequence[Solid],
     kind: ObjectKind | None = None,
     hand_T_object: Transform | None = None,
 ) -> Periods:
@@ -55,7 +55,7 @@ def stow(
 
 
 def carrying_joints(
-    robot: Robot, kind: ObjectKind, hand_T_object: Transform, around: Sequence[Box] = ()
+    robot: Robot, kind: ObjectKind, hand_T_object: Transform, around: Sequence[Solid] = ()
 ) -> FloatArray | None:
     """Return joints (n,) that carry an object within the outline, the first with good clearance.
 
@@ -96,7 +96,7 @@ def _hands(robot: Robot, hand_T_object: Transform) -> Iterator[Transform]:
                 yield np.asarray(pose @ object_T_hand)
 
 
-def _is_inside(robot: Robot, base_T_hand: Transform, held: Box) -> bool:
+def _is_inside(robot: Robot, base_T_hand: Transform, held: Solid) -> bool:
     """Return whether the hand, its finger tips and the object are within the robot's outline."""
     tips = apply(base_T_hand, np.array([[0.0, 0.0, 0.0], [robot.spec.finger_shape.tip, 0.0, 0.0]]))
     body = corners(held.seen_from(base_T_hand))

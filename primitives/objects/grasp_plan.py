@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +12,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.manipulation.grasping.box_grasps import Grasp, box_grasps
+from handcart.robotics.manipulation.grasping.cylinder_grasps import cylinder_grasps
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
@@ -29,6 +30,7 @@ SIDE_PRICE_M = 0.004  # of clearance, for a hand that doesn't come from above
 IK_RESTARTS = 3
 SOLUTIONS_PER_GRASP = 2
 STRAIGHT_STEP_M = 0.01
+MAX_ROUND_COSINE = 0.7  # between the axis of a cylinder and the closing direction, for pads on its side
 GRASPS_TRIED = 12  # whose straight lines are looked at
 
 
@@ -55,7 +57,7 @@ class GraspChoice(NamedTuple):
 
 
 def plan_grasps(
-    robot: Robot, kind: ObjectKind, base_T_object: Transform, around: Sequence[Box], target: Box
+    robot: Robot, kind: ObjectKind, base_T_object: Transform, around: Sequence[Solid], target: Solid
 ) -> GraspChoice:
     """Return the free grasps of an object, ranked by clearance: straight ones from above are preferred.
 
@@ -68,11 +70,10 @@ def plan_grasps(
     """
     spec = robot.spec.gripper
     opening = spec.opening_mm / 1e3 if spec is not None else 0.0
-    faces = None if kind.grasps == "any" else kind.grasps
     here = robot.arm.command()
     found: list[tuple[float, FloatArray, Grasp]] = []
     tried = reached = 0
-    for grasp in box_grasps(kind.size, opening, robot.spec.finger_shape.tip, faces):
+    for grasp in _grasps(kind, opening, robot.spec.finger_shape.tip, base_T_object):
         tried += 1
         arm = _with_opening(robot, min(opening, grasp.width + OPENING_CLEARANCE_M))
         grip = base_T_object @ grasp.box_T_hand
@@ -95,6 +96,16 @@ def plan_grasps(
     return GraspChoice(tuple(planned), reached, tried)
 
 
+def _grasps(kind: ObjectKind, opening: float, tip: float, base_T_object: Transform) -> Iterator[Grasp]:
+    """Yield the grasps that a kind allows, for fingers with an opening and a length `tip`, both in [m]."""
+    faces = None if kind.grasps == "any" else kind.grasps
+    if not kind.is_round:
+        return box_grasps(kind.size, opening, tip, faces)
+    x, y, _ = inverse(base_T_object)[:3, 3].tolist()
+    above, around = (faces is None or "+z" in faces), (faces is None or set(faces) != {"+z"})
+    return cylinder_grasps(kind.size[0], kind.size[2], opening, tip, math.atan2(y, x), above, around)
+
+
 def _rank(planned: PlannedGrasp) -> float:
     price = TILT_PRICE_M * abs(planned.grasp.tilt) + SIDE_PRICE_M * (planned.grasp.face != "+z")
     return min(GOOD_CLEARANCE_M, planned.clearance) - price
@@ -105,7 +116,7 @@ def _free_way(
     grasp: Grasp,
     before: FloatArray,
     base_T_object: Transform,
-    around: Sequence[Box],
+    around: Sequence[Solid],
     opening: float,
 ) -> PlannedGrasp | None:
     """Return the grasp if a straight free line leads to it, and one up again; None otherwise."""
@@ -138,16 +149,21 @@ def _with_opening(robot: Robot, width: float) -> ArmModel:
     return robot.arm_model.with_others({"left_finger": half, "right_finger": half})
 
 
-def gripped(base_T_hand: Transform, base_T_object: Transform) -> Transform:
+def gripped(base_T_hand: Transform, base_T_object: Transform, is_round: bool = False) -> Transform:
     """Return hand_T_object (4, 4) once the pads have closed: centred between them, its sides along them.
 
     Args:
         base_T_hand: (4, 4) of the hand around the object.
         base_T_object: (4, 4) of the object, as it was seen.
+        is_round: True for a cylinder: the pads close on any side around its axis.
     """
     hand_T_object = inverse(base_T_hand) @ base_T_object
+    axis = hand_T_object[:3, 2]
     closing = int(np.argmax(np.abs(hand_T_object[1, :3])))
     normal = hand_T_object[:3, closing]
+    if is_round and abs(axis[1]) < MAX_ROUND_COSINE:
+        normal = np.array([0.0, 1.0, 0.0]) - axis[1] * axis
+        normal /= np.linalg.norm(normal)
     goal = np.array([0.0, math.copysign(1.0, normal[1]), 0.0])
     axis = np.cross(normal, goal)
     sine, cosine = float(np.linalg.norm(axis)), float(normal @ goal)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -56,9 +57,15 @@ def _too_large(
     document: Document, path: tuple[str, ...], tags: Sequence[PrintedTag], kind: ObjectKind
 ) -> Iterator[Finding]:
     for number, tag in enumerate(tags):
-        if not tag.fits(kind.size_mm):
-            words = f"the tag {tag.id} is larger than the side {tag.face}; allowed: within its side"
+        if not tag.fits(kind.size_mm, kind.is_round):
+            words = f"the tag {tag.id} is larger than the side {tag.face}; allowed: {_allowed(kind)}"
             yield document.finding((*path, "tags", number), words)
+
+
+def _allowed(kind: ObjectKind) -> str:
+    if not kind.is_round:
+        return "within its side"
+    return f"on +z of a cylinder, within {kind.size_mm[0] * math.sqrt(0.5):.0f} mm"
 
 
 def _of_surface(

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from handcart.backends.description.printed_tag import Face, PrintedTag
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.transform import transform
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Solid
 
 Positive = Annotated[float, Field(gt=0.0)]
 Millimetres = Annotated[float, Field(gt=0.0, le=2000.0)]
@@ -18,9 +19,10 @@ HALF_TURN_DEG = 180.0
 
 
 class ObjectKind(FileModel):
-    """A kind of objects: boxes of one size. Its frame: origin in the middle of the foot, z up."""
+    """A kind of objects of one shape and size. Its frame: origin in the middle of the foot, z up."""
 
-    shape: Literal["box"] = "box"
+    shape: Literal["box", "cylinder"] = "box"
+    """A cylinder stands on its foot; along its x and y it has one size, its diameter."""
     size_mm: tuple[Millimetres, Millimetres, Millimetres]
     """Along its x, y and z (upwards)."""
     mass_kg: Positive | None = None
@@ -28,7 +30,7 @@ class ObjectKind(FileModel):
     tags: tuple[PrintedTag, ...] = ()
     """Tags on all objects of this kind; tags of a single object are under `objects:`."""
     grasps: Literal["any"] | Annotated[tuple[Face, ...], Field(min_length=1)] = "any"
-    """Sides that the hand may come from."""
+    """Sides that the hand may come from; on a cylinder any but `+z` stands for all around it."""
     upright: bool = True
     """True if it has to stay upright while it is carried."""
 
@@ -38,9 +40,30 @@ class ObjectKind(FileModel):
         x, y, z = (each / 1e3 for each in self.size_mm)
         return x, y, z
 
-    def body(self, name: str) -> Box:
-        """Return its box in its own frame."""
-        return Box(transform((0.0, 0.0, self.size[2] / 2)), self.size, name)
+    @model_validator(mode="after")
+    def _has_one_diameter(self) -> Self:
+        if self.is_round and self.size_mm[0] != self.size_mm[1]:
+            x, y, _ = self.size_mm
+            wrong = f"a cylinder has one diameter, not {x:g} and {y:g} mm"
+            raise ValueError(f"{wrong}; allowed: the same size along x and y")
+        return self
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it is a cylinder."""
+        return self.shape == "cylinder"
+
+    @property
+    def foot_radius(self) -> float:
+        """Radius of the circle around its foot, in [m]."""
+        return self.size[0] / 2 if self.is_round else math.hypot(*self.size[:2]) / 2
+
+    def body(self, name: str) -> Solid:
+        """Return its solid in its own frame."""
+        middle = transform((0.0, 0.0, self.size[2] / 2))
+        if self.is_round:
+            return Cylinder(middle, self.size[0] / 2, self.size[2], name)
+        return Box(middle, self.size, name)
 
 
 class KnownObject(FileModel):

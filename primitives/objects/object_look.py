@@ -18,7 +18,7 @@ from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 
@@ -98,7 +98,7 @@ def look_from(
     point: FloatArray,
     towards: Sequence[FloatArray],
     distances: Sequence[float],
-    also_around: Sequence[Box] = (),
+    also_around: Sequence[Solid] = (),
 ) -> Generator[None, None, bool]:
     """Move the camera to a view of a point in the base frame; return False if no view is free.
 

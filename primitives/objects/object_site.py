@@ -7,7 +7,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform, transform
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Box, Solid
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
 
 from .object_kind import ObjectKind
@@ -23,10 +23,10 @@ def base_T_map(robot: Robot) -> Transform:
     return robot.pose.inverse().lift()
 
 
-def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Box, ...]:
+def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Solid, ...]:
     """Return the surfaces, the seen objects but one, and the robot's own tray, posed in the base frame."""
     objects, to_base = model.of(Objects), base_T_map(robot)
-    boxes = [box for name, each in objects.objects.surfaces.items() for box in each.boxes(name)]
+    boxes: list[Solid] = [box for name, each in objects.objects.surfaces.items() for box in each.boxes(name)]
     for seen in objects.sightings:
         if seen.object != without:
             kind, surface = objects.objects.kind_of(seen.object), objects.objects.surfaces[seen.surface]
@@ -58,13 +58,13 @@ def surface_of(model: ModelView, name: str) -> ObjectSurface:
     return file.surfaces[name]
 
 
-def held_shape(model: ModelView) -> Box | None:
-    """Return the box in the hand, posed in the hand frame; None if nothing is known to be held."""
+def held_shape(model: ModelView) -> Solid | None:
+    """Return the solid in the hand, posed in the hand frame; None if nothing is known to be held."""
     objects = model.of(Objects)
     held = objects.held_object
     return None if held is None else held_box(objects.objects.kind_of(held.object), held.hand_T_object)
 
 
-def held_box(kind: ObjectKind, hand_T_object: Transform) -> Box:
-    """Return the box of a held object, posed in the hand frame."""
+def held_box(kind: ObjectKind, hand_T_object: Transform) -> Solid:
+    """Return the solid of a held object, posed in the hand frame."""
     return kind.body(HELD_NAME).seen_from(hand_T_object)

@@ -120,7 +120,7 @@ class Pick(ActionPrimitive):
         self._check_shift(robot, model, base_T_object)
         plan = yield from self._planned(robot, model, kind, base_T_object)
         empty = yield from self._close_on(robot, model, kind, plan, base_T_object)
-        hand_T_object = gripped(robot.base_T("hand"), base_T_object)
+        hand_T_object = gripped(robot.base_T("hand"), base_T_object, kind.is_round)
         held = held_box(kind, hand_T_object)
         self._held = True
         objects.sightings = objects.without(self.object)
@@ -225,7 +225,7 @@ class Pick(ActionPrimitive):
         fits: list[PlannedGrasp] = []
         others: list[PlannedGrasp] = []
         for each in planned:
-            hand_T_object = gripped(each.base_T_grip, base_T_object)
+            hand_T_object = gripped(each.base_T_grip, base_T_object, kind.is_round)
             found = yield from robot.compute(
                 plan_placing, robot, kind, hand_T_object, goals, around, each.grasp.width
             )

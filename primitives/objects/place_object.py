@@ -154,10 +154,9 @@ class PlaceObject(ActionPrimitive):
     ) -> Generator[None, None, PlannedPlacing]:
         """Look at spots, the named one or the nearest ones, until one is free and within reach."""
         surface = surface_of(model, self.surface)
-        radius = math.hypot(*kind.size[:2]) / 2
         looked = reached = 0
         why = "nothing of it is free of known objects"
-        for place, any_heading in self._candidates(robot, model, surface, radius):
+        for place, any_heading in self._candidates(robot, model, surface, kind):
             around = surroundings(robot, model)
             to_base = base_T_map(robot)
             every = [np.asarray(to_base @ each) for each in turned(place, surface.height_m, any_heading)]
@@ -181,14 +180,15 @@ class PlaceObject(ActionPrimitive):
         raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OCCUPIED)
 
     def _candidates(
-        self, robot: Robot, model: ModelView, surface: ObjectSurface, radius: float
+        self, robot: Robot, model: ModelView, surface: ObjectSurface, kind: ObjectKind
     ) -> list[tuple[Pose2, bool]]:
         """Return poses on the map, and whether any heading will do; known objects are kept clear."""
         if self.spot is not None:
             spot = surface.spots[self.spot]
-            return [(spot.pose, spot.heading_deg is None)]
+            return [(spot.pose, spot.heading_deg is None or kind.is_round)]
+        radius = kind.foot_radius
         taken = [
-            (each.pose, math.hypot(*kind_of(model, each.object).size[:2]) / 2)
+            (each.pose, kind_of(model, each.object).foot_radius)
             for each in model.of(Objects).sightings
             if each.surface == self.surface
         ]

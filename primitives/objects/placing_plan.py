@@ -14,7 +14,7 @@ from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
@@ -77,7 +77,7 @@ def plan_placing(
     kind: ObjectKind,
     hand_T_object: Transform,
     goals: Sequence[Transform],
-    around: Sequence[Box],
+    around: Sequence[Solid],
     width: float | None = None,
 ) -> PlannedPlacing | None:
     """Return the placing with the best clearance among goals; None if none is free.

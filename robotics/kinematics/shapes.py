@@ -32,6 +32,10 @@ class Cylinder:
     length: float
     name: str = "cylinder"
 
+    def seen_from(self, a_T_b: Transform) -> Cylinder:
+        """Return the cylinder of the frame b, posed in a."""
+        return Cylinder(a_T_b @ self.pose, self.radius, self.length, self.name)
+
 
 @dataclass(frozen=True, eq=False)
 class Sphere:
@@ -51,6 +55,8 @@ class Hull:
     name: str = "hull"
 
 
+Solid = Box | Cylinder
+"""Shapes of what stands about."""
 Shape = Box | Cylinder | Sphere | Hull
 
 

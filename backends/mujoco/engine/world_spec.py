@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from handcart.backends.physics.engine.engine import GRAVITY_M_S2
-from handcart.backends.physics.engine.thing_form import Cuboid, ThingForm, Wedge
+from handcart.backends.physics.engine.thing_form import Cuboid, Piece, Rod, ThingForm, Wedge
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import FloatArray
@@ -113,7 +113,8 @@ class WorldSpec:
         body = self.spec.worldbody.add_body(name=f"{number}", **where(form.middle))
         body.add_freejoint(name=f"{number}")
         body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
-        body.mass, body.inertia = form.mass, box_inertia(form.mass, form.size)
+        inertia = rod_inertia if form.is_round else box_inertia
+        body.mass, body.inertia = form.mass, inertia(form.mass, form.size)
         sleeps = mujoco().mjtSleepPolicy
         body.sleep = sleeps.mjSLEEP_INIT if form.asleep else sleeps.mjSLEEP_ALLOWED
         for index, piece in enumerate(form.pieces):
@@ -163,11 +164,13 @@ class WorldSpec:
             CONTACT_COMPLIANCE,
         )
 
-    def _piece(self, name: str, piece: Cuboid | Wedge) -> dict[str, Any]:
+    def _piece(self, name: str, piece: Piece) -> dict[str, Any]:
         kinds = mujoco().mjtGeom
         if isinstance(piece, Cuboid):
             half = [size / 2 for size in piece.size]
             return {"type": kinds.mjGEOM_BOX, "size": half, "pos": (piece.ahead, 0.0, 0.0)}
+        if isinstance(piece, Rod):
+            return {"type": kinds.mjGEOM_CYLINDER, "size": (piece.radius, piece.length / 2, 0.0)}
         mesh = self.spec.add_mesh(name=f"wedge {name}", uservert=_corners(piece).ravel())
         return {"type": kinds.mjGEOM_MESH, "meshname": mesh.name}
 
@@ -186,6 +189,12 @@ def box_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float
     """Return the inertia of a box of a size (3,) in [m] around its middle, in [kg m²]."""
     x, y, z = (length**2 for length in size)
     return mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y)
+
+
+def rod_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float]:
+    """Return the inertia of a cylinder along z, as `box_inertia`."""
+    across = mass / 12 * (0.75 * size[0] ** 2 + size[2] ** 2)
+    return across, across, mass / 8 * size[0] ** 2
 
 
 def _corners(wedge: Wedge) -> FloatArray:

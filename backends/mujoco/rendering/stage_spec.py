@@ -11,7 +11,8 @@ from handcart.backends.mujoco.body.robot_looks import PartLook
 from handcart.backends.mujoco.engine.looks import BoxLook, Looks, TileLook
 from handcart.backends.mujoco.engine.mujoco_module import mujoco
 from handcart.backends.mujoco.engine.world_spec import ROBOT_PREFIX, where
-from handcart.backends.physics.engine.thing_form import BOX_FACES, BOX_NORMALS, ThingForm, Uvs
+from handcart.backends.physics.engine.form_mesh import form_mesh
+from handcart.backends.physics.engine.thing_form import ThingForm, Uvs
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.robotics.geometry.transform import transform
@@ -176,23 +177,31 @@ class StageSpec:
             picture = form.picture if form.printed is None else form.printed()
         if picture is not None:
             self._texture(name, picture)
-            self._printed_box(body, name, form.size, form.uvs, {})
+            self._printed_box(body, name, form.size, form.uvs, {}, form.is_round)
             return
-        half = [size / 2 for size in form.size]
-        self._paint(self._shape(body, type=mujoco().mjtGeom.mjGEOM_BOX, size=half), 0, form.material)
+        half, kinds = [size / 2 for size in form.size], mujoco().mjtGeom
+        kind = kinds.mjGEOM_CYLINDER if form.is_round else kinds.mjGEOM_BOX
+        size = (half[0], half[2], 0.0) if form.is_round else half
+        self._paint(self._shape(body, type=kind, size=size), 0, form.material)
 
     def _printed_box(
-        self, body: Any, name: str, size: Sequence[float], uvs: Sequence[Uvs], placed: dict[str, Any]
+        self,
+        body: Any,
+        name: str,
+        size: Sequence[float],
+        uvs: Sequence[Uvs],
+        placed: dict[str, Any],
+        is_round: bool = False,
     ) -> None:
-        """Add a box with a picture on it, and its material of that name."""
-        corners = 4 * np.arange(len(BOX_FACES))[:, None]
+        """Add a box or cylinder with a picture on it, and its material of that name."""
+        mesh = form_mesh(size, uvs, is_round)
+        corners = 4 * np.arange(len(mesh.corners))[:, None]
         triangles = np.concatenate([corners + half for half in np.array(((0, 1, 2), (0, 2, 3)))])
-        texcoord = np.array([[u, 1.0 - v] for face in uvs for u, v in face])
         self.spec.add_mesh(
             name=name,
-            uservert=(BOX_FACES * np.array(size) / 2).ravel(),
-            usernormal=np.repeat(BOX_NORMALS, 4, axis=0).ravel(),
-            usertexcoord=texcoord.ravel(),
+            uservert=mesh.corners.ravel(),
+            usernormal=np.repeat(mesh.normals, 4, axis=0).ravel(),
+            usertexcoord=(mesh.uvs * (1.0, -1.0) + (0.0, 1.0)).ravel(),
             userface=triangles.ravel(),
         )
         kind = mujoco().mjtGeom.mjGEOM_MESH

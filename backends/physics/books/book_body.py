@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.physics.engine.thing_form import Cuboid, Uvs, Wedge
+from handcart.backends.physics.engine.thing_form import Cuboid, Piece, Uvs, Wedge
 from handcart.backends.physics.world.thing_body import ThingBody
 from handcart.backends.simulation.books.book import SimulatedBook
 from handcart.backends.simulation.books.painted_books import spine_levels
@@ -31,7 +31,7 @@ class BookBody(ThingBody):
     thing: SimulatedBook
     _printed = False
 
-    def pieces(self) -> tuple[Cuboid | Wedge, ...]:
+    def pieces(self) -> tuple[Piece, ...]:
         """See `ThingBody`: where edges away from the spine are cut off, a box with a blunt wedge before it.
 
         Fingers then hold the box, whose contacts an engine knows to be flat, while of a hull it may find one

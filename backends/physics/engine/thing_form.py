@@ -39,6 +39,15 @@ class Cuboid(NamedTuple):
     """Offset of its middle along x, in [m]."""
 
 
+class Rod(NamedTuple):
+    """A cylinder along z of the thing's middle."""
+
+    radius: float
+    """[m]"""
+    length: float
+    """[m]"""
+
+
 class Wedge(NamedTuple):
     """A prism whose face at x = `base` narrows along y by `chamfer` on each side up to x = `end`, in [m]."""
 
@@ -47,6 +56,9 @@ class Wedge(NamedTuple):
     thickness: float
     height: float
     chamfer: float
+
+
+Piece = Cuboid | Rod | Wedge
 
 
 class Sticks(NamedTuple):
@@ -67,7 +79,7 @@ class ThingForm(NamedTuple):
     """Size of its bounding box, in [m]."""
     mass: float
     """[kg]"""
-    pieces: tuple[Cuboid | Wedge, ...]
+    pieces: tuple[Piece, ...]
     friction: float
     uvs: tuple[Uvs, ...]
     """Texture corners of the faces -x, +x, -y, +y, +z, -z of the bounding box.
@@ -84,5 +96,7 @@ class ThingForm(NamedTuple):
     """Material of the unprinted faces, in pictures for people."""
     printed: Callable[[], ByteArray] | None = None
     """All that its faces show to a camera that is near, laid out as `uvs` says; None: as `picture`."""
+    is_round: bool = False
+    """True if it looks like a cylinder along z; only its ends can be printed."""
     portrait: Callable[[], ByteArray | None] | None = None
     """Coloured picture for people; None if nothing is printed."""

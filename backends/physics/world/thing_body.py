@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.physics.engine.engine import Engine
-from handcart.backends.physics.engine.thing_form import Cuboid, Sticks, ThingForm, Uvs, Wedge
+from handcart.backends.physics.engine.thing_form import Cuboid, Piece, Rod, Sticks, ThingForm, Uvs
 from handcart.backends.simulation.world.thing import Side, Thing
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
@@ -46,13 +46,15 @@ class ThingBody:
                 self.asleep(),
                 thing.material,
                 self.printed,
+                self.thing.is_round,
                 self.portrait,
             )
         )
 
-    def pieces(self) -> tuple[Cuboid | Wedge, ...]:
+    def pieces(self) -> tuple[Piece, ...]:
         """Return its shapes, around the thing's middle."""
-        return (Cuboid(self.thing.size),)
+        width, _, height = self.thing.size
+        return (Rod(width / 2, height) if self.thing.is_round else Cuboid(self.thing.size),)
 
     def friction(self) -> float:
         """Return its friction; the product with that of what it touches counts."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -107,7 +107,7 @@ class ArmContact:
         self._mounted_reach = max(out, default=0.0)
         self._on_hand = {LOAD_NAME, *FINGER_LINKS, *_fixed_on_tip(arm, self._names)}
         self._fixed = [solid.box for solid in scene.solids]
-        self._take_in([], 0)
+        self._take_in([], ())
         self._stood: dict[str, tuple[Transform, Box]] = {}
         self._changes = -1
         self._reach: tuple[object, float] = (None, 0.0)
@@ -182,7 +182,7 @@ class ArmContact:
         back, things = world_T_base @ inverse(self._scene.world_T_base), self._scene.riding()
         return _Bodies(
             [thing.name for thing in things],
-            [RigidBody.box(np.array(thing.size) - _GIVE) for thing in things],
+            [_rigid(thing, _GIVE) for thing in things],
             np.array([back @ thing.pose @ thing.thing_T_middle for thing in things]).reshape(-1, 4, 4),
             np.array([float(np.linalg.norm(thing.size)) / 2 for thing in things]),
         )
@@ -237,10 +237,8 @@ class ArmContact:
         if thing is None:
             return None
         pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_held @ thing.thing_T_middle
-        size = np.array(thing.size) - 2 * _GIVE
-        return _Bodies(
-            [LOAD_NAME], [RigidBody.box(size)], pose[None], np.array([float(np.linalg.norm(size)) / 2])
-        )
+        radius = float(np.linalg.norm(np.array(thing.size) - 2 * _GIVE)) / 2
+        return _Bodies([LOAD_NAME], [_rigid(thing, 2 * _GIVE)], pose[None], np.array([radius]))
 
     def _near(self, bodies: _Bodies) -> IntArray:
         """Bodies, and the numbers of those boxes that may be in their way."""
@@ -291,21 +289,22 @@ class ArmContact:
         standing = [self._box(thing) for thing in things]
         boxes = [*self._fixed, *standing]
         if len(boxes) != len(self._boxes):
-            self._take_in(boxes, len(standing))
+            self._take_in(boxes, things)
             return
         for number, (box, before) in enumerate(zip(boxes, self._boxes, strict=True)):
             if box is not before:
                 self._boxes[number] = box
-                self._solids[number] = RigidBody.box(np.array(box.size) - _GIVE)
+                self._solids[number] = _rigid(things[number - len(self._fixed)], _GIVE)
                 self._arrays.place(number, np.array(box.size), box.pose)
 
-    def _take_in(self, boxes: list[Box], standing: int) -> None:
+    def _take_in(self, boxes: list[Box], things: Sequence[Thing]) -> None:
         """Take in solids of the world, and behind them the things that stand there now."""
         self._boxes = boxes
         sizes = np.array([box.size for box in boxes]).reshape(-1, 3)
-        self._solids = [RigidBody.box(size) for size in sizes - _GIVE]
+        self._solids = [RigidBody.box(size) for size in sizes[: len(boxes) - len(things)] - _GIVE]
+        self._solids += [_rigid(thing, _GIVE) for thing in things]
         self._arrays = Boxes(sizes, np.array([box.pose for box in boxes]).reshape(-1, 4, 4))
-        always = np.zeros(standing)
+        always = np.zeros(len(things))
         self._appears = np.append([solid.appears for solid in self._scene.solids], always)
         self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
 
@@ -316,6 +315,11 @@ class ArmContact:
             box = thing.box()
             self._stood[thing.name] = thing.pose, box
         return box
+
+
+def _rigid(thing: Thing, less: float) -> RigidBody:
+    """Return the body of a thing, `less` shorter along each of its axes, in [m]."""
+    return RigidBody.of(thing.solid(less)) if thing.is_round else RigidBody.box(np.array(thing.size) - less)
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:

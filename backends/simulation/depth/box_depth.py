@@ -1,13 +1,13 @@
-"""True depth of boxes and a floor, for all pixels of a pinhole camera."""
+"""True depth of boxes, cylinders and a floor, for all pixels of a pinhole camera."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Box, Cylinder
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
@@ -18,11 +18,14 @@ NOTHING, FLOOR = -2, -1
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
 
+Cut = Callable[[FloatArray, FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+
+
 class BoxDepth:
     """Casts the rays of a camera's pixels.
 
-    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986); each box is tested against the
-    pixels of the rectangle around its corners alone.
+    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986); each body is tested against the
+    pixels of the rectangle around its corners alone. A cylinder is a slab along its axis within a circle.
     """
 
     def __init__(self, model: CameraModel) -> None:
@@ -32,7 +35,7 @@ class BoxDepth:
         x, y = (columns - model.K[0, 2]) / model.K[0, 0], (rows - model.K[1, 2]) / model.K[1, 1]
         self._rays = np.stack((x, y, np.ones(self._shape)), axis=2)
 
-    def cast(self, world_T_camera: Transform, boxes: Sequence[Box]) -> tuple[FloatArray, IntArray]:
+    def cast(self, world_T_camera: Transform, boxes: Sequence[Box | Cylinder]) -> tuple[FloatArray, IntArray]:
         """Return the depth (h, w) of each pixel, in [m], and the number (h, w) of the body that it shows.
 
         Args:
@@ -50,13 +53,16 @@ class BoxDepth:
         met = np.isfinite(floor) & (floor > NEAREST_M)
         depth[met], shown[met] = floor[met], FLOOR
         for number, box in enumerate(boxes):
-            self._cast(inverse(world_T_camera) @ box.pose, box.size, number, depth, shown)
+            size = box.size if isinstance(box, Box) else (2 * box.radius, 2 * box.radius, box.length)
+            cut = _cut_box if isinstance(box, Box) else _cut_cylinder
+            self._cast(inverse(world_T_camera) @ box.pose, size, cut, number, depth, shown)
         return depth, shown
 
     def _cast(
         self,
         camera_T_box: Transform,
         size: tuple[float, float, float],
+        cut: Cut,
         number: int,
         depth: FloatArray,
         shown: IntArray,
@@ -68,9 +74,7 @@ class BoxDepth:
         start = -turn.T @ camera_T_box[:3, 3]
         ways = self._rays[window] @ turn
         ways = np.where(np.abs(ways) < PARALLEL, PARALLEL, ways)
-        one, other = (-half - start) / ways, (half - start) / ways
-        enter = np.minimum(one, other).max(axis=2)
-        leave = np.maximum(one, other).min(axis=2)
+        enter, leave = cut(start, ways, half)
         hit = (enter <= leave) & (enter > NEAREST_M) & (enter < depth[window])
         depth[window] = np.where(hit, enter, depth[window])
         shown[window] = np.where(hit, number, shown[window])
@@ -88,3 +92,27 @@ class BoxDepth:
         if right <= 0 or bottom <= 0 or left >= width or top >= height:
             return None
         return slice(max(0, int(top)), int(bottom)), slice(max(0, int(left)), int(right))
+
+
+def _cut_box(start: FloatArray, ways: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the depths (h, w) at which rays enter and leave a box, in [m].
+
+    Args:
+        start: (3,) eye in the frame of the box.
+        ways: (h, w, 3) rays in it, 1 long along the optical axis.
+        half: (3,) half of its size, in [m].
+    """
+    one, other = (-half - start) / ways, (half - start) / ways
+    return np.minimum(one, other).max(axis=2), np.maximum(one, other).min(axis=2)
+
+
+def _cut_cylinder(start: FloatArray, ways: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the depths (h, w) at which rays enter and leave a cylinder along z; as `_cut_box`."""
+    below, above = (-half[2] - start[2]) / ways[..., 2], (half[2] - start[2]) / ways[..., 2]
+    a = (ways[..., :2] ** 2).sum(axis=2)
+    b = ways[..., :2] @ start[:2]
+    root = b**2 - a * (start[:2] @ start[:2] - half[0] ** 2)
+    width = np.sqrt(np.maximum(root, 0.0))
+    enter = np.maximum(np.minimum(below, above), (-b - width) / a)
+    leave = np.minimum(np.maximum(below, above), (-b + width) / a)
+    return np.where(root > 0.0, enter, np.inf), np.where(root > 0.0, leave, -np.inf)

@@ -15,14 +15,14 @@ from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 from handcart.backends.simulation.world.material import Material
 from handcart.backends.simulation.world.scene import Scene
 from handcart.robotics.geometry.transform import Transform, transform
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Box, Cylinder
 from handcart.robotics.numerics.arrays import ByteArray, IntArray
 
 from .box_depth import BoxDepth
 from .simulated_depth_camera import SimulatedDepthCamera, TrueDepth
 
 GREY_MATERIAL = Material(METAL_GREY / 255, METAL_GREY / 255, METAL_GREY / 255)
-Body = tuple[Box, Material]
+Body = tuple[Box | Cylinder, Material]
 
 
 class SceneDepthCamera(SimulatedDepthCamera):
@@ -55,7 +55,7 @@ def bodies_of(scene: Scene) -> Iterator[Body]:
         if solid.appears <= scene.time < solid.leaves:
             yield solid.box, solid.material
     for thing in scene.things():
-        yield thing.box(), thing.material
+        yield thing.solid(), thing.material
     if scene.arm is None:
         return
     if scene.robot.has_tray:

@@ -1,4 +1,4 @@
-"""A box with printed tags, as a solid body."""
+"""A box or cylinder with printed tags, as a solid body."""
 
 from __future__ import annotations
 
@@ -29,6 +29,11 @@ class CarriedObject(PlacedThing):
     WEIGHS = True
 
     spec: CarriedObjectSpec
+
+    @property
+    @override
+    def is_round(self) -> bool:
+        return self.spec.shape == "cylinder"
 
     @property
     @override

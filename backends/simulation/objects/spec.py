@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -13,8 +13,10 @@ from handcart.files.models.model import FileModel
 
 
 class CarriedObjectSpec(PlacedSpec):
-    """A box, and where a person sets it down: the middle of its foot."""
+    """A box or a cylinder, and where a person sets it down: the middle of its foot."""
 
+    shape: Literal["box", "cylinder"] = "box"
+    """A cylinder stands on its foot; along its x and y it has one size, its diameter."""
     mass_kg: Annotated[float, Field(gt=0.0, le=50.0)] = 0.3
     friction: Annotated[float, Field(gt=0.0, le=2.0)] = 0.65
     """Of the object; the product with that of what it touches counts."""
@@ -26,9 +28,17 @@ class CarriedObjectSpec(PlacedSpec):
     """Standard deviation of its heading then."""
 
     @model_validator(mode="after")
+    def _is_round(self) -> Self:
+        if self.shape == "cylinder" and self.size_mm[0] != self.size_mm[1]:
+            x, y, _ = self.size_mm
+            wrong = f"a cylinder has one diameter, not {x:g} and {y:g} mm"
+            raise ValueError(f"{wrong}; allowed: the same size along x and y")
+        return self
+
+    @model_validator(mode="after")
     def _tags_fit(self) -> Self:
         for tag in self.tags:
-            if not tag.fits(self.size_mm):
+            if not tag.fits(self.size_mm, self.shape == "cylinder"):
                 raise ValueError(f"the tag {tag.id} is larger than the side {tag.face}; allowed: within it")
         return self
 

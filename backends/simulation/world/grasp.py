@@ -1,4 +1,4 @@
-"""Grasp of a box by two closing pads."""
+"""Grasp of a box or a cylinder by two closing pads."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from scipy.spatial.transform import Rotation
 from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.numerics.arrays import FloatArray
 
 PAD_LENGTH_M = 0.05  # of the fingers' length that is padded, up to the tips [m]
 MIN_BITE_M = 0.005  # a thing must reach this deep between the pads to be held [m]
 _SQUARE = np.cos(np.radians(15.0))  # turned further than this against the pads, a box isn't gripped
+_LENGTHWISE = np.cos(np.radians(45.0))  # between the pads and the axis of a cylinder that points along them
 
 
 class Pads(NamedTuple):
@@ -31,26 +33,30 @@ class Pads(NamedTuple):
 
 
 def thickness(thing: Thing, pads: Pads) -> float:
-    """Return the thickness of a box between the pads, in [m]."""
+    """Return the thickness of a thing between the pads, in [m]."""
     return thing.size[_across(thing, pads)]
 
 
 def fits(thing: Thing, pads: Pads) -> bool:
-    """Return whether closing pads meet a box squarely, on both sides."""
+    """Return whether closing pads meet a box squarely, on both sides; a cylinder from any side around it."""
     finger = pads.finger
     reach = np.array([PAD_LENGTH_M / 2, pads.outer(), finger.height / 2])
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     axis = _across(thing, pads)
     half = np.abs(middle[:3, :3]) @ np.array(thing.size) / 2
+    if thing.is_round:
+        half = extent(middle[:3, 2], thing.size) / 2
     near = np.abs(middle[:3, 3] - (finger.tip - PAD_LENGTH_M / 2, 0.0, 0.0)) < reach + half - MIN_BITE_M
     inside = abs(middle[1, 3]) + thing.size[axis] / 2 < pads.outer()
-    return bool(abs(float(middle[1, axis])) > _SQUARE and near[0] and near[2] and inside)
+    return bool(_squareness(thing, middle) > _SQUARE and near[0] and near[2] and inside)
 
 
 def aside_at_pads(thing: Thing, pads: Pads) -> float:
-    """Return the distance of a box's middle to the left of the hand's middle, at the pads, in [m]."""
+    """Return the distance of a thing's middle to the left of the hand's middle, at the pads, in [m]."""
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
-    along = int(np.argmax(np.abs(middle[0, :3])))
+    if thing.is_round and abs(float(middle[0, 2])) < _LENGTHWISE:
+        return float(middle[1, 3])
+    along = 2 if thing.is_round else int(np.argmax(np.abs(middle[0, :3])))
     half = abs(middle[0, along]) * thing.size[along] / 2
     ahead = np.clip(pads.finger.tip - PAD_LENGTH_M / 2 - middle[0, 3], -half, half)
     return float(middle[1, 3] + ahead * middle[1, along] / middle[0, along])
@@ -62,7 +68,7 @@ def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
     Its sides align with the pads, and it slides between their middle; along the pads it stays.
     """
     hand_T_middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
-    side = hand_T_middle[:3, _across(thing, pads)]
+    side = _side(thing, hand_T_middle, _across(thing, pads))
     normal = np.array([0.0, np.sign(side[1]), 0.0])
     turn = Rotation.align_vectors(normal[None], side[None])[0].as_matrix()
     hand_T_middle[:3, :3] = turn @ hand_T_middle[:3, :3]
@@ -70,7 +76,36 @@ def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
     return np.asarray(hand_T_middle @ inverse(thing.thing_T_middle))
 
 
+def extent(axis: FloatArray, size: tuple[float, float, float]) -> FloatArray:
+    """Return how far a cylinder reaches (3,) along x, y and z, from end to end, in [m].
+
+    Args:
+        axis: (3,) unit vector along it.
+        size: its diameter twice, and its length, in [m].
+    """
+    return np.asarray(size[0] * np.sqrt(np.maximum(0.0, 1.0 - axis**2)) + size[2] * np.abs(axis))
+
+
+def _squareness(thing: Thing, hand_T_middle: Transform) -> float:
+    """Return the cosine between the closing direction and the normal of what the pads close on."""
+    along = abs(float(hand_T_middle[1, 2]))
+    if thing.is_round:
+        return max(along, float(np.sqrt(max(0.0, 1.0 - along**2))))
+    return float(np.abs(hand_T_middle[1, :3]).max())
+
+
+def _side(thing: Thing, hand_T_middle: Transform, across: int) -> FloatArray:
+    """Return the normal (3,) of what the pads close on, in the hand's frame."""
+    if not thing.is_round or across == 2:
+        return np.asarray(hand_T_middle[:3, across])
+    axis = hand_T_middle[:3, 2]
+    radial = np.array([0.0, 1.0, 0.0]) - axis[1] * axis
+    return np.asarray(radial / np.linalg.norm(radial))
+
+
 def _across(thing: Thing, pads: Pads) -> int:
-    """Return the axis of a thing that is most parallel to the closing direction."""
+    """Return the axis of a thing that is most parallel to the closing direction; 0 or 2 if it is round."""
+    if thing.is_round:
+        return 2 if abs(float(pads.world_T_hand[:3, 1] @ thing.pose[:3, 2])) > _SQUARE else 0
     closing = pads.world_T_hand[:3, 1]
     return int(np.argmax(np.abs(thing.pose[:3, :3].T @ closing)))

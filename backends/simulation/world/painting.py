@@ -42,6 +42,10 @@ _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
 }
 
 
+ROUND_STRIPS = 24  # of a cylinder's side
+INSCRIBED = float(np.sqrt(0.5))  # of a circle's diameter: side of the square within
+
+
 class Painted(NamedTuple):
     """Drawable object; more distant objects are painted first."""
 
@@ -65,6 +69,9 @@ def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 
 
 
 def _thing(canvas: Canvas, thing: Thing) -> None:
+    if thing.is_round:
+        _round_thing(canvas, thing)
+        return
     box, faces = thing.box(), thing.faces()
     plain = tuple(i for i, side in enumerate(BOX_SIDES) if side not in faces)
     paint_box(canvas, box, thing.grey, plain)
@@ -72,6 +79,36 @@ def _thing(canvas: Canvas, thing: Thing) -> None:
         face, (width, height) = picture_frame(side, box)
         if canvas.seen_from_front(face[:3, 3], -face[:3, 2]):
             canvas.texture(picture_levels(picture, width, height), face)
+
+
+def _round_thing(canvas: Canvas, thing: Thing) -> None:
+    """Paint a cylinder: its side in strips, its ends with the middle of the pictures on them."""
+    box = thing.box()
+    turn, place = box.pose[:3, :3].T, box.pose[:3, 3]
+    for corners, normal in round_strips(box.size):
+        if canvas.seen_from_front(corners[0] @ turn + place, normal @ turn):
+            share = _SHADE[4] + (_SHADE[5] - _SHADE[4]) * (1.0 + float((normal @ turn)[2])) / 2
+            canvas.polygon(corners @ turn + place, min(255, round(thing.grey * share)))
+    inner = Box(box.pose, (box.size[0] * INSCRIBED, box.size[1] * INSCRIBED, box.size[2]))
+    for side, picture in thing.faces().items():
+        face, (width, height) = picture_frame(side, inner)
+        if canvas.seen_from_front(face[:3, 3], -face[:3, 2]):
+            rows, columns = (round(each * (1.0 - INSCRIBED) / 2) for each in picture.shape)
+            middle = picture[rows : picture.shape[0] - rows, columns : picture.shape[1] - columns]
+            canvas.texture(picture_levels(middle, width, height), face)
+
+
+def round_strips(size: tuple[float, float, float]) -> list[tuple[FloatArray, FloatArray]]:
+    """Return corners (n, 3) and outward normals (3,) of a cylinder's strips and ends, about its middle."""
+    angles = np.arange(ROUND_STRIPS) * (2.0 * np.pi / ROUND_STRIPS)
+    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(ROUND_STRIPS)]) * (size[0] / 2)
+    up = np.array([0.0, 0.0, size[2] / 2])
+    following = np.roll(ring, -1, axis=0)
+    strips = [
+        (np.array([a - up, b - up, b + up, a + up]), (a + b) / np.linalg.norm(a + b))
+        for a, b in zip(ring, following, strict=True)
+    ]
+    return [*strips, (ring[::-1] - up, -up / size[2] * 2.0), (ring + up, up / size[2] * 2.0)]
 
 
 def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]:

@@ -19,6 +19,7 @@ LEVEL_TOLERANCE_M = 0.001  # supports at most this much apart in height carry to
 MIN_UPRIGHT_COSINE = np.cos(np.radians(10.0))
 TOPPLED_TILT_RAD = np.radians(10.0)
 MAX_SUNK_DEPTH_M = 0.005  # [m] by which a foot may lie below its support, in physics
+ROUND_CORNERS = 24  # of the outline of a cylinder
 TRAY_LINK = "tray"
 
 
@@ -86,7 +87,7 @@ def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
 def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]]:
     """Level tops right below: height in [m], outline (n, 2) of where it rests, whether the robot's."""
     foot = float(thing.pose[2, 3])
-    outline = _outline(Box(thing.pose, thing.size))
+    outline = _round_outline(thing) if thing.is_round else _outline(Box(thing.pose, thing.size))
     boxes = [(solid.box, False) for solid in scene.solids]
     boxes += [
         (each.box(), each.rest is Rest.TRAY)
@@ -111,6 +112,14 @@ def _outline(box: Box) -> FloatArray:
     """Return (4, 2) corners of an upright box on the floor."""
     half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
     return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
+
+
+def _round_outline(thing: Thing) -> FloatArray:
+    """Return (n, 2) points around the foot of a cylinder, on the floor."""
+    angles = np.arange(ROUND_CORNERS) * (2.0 * np.pi / ROUND_CORNERS)
+    return np.asarray(
+        thing.size[0] / 2 * np.column_stack([np.cos(angles), np.sin(angles)]) + thing.pose[:2, 3]
+    )
 
 
 def _within(middle: FloatArray, areas: list[FloatArray]) -> bool:

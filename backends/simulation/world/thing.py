@@ -11,7 +11,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.shapes import Box, Cylinder
 from handcart.robotics.numerics.arrays import ByteArray
 
 from .material import PALE_WOOD, Material
@@ -61,6 +61,11 @@ class Thing(ABC):
         """Length, width and height along x, y and z of the thing's frame, in [m]."""
 
     @property
+    def is_round(self) -> bool:
+        """True for a cylinder along z, whose `size` is that of the box around it."""
+        return False
+
+    @property
     def carrier(self) -> str:
         """Support of the thing: "hand", "tray", "table", "floor", or the name of a more specific support."""
         return self.rest.value
@@ -98,8 +103,13 @@ class Thing(ABC):
         return {}
 
     def box(self) -> Box:
-        """Return the solid, posed in the world."""
+        """Return the solid, or the box around a round one, posed in the world."""
         return Box(self.pose @ self.thing_T_middle, self.size, self.name)
+
+    def solid(self, less: float = 0.0) -> Box | Cylinder:
+        """Return the solid, posed in the world, `less` shorter along each of its axes, in [m]."""
+        pose, (x, y, z) = self.pose @ self.thing_T_middle, (side - less for side in self.size)
+        return Cylinder(pose, x / 2, z, self.name) if self.is_round else Box(pose, (x, y, z), self.name)
 
     def tilt(self) -> float:
         """Angle between its height and the vertical, in [rad]."""

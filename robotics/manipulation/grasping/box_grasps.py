@@ -52,18 +52,26 @@ def box_grasps(
             for closing in (each for each in range(3) if each != axis and (axis == 2 or each != 2)):
                 if size[closing] <= opening - OPENING_MARGIN_M:
                     for flip in (1, -1):
-                        pose = _hand(size, tip, sign * np.eye(3)[axis], flip * np.eye(3)[closing], tilt)
+                        normal, across = sign * np.eye(3)[axis], flip * np.eye(3)[closing]
+                        pose = hand_on(size[2], size[axis], tip, normal, across, tilt)
                         yield Grasp(pose, size[closing], face, tilt)
 
 
-def _hand(
-    size: tuple[float, float, float], tip: float, normal: FloatArray, closing: FloatArray, tilt: float
+def hand_on(
+    height: float, extent: float, tip: float, normal: FloatArray, closing: FloatArray, tilt: float
 ) -> Transform:
-    """Return box_T_hand whose tips are `BITE_M` below the side with an outward normal (3,)."""
-    extent = float(np.abs(normal) @ np.array(size))
+    """Return box_T_hand (4, 4) whose tips are `BITE_M` below a side.
+
+    Args:
+        height: of the box, in [m].
+        extent: of the box along the side's normal, in [m].
+        tip: distance from the frame `hand` to the finger tips, in [m].
+        normal: (3,) of the side, outwards.
+        closing: (3,) direction in which the pads close.
+        tilt: turn of the approach about it, in [rad].
+    """
     bite = min(BITE_M, MAX_BITE_SHARE * extent)
-    middle = np.array([0.0, 0.0, size[2] / 2])
-    tips = middle + normal * (extent / 2 - bite)
+    tips = np.array([0.0, 0.0, height / 2]) + normal * (extent / 2 - bite)
     across = np.cross(-normal, closing)
     ahead = -normal * math.cos(tilt) + across * math.sin(tilt)
     pose = np.eye(4)

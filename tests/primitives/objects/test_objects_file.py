@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,22 @@ def test_contradictions_are_all_reported_at_their_lines(tmp_path: Path) -> None:
         12: ["it is believed to be outside of 'table'; allowed: a point on that surface"],
         13: ["the surface 'shelf' takes no parcel; allowed: parcels"],
     }
+
+
+@pytest.mark.parametrize(
+    ("can", "words"),
+    [
+        ("size_mm: [60, 70, 80]", "a cylinder has one diameter, not 60 and 70 mm"),
+        ("size_mm: [60, 60, 80], tags: [{id: 3, side_mm: 45}]", "allowed: on +z of a cylinder, within 42 mm"),
+        ("size_mm: [60, 60, 80], tags: [{id: 3, side_mm: 20, face: +x}]", "allowed: on +z of a cylinder"),
+    ],
+)
+def test_cylinder_that_cannot_be_is_reported(can: str, words: str, tmp_path: Path) -> None:
+    path = changed(
+        tmp_path, "objects.yaml", ("  parcel: {", f"  can: {{shape: cylinder, {can}}}\n  parcel: {{")
+    )
+    with pytest.raises(FileError, match=re.escape(words)):
+        check_quietly(path)
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,7 @@ def make(tmp_path: Path) -> Iterator[Make]:
         tilt: float = LEVEL,
         camera: str = "scene",
         seed: int = 3,
+        things: str = "",
     ) -> Backend:
         urdf = (CART / "cart.urdf").read_text(encoding="utf-8").replace("</robot>", MAST.format(tilt=tilt))
         (tmp_path / "cart.urdf").write_text(urdf, encoding="utf-8")
@@ -64,7 +65,7 @@ def make(tmp_path: Path) -> Iterator[Make]:
         (tmp_path / "robot.yaml").write_text(
             f"{kept}{errors}sensors: {{mast: {section}}}\n", encoding="utf-8"
         )
-        (tmp_path / "world.yaml").write_text(WORLD.format(camera=camera), encoding="utf-8")
+        (tmp_path / "world.yaml").write_text(WORLD.format(camera=camera) + things, encoding="utf-8")
         robot = load_robot(str(tmp_path / "robot.yaml"))
         built.append(make_backend(name, robot, tmp_path / "world.yaml", seed))
         return built[-1]

@@ -43,6 +43,23 @@ def test_depth_is_the_distance_of_what_is_there(make: Make, backend_name: str) -
     assert image.depth[30, 5] == pytest.approx(3.95 - 1.35, abs=2e-3)
 
 
+DRUM = """\
+objects:
+  - {name: drum, shape: cylinder, x_m: 2.1, y_m: 1.5, height_m: 0.0, size_mm: [300, 300, 600], mass_kg: 2}
+"""
+
+
+def test_points_on_a_cylinder_are_as_far_from_its_axis(make: Make, backend_name: str) -> None:
+    """Of the strips that engines draw, the middle is 1.3 mm nearer."""
+    backend = make(backend_name, tilt=DOWN, things=DRUM)
+    points = first(backend).points(camera_of(backend).model) + np.array([1.0, 1.5, 0.0])
+    away = np.hypot(points[:, 0] - 2.1, points[:, 1] - 1.5)
+    on_side = (away < 0.17) & (points[:, 2] > 0.05) & (points[:, 2] < 0.595)
+    assert on_side.sum() > 150
+    assert np.abs(away[on_side] - 0.15).max() < 4e-3
+    assert ((away < 0.15) & (np.abs(points[:, 2] - 0.6) < 4e-3)).sum() > 50
+
+
 def test_points_lie_on_box_walls_and_floor_in_base(make: Make, backend_name: str) -> None:
     backend = make(backend_name, tilt=DOWN)
     points = first(backend).points(camera_of(backend).model)
