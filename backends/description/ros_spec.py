@@ -30,6 +30,21 @@ class RosTopicSpec(FileModel):
     """Age of the last message, by its arrival and by its stamp, beyond which it is no longer one of now."""
 
 
+class RosCameraSpec(RosTopicSpec):
+    """Topic of a camera's pictures."""
+
+    topic: Topic = "camera/image_raw"
+    stale_ms: StaleTime = 1000.0
+    info: Topic | None = None
+    """Topic of its calibration (default: `camera_info` beside the pictures)."""
+
+    @property
+    def info_topic(self) -> str:
+        """Return the topic of its `camera_info`."""
+        folder = self.topic.rpartition("/")[0]
+        return self.info or (f"{folder}/camera_info" if folder else "camera_info")
+
+
 class RosVelocitySpec(FileModel):
     """The topic of the base's speeds."""
 
@@ -93,7 +108,7 @@ class RosSpec(FileModel):
     wrench: RosTopicSpec | None = None
     """Force on the hand (`geometry_msgs/WrenchStamped`, in the hand frame); None: by the joints' efforts."""
     lidar: RosTopicSpec = RosTopicSpec(topic="scan")
-    camera: RosTopicSpec = RosTopicSpec(topic="camera/image_raw", stale_ms=1000.0)
+    camera: RosCameraSpec = RosCameraSpec()
     imu: RosTopicSpec = RosTopicSpec(topic="imu")
     same_clock: bool = True
     """Whether the robot's clock is in step with this machine's: then a message is also refused whose stamp

@@ -55,25 +55,45 @@ def _silent(topics: RosTopics) -> list[TopicSensor]:
 def _deaf(topics: RosTopics, link: Link) -> list[str]:
     """Return the topics of commands that nobody listens to; joints that no message names count, too."""
     unknown = [] if topics.states is None or not topics.states.missing else [topics.states.missing]
-    return [*(topic for topic in topics.commands if not link.subscribers(topic)), *unknown]
+    return [*unheard(topics, link), *unknown]
 
 
 def _findings(topics: RosTopics, link: Link) -> Iterator[str]:
     for sensor in _silent(topics):
-        yield _silence(sensor, link)
-    for topic, kind in topics.commands.items():
-        if not link.subscribers(topic):
-            yield f"{topic}: nobody listens to it; needed: a controller or driver that takes {kind}"
+        yield silence(sensor, link)
+    for topic in unheard(topics, link):
+        yield deafness(topics, link, topic)
     if topics.states is not None and topics.states.age is not None and topics.states.missing:
         yield topics.states.missing
 
 
-def _silence(sensor: TopicSensor, link: Link) -> str:
+def unheard(topics: RosTopics, link: Link) -> list[str]:
+    """Return the topics of commands that no node takes with the type that is sent.
+
+    A node that listens with another type receives nothing, without an error.
+    """
+    return [
+        topic
+        for topic, kind in topics.commands.items()
+        if not any(f"({kind})" in each for each in link.listeners(topic))
+    ]
+
+
+def deafness(topics: RosTopics, link: Link, topic: str) -> str:
+    """Return why no command of a topic arrives."""
+    kind, others = topics.commands[topic], link.listeners(topic)
+    if others:
+        return f"{topic}: {', '.join(others)} listens, but {kind} is sent; change `type`"
+    return f"{topic}: nobody listens to it; needed: a controller or driver that takes {kind}"
+
+
+def silence(sensor: TopicSensor, link: Link) -> str:
+    """Return why a topic gives no readings."""
     topic, kind = sensor.source.topic, sensor.KIND
     if sensor.rejected:
         return f"{sensor.name}: {sensor.rejected} messages were no good; of the last one, {sensor.doubt}"
     nodes = link.publishers(topic)
-    if nodes and not any(kind in each for each in nodes):
+    if nodes and not any(f"({kind})" in each for each in nodes):
         return f"{sensor.name}: its type is not {kind}: {', '.join(nodes)}"
     if nodes:
         return f"{sensor.name}: {', '.join(nodes)} publishes it, but no message arrives"

@@ -20,7 +20,7 @@ from handcart.backends.saved_state import NotAState
 from handcart.robotics.numerics.arrays import ByteArray
 
 from .bench.local_bench import LocalBench
-from .on_the_air import await_robot, other_masters
+from .on_the_air import await_robot, other_masters, unheard
 from .ros_topics import RosTopics, capabilities_of, check_joints
 
 MASTERS_PERIOD_S = 1.0
@@ -214,7 +214,7 @@ class RosBackend(Backend):
         self._looked = now
         if found := list(other_masters(topics, self._link)):
             raise RosFault("; ".join(found))
-        if deaf := [topic for topic in topics.commands if not self._link.subscribers(topic)]:
+        if deaf := unheard(topics, self._link):
             raise RosFault(f"nobody listens to {', '.join(deaf)} any more")
 
     def _stop_for_good(self, error: BaseException) -> None:

@@ -84,7 +84,7 @@ def robot_facts(
         "format": robot.format,
         "warnings": [*robot.warnings, *report.warnings, *map(str, postures), *engines],
         "grouped": [*grouped(report.remarks), *grouped_findings(postures), *engines],
-        "lines": [*_lines(report, every), *(_lines_of(*bus_tables(bus)) if bus else ())],
+        "lines": [*_lines(report, every), *(lines_of(*bus_tables(bus)) if bus else ())],
         "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},
         **({"picture": str(picture)} if picture is not None else {}),
     }
@@ -93,7 +93,7 @@ def robot_facts(
 def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> list[str]:
     """Joints, links and meshes as tables: all of them, or the `chosen` joints and what the others come to."""
     if every:
-        return _lines_of(*(part for table in _tables(contents) for part in (table, "")))
+        return lines_of(*(part for table in _tables(contents) for part in (table, "")))
     rows = [_joint(each) for each in contents.joints if each.name in chosen]
     others = Counter(each.kind for each in contents.joints if each.name not in chosen)
     weighed = sorted(((each.mass_kg or 0.0, each.name) for each in contents.links), reverse=True)
@@ -104,7 +104,7 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
     mass = sum(mass for mass, _ in weighed)
     parts.append(f"{counted(len(weighed), 'link')}, {mass:.3g} kg; the heaviest: {heaviest}")
     parts += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
-    return [*_lines_of(*parts), "--all lists each joint, link and mesh", ""]
+    return [*lines_of(*parts), "--all lists each joint, link and mesh", ""]
 
 
 def _lines(report: RobotReport, every: bool) -> list[str]:
@@ -129,10 +129,11 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
             f"camera: sees {camera.across_deg:.0f} by {camera.upright_deg:.0f} deg; "
             f"{camera.px_per_mm:.1f} px a mm at 0.3 m"
         )
-    return [*contents_lines(report.contents, report.arm, every), *_lines_of(*parts)]
+    return [*contents_lines(report.contents, report.arm, every), *lines_of(*parts)]
 
 
-def _lines_of(*parts: Any) -> list[str]:
+def lines_of(*parts: Any) -> list[str]:
+    """Return tables and lines as text for people."""
     from rich.console import Console
     from rich.text import Text
 

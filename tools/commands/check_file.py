@@ -59,19 +59,28 @@ def check(
     backend: Annotated[
         str | None, typer.Option(help="of a robot: build this simulated backend with it, such as mujoco")
     ] = None,
+    ros2: Annotated[
+        bool, typer.Option("--ros2", help="of a robot: compare its file with the topics that are on the air")
+    ] = False,
+    bench: Annotated[
+        str | None, typer.Option(help="with --ros2: topics of this simulated backend in this process")
+    ] = None,
+    seconds: Annotated[float, typer.Option(min=0.5, help="with --ros2: time to listen")] = 5.0,
 ) -> None:
     """Check a file and all files that it names, and report each finding with its place."""
     import orjson
 
     from handcart.files.errors import FileError, InputError
     from handcart.files.models.settings import split_setting
+    from handcart.tools.checks.check_air import air_facts
     from handcart.tools.terminal.first_use import announced
 
     try:
         given = dict(split_setting(each) for each in settings or [])
         given |= {"policy": policy} if policy else {}
         with announced(f"checking {file}"):
-            facts = file_facts(file, given, CheckOptions(picture, every, allow, draft, backend=backend))
+            options = CheckOptions(picture, every, allow, draft, backend=backend)
+            facts = air_facts(str(file), bench, seconds) if ros2 else file_facts(file, given, options)
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:

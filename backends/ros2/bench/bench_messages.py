@@ -18,6 +18,7 @@ from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.ros2.wire.messages import set_stamp
 from handcart.backends.ros2.wire.ros_link import Link
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 
 def odometry_message(link: Link, now: float, pose: Pose2, speeds: DriveCommand) -> Any:
@@ -77,6 +78,20 @@ def image_message(link: Link, now: float, robot: Backend) -> Any:
     message.height, message.width = map(int, picture.shape)
     message.encoding, message.step = "mono8", int(picture.shape[1])
     message.data = array("B", np.ascontiguousarray(picture).tobytes())
+    return message
+
+
+def camera_info_message(link: Link, now: float, model: CameraModel) -> Any:
+    """Return the calibration of a camera as a `CameraInfo`."""
+    message = _stamped(link, "sensor_msgs/CameraInfo", now, "camera")
+    message.width, message.height = model.width, model.height
+    fisheye = model.lens == "fisheye"
+    message.distortion_model = (
+        "equidistant" if fisheye else "plumb_bob" if len(model.distortion) <= 5 else "rational_polynomial"
+    )
+    message.d, message.k = model.distortion.tolist(), model.K.ravel().tolist()
+    message.r = np.eye(3).ravel().tolist()
+    message.p = np.column_stack([model.K, np.zeros(3)]).ravel().tolist()
     return message
 
 

@@ -19,8 +19,8 @@ class LocalAir:
         """Begin without topics, at a time of 1 s: a stamp of 0 means none."""
         self.time = 1.0
         """[s]"""
-        self.listeners: dict[str, list[tuple[LocalLink, deque[Any]]]] = {}
-        """Messages of each topic that each listener has not received yet."""
+        self.listeners: dict[str, list[tuple[LocalLink, str, deque[Any]]]] = {}
+        """Listeners of each topic, with the type of their messages and those not received yet."""
         self.publishers: dict[str, list[tuple[LocalLink, str]]] = {}
         """Publishers of each topic, with the type of their messages."""
 
@@ -37,7 +37,7 @@ class LocalLink(Link):
     @override
     def subscribe(self, kind: str, topic: str, take: Take) -> None:
         waiting: deque[Any] = deque(maxlen=KEPT_MESSAGES)
-        self._air.listeners.setdefault(topic, []).append((self, waiting))
+        self._air.listeners.setdefault(topic, []).append((self, kind, waiting))
         self._taking.append((waiting, take))
 
     @override
@@ -45,8 +45,9 @@ class LocalLink(Link):
         self._air.publishers.setdefault(topic, []).append((self, kind))
 
         def publish(message: Any) -> None:
-            for _, waiting in self._air.listeners.get(topic, ()):
-                waiting.append(message)
+            for _, taken, waiting in self._air.listeners.get(topic, ()):
+                if taken == kind:
+                    waiting.append(message)
 
         return publish
 
@@ -67,6 +68,14 @@ class LocalLink(Link):
     @override
     def subscribers(self, topic: str) -> int:
         return len(self._air.listeners.get(topic, ()))
+
+    @override
+    def listeners(self, topic: str) -> list[str]:
+        return [f"/{link.name} ({kind})" for link, kind, _ in self._air.listeners.get(topic, ())]
+
+    @override
+    def mismatches(self, topic: str, is_command: bool) -> list[str]:
+        return []
 
     @override
     def topics_of(self, kind: str) -> list[str]:

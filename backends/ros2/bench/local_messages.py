@@ -43,6 +43,11 @@ def _image() -> SimpleNamespace:
     return SimpleNamespace(header=_header(), height=0, width=0, encoding="", step=0, data=b"")
 
 
+def _camera_info() -> SimpleNamespace:
+    lens = {"distortion_model": "", "d": [], "k": [0.0] * 9, "r": [0.0] * 9, "p": [0.0] * 12}
+    return SimpleNamespace(header=_header(), height=0, width=0, **lens)
+
+
 _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
     "Twist": _twist,
     "TwistStamped": lambda: SimpleNamespace(header=_header(), twist=_twist()),
@@ -50,6 +55,7 @@ _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
     "JointState": lambda: SimpleNamespace(header=_header(), name=[], position=[], velocity=[], effort=[]),
     "LaserScan": _scan,
     "Image": _image,
+    "CameraInfo": _camera_info,
     "Imu": lambda: SimpleNamespace(
         header=_header(), angular_velocity=_vector(), linear_acceleration=_vector()
     ),

@@ -16,13 +16,21 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.hand_force import efforts_of_force
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.robot.mounted_camera import camera_model
 from handcart.backends.ros2.wire.ros_link import Link
 from handcart.robotics.far import Far
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .bench_faults import BenchFaults
-from .bench_messages import image_message, imu_message, odometry_message, scan_message, state_message
+from .bench_messages import (
+    camera_info_message,
+    image_message,
+    imu_message,
+    odometry_message,
+    scan_message,
+    state_message,
+)
 from .wheel_odometry import WheelOdometry
 
 COMMAND_TIMEOUT_S = 0.25
@@ -185,6 +193,8 @@ class RosBench:
             found[spec.imu.topic] = imu_message(link, now, self.inner)
         if robot.camera is not None and link.subscribers(spec.camera.topic):
             found[spec.camera.topic] = image_message(link, now, self.inner)
+        if robot.camera is not None and link.subscribers(spec.camera.info_topic):
+            found[spec.camera.info_topic] = camera_info_message(link, now, camera_model(robot.camera))
         return found
 
     def _joint_readings(self) -> tuple[list[str], list[float], list[float]]:
@@ -229,5 +239,6 @@ class RosBench:
             spec.lidar.topic: "sensor_msgs/LaserScan",
             spec.imu.topic: "sensor_msgs/Imu",
             spec.camera.topic: "sensor_msgs/Image",
+            spec.camera.info_topic: "sensor_msgs/CameraInfo",
         }
         return {topic: link.publisher(kind, topic) for topic, kind in kinds.items()}

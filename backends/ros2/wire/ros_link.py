@@ -41,6 +41,12 @@ class Link(Protocol):
     def subscribers(self, topic: str) -> int:
         """Return the number of nodes that listen to a topic."""
 
+    def listeners(self, topic: str) -> list[str]:
+        """Return the names of the nodes that listen to a topic, each with its type."""
+
+    def mismatches(self, topic: str, is_command: bool) -> list[str]:
+        """Return why nodes of a topic exchange no messages with this one by their quality of service."""
+
     def topics_of(self, kind: str) -> list[str]:
         """Return the names of all topics of a type."""
 
@@ -94,20 +100,12 @@ class RosLink(Link):
             self._came += 1
             take(message)
 
-        qos = self._qos
-        profile = qos.QoSProfile(
-            depth=KEPT_MESSAGES,
-            history=qos.HistoryPolicy.KEEP_LAST,
-            reliability=qos.ReliabilityPolicy.BEST_EFFORT,
-            durability=qos.DurabilityPolicy.VOLATILE,
-        )
-        self._node.create_subscription(message_class(kind), topic, came, profile)
+        self._node.create_subscription(message_class(kind), topic, came, self._profile(is_command=False))
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
-        qos = self._qos
-        profile = qos.QoSProfile(depth=1, reliability=qos.ReliabilityPolicy.RELIABLE)
-        publish: Take = self._node.create_publisher(message_class(kind), topic, profile).publish
+        made = self._node.create_publisher(message_class(kind), topic, self._profile(is_command=True))
+        publish: Take = made.publish
         return publish
 
     @override
@@ -127,14 +125,43 @@ class RosLink(Link):
     @override
     def publishers(self, topic: str) -> list[str]:
         full = self._node.resolve_topic_name(topic)
-        return [
-            f"{each.node_namespace.rstrip('/')}/{each.node_name} ({each.topic_type.replace('/msg', '')})"
-            for each in self._node.get_publishers_info_by_topic(full)
-        ]
+        return list(map(_node_and_type, self._node.get_publishers_info_by_topic(full)))
 
     @override
     def subscribers(self, topic: str) -> int:
         return int(self._node.count_subscribers(self._node.resolve_topic_name(topic)))
+
+    @override
+    def listeners(self, topic: str) -> list[str]:
+        full = self._node.resolve_topic_name(topic)
+        return list(map(_node_and_type, self._node.get_subscriptions_info_by_topic(full)))
+
+    @override
+    def mismatches(self, topic: str, is_command: bool) -> list[str]:
+        full, ours = self._node.resolve_topic_name(topic), self._profile(is_command)
+        # The graph gives "none" as infinite; left out here, it would count as a difference.
+        ours.deadline = ours.liveliness_lease_duration = import_module("rclpy.duration").Infinite
+        ours.liveliness = self._qos.LivelinessPolicy.AUTOMATIC
+        look = self._node.get_subscriptions_info_by_topic if is_command else None
+        found = []
+        for end in (look or self._node.get_publishers_info_by_topic)(full):
+            pair = (ours, end.qos_profile) if is_command else (end.qos_profile, ours)
+            verdict, why = self._qos.qos_check_compatible(*pair)
+            if verdict == self._qos.QoSCompatibility.ERROR:
+                found.append(f"{_node_and_type(end)}: {why.strip()}")
+        return found
+
+    def _profile(self, is_command: bool) -> Any:
+        """Return the quality of service of commands, or of readings."""
+        qos = self._qos
+        if is_command:
+            return qos.QoSProfile(depth=1, reliability=qos.ReliabilityPolicy.RELIABLE)
+        return qos.QoSProfile(
+            depth=KEPT_MESSAGES,
+            history=qos.HistoryPolicy.KEEP_LAST,
+            reliability=qos.ReliabilityPolicy.BEST_EFFORT,
+            durability=qos.DurabilityPolicy.VOLATILE,
+        )
 
     @override
     def topics_of(self, kind: str) -> list[str]:
@@ -166,6 +193,11 @@ def message_class(kind: str) -> Any:
         return getattr(import_module(f"{package}.msg"), name)
     except ImportError as missing:
         raise NoRos(missing) from None
+
+
+def _node_and_type(end: Any) -> str:
+    """Return the node of a publisher or subscription, with the type of its messages."""
+    return f"{end.node_namespace.rstrip('/')}/{end.node_name} ({end.topic_type.replace('/msg', '')})"
 
 
 def node_name(what: str) -> str:

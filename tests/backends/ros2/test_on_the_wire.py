@@ -14,8 +14,9 @@ import pytest
 from handcart.backends.backend import RobotFault
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.description.ros_spec import RosSpec, RosTopicSpec, RosVelocitySpec
 from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.air_check.air_report import listen
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import RosLink
@@ -117,3 +118,26 @@ def test_a_second_master_is_named_before_anything_moves(bench: subprocess.Popen[
             patient_backend()
     finally:
         other.close()
+
+
+def test_a_check_compares_the_file_with_the_air(bench: subprocess.Popen[str]) -> None:
+    other = RosLink("teleop")
+    other.publisher("geometry_msgs/Twist", "cmd_vel")
+    robot, link = load_robot("cart"), RosLink("check")
+    spec = RosSpec(
+        first_message_s=8.0,
+        odometry=RosTopicSpec(topic="odom", stale_ms=3000.0),
+        lidar=RosTopicSpec(topic="scan", stale_ms=3000.0),
+    )
+    try:
+        report = listen(robot, spec, link, lambda: time.sleep(0.005), 3.0)
+        stamped = spec.model_copy(update={"velocity": RosVelocitySpec(type="TwistStamped")})
+        wrong = listen(robot, stamped, link, lambda: time.sleep(0.005), 0.5)
+    finally:
+        other.close()
+        link.close()
+    assert [each.words for each in report.faults] == [
+        "cmd_vel: /teleop (geometry_msgs/Twist) publishes it; allowed: nobody but this program"
+    ]
+    assert 5.0 < {each.topic: each.rate_hz for each in report.topics}["odom"] < 25.0
+    assert any("geometry_msgs/TwistStamped is sent" in each.words for each in wrong.faults)

@@ -1,0 +1,1 @@
+"""Comparison of a robot's file with the topics that are on the air, without sending anything."""

@@ -1,0 +1,16 @@
+"""A difference between a robot's file and what is on the air."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class AirFinding(NamedTuple):
+    """Something on the air that is not as the robot's file says."""
+
+    key: tuple[str, ...]
+    """Place in the robot's file."""
+    words: str
+    """What was measured; what is allowed."""
+    is_fault: bool = True
+    """True if the robot can't be driven so; False for a remark."""

@@ -1,0 +1,68 @@
+"""Listening to all topics of a robot's file for some seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.ros2.ros_topics import RosTopics, check_joints
+from handcart.backends.ros2.wire.ros_link import Link
+
+from .air_finding import AirFinding
+from .command_findings import command_findings
+from .heard_robot import HeardRobot
+from .listening_link import ListeningLink
+from .reading_findings import reading_findings
+from .sensor_findings import sensor_findings
+from .topic_meter import MeasuredTopic
+
+DEFAULT_SECONDS = 5.0
+
+
+class AirReport(NamedTuple):
+    """What is on the air, and where it differs from the robot's file."""
+
+    topics: tuple[MeasuredTopic, ...]
+    nodes: dict[str, list[str]]
+    """Nodes that publish or take each topic, by its name."""
+    faults: tuple[AirFinding, ...]
+    remarks: tuple[AirFinding, ...]
+    """Findings that stop nothing."""
+
+
+def listen(
+    robot: RobotFile, spec: RosSpec, link: Link, wait: Callable[[], None], seconds: float = DEFAULT_SECONDS
+) -> AirReport:
+    """Listen to a robot at rest, and compare it with its file; nothing is sent.
+
+    Args:
+        robot: the robot's file.
+        spec: its section `ros2`.
+        link: connection to its topics.
+        wait: waits for a short time, well below a period of a sensor.
+        seconds: time in [s] to listen, once each topic is there or should be.
+
+    Raises:
+        UnknownJoints: the section names joints that the arm lacks, or leaves some out.
+        NoRos: a package is not installed.
+    """
+    check_joints(robot, spec)
+    ears = ListeningLink(link)
+    heard = HeardRobot(robot, spec, RosTopics(robot, spec, ears), ears)
+    heard.wait_for_all(wait, spec.first_message_s)
+    heard.measure(wait, seconds)
+    found = [*reading_findings(heard), *command_findings(heard), *sensor_findings(heard)]
+    topics = tuple(each.measured() for each in ears.meters.values())
+    names = [*ears.meters, *heard.topics.commands]
+    nodes = {
+        name: link.listeners(name) if name in heard.topics.commands else link.publishers(name)
+        for name in names
+    }
+    return AirReport(
+        topics,
+        nodes,
+        tuple(each for each in found if each.is_fault),
+        tuple(each for each in found if not each.is_fault),
+    )

@@ -1,0 +1,29 @@
+"""Findings about each topic of commands: a driver takes it, and nobody else sends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from handcart.backends.ros2.on_the_air import deafness, unheard
+
+from .air_finding import AirFinding
+from .heard_robot import HeardRobot
+
+
+def command_findings(heard: HeardRobot) -> Iterator[AirFinding]:
+    """Yield all findings about the topics of commands."""
+    link, deaf = heard.link, unheard(heard.topics, heard.link)
+    for topic in heard.topics.commands:
+        key = ("ros2", _key_of(heard, topic))
+        if topic in deaf:
+            yield AirFinding(key, deafness(heard.topics, link, topic))
+        for why in link.mismatches(topic, is_command=True):
+            yield AirFinding(key, f"{topic}: no command arrives by its quality of service: {why}")
+        if others := link.publishers(topic):
+            names = ", ".join(sorted(others))
+            yield AirFinding(key, f"{topic}: {names} publishes it; allowed: nobody but this program")
+
+
+def _key_of(heard: HeardRobot, topic: str) -> str:
+    spec = heard.spec
+    return {spec.velocity.topic: "velocity", spec.gripper.topic: "gripper"}.get(topic, "arm")

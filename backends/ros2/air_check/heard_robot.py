@@ -1,0 +1,76 @@
+"""A robot as it is heard for some seconds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.ros2.on_the_air import unheard
+from handcart.backends.ros2.ros_topics import RosTopics
+from handcart.backends.ros2.topic_sensor import TopicSensor
+
+from .listening_link import ListeningLink
+
+CAMERA_INFO = "sensor_msgs/CameraInfo"
+
+
+class HeardRobot:
+    """Topics of a robot's file, and what they said in the time of a check."""
+
+    def __init__(self, robot: RobotFile, spec: RosSpec, topics: RosTopics, link: ListeningLink) -> None:
+        """Take the robot's file, its section `ros2`, its topics, and the connection."""
+        self.robot, self.spec, self.topics, self.link = robot, spec, topics, link
+        self.refusals: dict[str, Counter[str]] = {}
+        """Why readings of a topic were refused, each with a count, by the topic."""
+        self.first_odometry: Any = None
+        """The first message of the odometry; None without one."""
+        if robot.camera is not None:
+            link.subscribe(CAMERA_INFO, spec.camera.info_topic, lambda message: None)
+
+    def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
+        """Wait until each topic has had a message and each command a listener, for `seconds` at most."""
+        end = self.link.clock() + seconds
+        while self.link.clock() < end and not self._is_complete():
+            self._receive(wait)
+
+    def measure(self, wait: Callable[[], None], seconds: float) -> None:
+        """Measure all topics for some seconds."""
+        self.refusals.clear()
+        for sensor in self.topics.sensors:
+            sensor.rejected = 0
+        for meter in self.link.meters.values():
+            meter.begin()
+        self.first_odometry = self.last(self.spec.odometry.topic)
+        end = self.link.clock() + seconds
+        while self.link.clock() < end:
+            self._receive(wait)
+
+    def last(self, topic: str) -> Any:
+        """Return the last message of a topic; None without one."""
+        return self.link.meters[topic].last
+
+    def sensors(self) -> Iterator[tuple[str, TopicSensor]]:
+        """Yield each reading with its key in the section `ros2`."""
+        keys = {id(getattr(self.spec, key)): key for key in type(self.spec).model_fields}
+        for sensor in self.topics.sensors:
+            yield keys[id(sensor.source)], sensor
+
+    def _is_complete(self) -> bool:
+        topics = self.topics
+        joints = topics.states is None or not topics.states.missing
+        return (
+            joints and all(each.age is not None for each in topics.sensors) and not unheard(topics, self.link)
+        )
+
+    def _receive(self, wait: Callable[[], None]) -> None:
+        wait()
+        self.link.receive()
+        for sensor in self.topics.sensors:
+            before = sensor.rejected
+            sensor.advance()
+            if sensor.rejected > before:
+                why = sensor.doubt or "its stamps are out of order"
+                self.refusals.setdefault(sensor.source.topic, Counter())[why] += sensor.rejected - before

@@ -1,0 +1,81 @@
+"""Connection that listens and measures, and never sends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.backends.ros2.wire.ros_link import Link, Take
+
+from .topic_meter import TopicMeter
+
+
+class ListeningLink(Link):
+    """Wraps a connection: measures all that is heard, and announces no command.
+
+    A program that drives the robot at the same time sees no second master.
+    """
+
+    def __init__(self, link: Link) -> None:
+        """Take a connection, owned by somebody else."""
+        self._link = link
+        self.meters: dict[str, TopicMeter] = {}
+        """Measurement of each topic that is heard."""
+
+    @override
+    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+        meter = self.meters[topic] = TopicMeter(topic, kind, self.clock, self.now)
+
+        def heard(message: Any) -> None:
+            meter.heard(message)
+            take(message)
+
+        self._link.subscribe(kind, topic, heard)
+
+    @override
+    def publisher(self, kind: str, topic: str) -> Take:
+        def refuse(message: Any) -> None:
+            raise AssertionError(f"a check would send to {topic}")
+
+        return refuse
+
+    @override
+    def message(self, kind: str) -> Any:
+        return self._link.message(kind)
+
+    @override
+    def receive(self) -> None:
+        self._link.receive()
+
+    @override
+    def publishers(self, topic: str) -> list[str]:
+        return self._link.publishers(topic)
+
+    @override
+    def subscribers(self, topic: str) -> int:
+        return self._link.subscribers(topic)
+
+    @override
+    def listeners(self, topic: str) -> list[str]:
+        return self._link.listeners(topic)
+
+    @override
+    def mismatches(self, topic: str, is_command: bool) -> list[str]:
+        return self._link.mismatches(topic, is_command)
+
+    @override
+    def topics_of(self, kind: str) -> list[str]:
+        return self._link.topics_of(kind)
+
+    @override
+    def now(self) -> float:
+        return self._link.now()
+
+    @override
+    def clock(self) -> float:
+        return self._link.clock()
+
+    @override
+    def close(self) -> None:
+        self._link.close()

@@ -1,0 +1,90 @@
+"""Findings about the content of readings at rest: units, axes, calibration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.ros2.ros_base import pose_of
+from handcart.backends.ros2.ros_imu import RosImu
+from handcart.backends.ros2.ros_lidar import RosLidar
+from handcart.backends.ros2.topic_sensor import TopicSensor
+
+from .air_finding import AirFinding
+from .camera_info_findings import camera_info_findings
+from .heard_robot import HeardRobot
+
+GRAVITY_M_S2 = 9.81
+MAX_GRAVITY_ERROR_M_S2 = 1.0
+MAX_MOTION_M, MAX_TURN_DEG = 0.05, 3.0
+"""Motion of the base during a check from which it is not at rest."""
+MAX_SHARE_BEYOND_REACH = 0.5
+
+
+def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
+    """Yield all findings about what the sensors read."""
+    moved = _motion(heard)
+    if moved:
+        yield AirFinding(("ros2", "odometry"), moved)
+    for key, sensor in heard.sensors():
+        last = heard.last(sensor.source.topic)
+        words = "" if sensor.age is None or last is None else _wrong_content(heard, sensor, last, not moved)
+        if words:
+            yield AirFinding(("ros2", key), f"{sensor.name}: {words}")
+    if heard.robot.camera is not None:
+        info = heard.last(heard.spec.camera.info_topic)
+        yield from camera_info_findings(heard.robot, heard.spec.camera, info)
+
+
+def _motion(heard: HeardRobot) -> str:
+    """Return by how much the base moved, with words about it; "" at rest."""
+    first, last = heard.first_odometry, heard.last(heard.spec.odometry.topic)
+    if first is None or last is None:
+        return ""
+    step = pose_of(last.pose.pose).relative_to(pose_of(first.pose.pose))
+    way, turn = math.hypot(step.x, step.y), math.degrees(step.theta)
+    if not (way > MAX_MOTION_M or abs(turn) > MAX_TURN_DEG):
+        return ""
+    return (
+        f"the odometry ({heard.spec.odometry.topic}): the base moved by {way:.3g} m and {turn:.1f} deg"
+        " during the check; needed: at rest"
+    )
+
+
+def _wrong_content(heard: HeardRobot, sensor: TopicSensor, last: Any, at_rest: bool) -> str:
+    """Return what is wrong with the last reading; "" if nothing is."""
+    if isinstance(sensor, RosLidar):
+        return _wrong_ranges(heard, np.asarray(last.ranges, np.float64))
+    if isinstance(sensor, RosImu) and at_rest:
+        gravity = last.linear_acceleration
+        return _wrong_gravity(float(gravity.x), float(gravity.y), float(gravity.z))
+    return ""
+
+
+def _wrong_ranges(heard: HeardRobot, ranges: np.ndarray[Any, np.dtype[np.float64]]) -> str:
+    spec = heard.robot.range_sensor
+    assert spec is not None, "its file says so"
+    finite = ranges[np.isfinite(ranges) & (ranges > 0.0)]
+    beyond = float(np.mean(finite > spec.reach_m)) if len(finite) else 0.0
+    if beyond <= MAX_SHARE_BEYOND_REACH:
+        return ""
+    middle = float(np.median(finite))
+    return (
+        f"{100 * beyond:.0f} % of its returns are beyond {spec.reach_m:g} m (reach_m), the median at"
+        f" {middle:.4g}; are they in mm?"
+    )
+
+
+def _wrong_gravity(x: float, y: float, z: float) -> str:
+    size = math.sqrt(x * x + y * y + z * z)
+    if abs(z - GRAVITY_M_S2) <= MAX_GRAVITY_ERROR_M_S2:
+        return ""
+    told = f"it reads ({x:.2f}, {y:.2f}, {z:.2f}) m/s^2 at rest; needed: (0, 0, +9.81)"
+    if abs(size - 1.0) < 0.1:
+        return f"{told}: is it in g?"
+    if size < MAX_GRAVITY_ERROR_M_S2:
+        return f"{told}: gravity is taken out"
+    return f"{told}: its axes are not those of the base"

@@ -1,0 +1,73 @@
+"""Rate, gaps, stamps and frames of one topic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class MeasuredTopic(NamedTuple):
+    """What was measured of a topic."""
+
+    topic: str
+    kind: str
+    """Type of its messages."""
+    messages: int
+    """Number of messages."""
+    rate_hz: float
+    """Messages a second; 0 with fewer than two."""
+    max_gap_s: float
+    """Longest time without a message, up to the end of the measurement."""
+    age_s: float | None
+    """Median age of the stamps at arrival; None without messages."""
+    oldest_s: float | None
+    """Greatest age of a stamp."""
+    frames: tuple[str, ...]
+    """Frames named in the headers."""
+
+
+class TopicMeter:
+    """Measures one topic from `begin` on."""
+
+    def __init__(
+        self, topic: str, kind: str, clock: Callable[[], float], stamps: Callable[[], float]
+    ) -> None:
+        """Take the topic, its type, and functions that return the time of arrival and of stamps, in [s]."""
+        self.topic, self.kind = topic, kind
+        self._clock, self._stamps = clock, stamps
+        self.last: Any = None
+        """The last message; None before the first."""
+        self.begin()
+
+    def begin(self) -> None:
+        """Start the measurement now."""
+        self._begun = self._clock()
+        self._arrivals: list[float] = []
+        self._ages: list[float] = []
+        self._frames: dict[str, None] = {}
+
+    def heard(self, message: Any) -> None:
+        """Note a message."""
+        self.last = message
+        self._arrivals.append(self._clock())
+        header = message.header
+        self._ages.append(self._stamps() - header.stamp.sec - header.stamp.nanosec / 1e9)
+        self._frames[header.frame_id] = None
+
+    def measured(self) -> MeasuredTopic:
+        """Return what was measured until now."""
+        times = np.array([self._begun, *self._arrivals, self._clock()])
+        count = len(self._arrivals)
+        span = times[-2] - times[1] if count > 1 else 0.0
+        return MeasuredTopic(
+            self.topic,
+            self.kind,
+            count,
+            (count - 1) / float(span) if span > 0.0 else 0.0,
+            float(np.diff(times).max()),
+            float(np.median(self._ages)) if count else None,
+            max(self._ages, key=abs) if count else None,
+            tuple(self._frames),
+        )

@@ -1,0 +1,104 @@
+"""Report of `handcart check ROBOT --ros2`: the robot's file against the topics on the air."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from handcart.backends.description.robot_names import robot_path
+from handcart.files.yaml.yaml_document import read_document
+
+from .check_robot import lines_of
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.backends.ros2.air_check.air_report import AirReport
+    from handcart.backends.ros2.wire.ros_link import Link
+
+PAUSE_S = 0.005
+"""[s] between two looks for messages."""
+
+
+def air_facts(name: str, bench: str | None = None, seconds: float = 5.0) -> dict[str, Any]:
+    """Listen to a robot's topics, and return the facts; its differences from the file are `errors`.
+
+    Args:
+        name: name of the robot, or path of its file.
+        bench: name of a simulated backend behind topics in this process; None: the topics on the air.
+        seconds: time in [s] to listen.
+
+    Raises:
+        FileError: its files are wrong.
+        InputError: the file has no section `ros2`, or the bench is impossible.
+        NoRos: rclpy is not installed.
+    """
+    from handcart.backends.loading.robot_loading import load_robot
+    from handcart.backends.ros2.air_check.air_report import listen
+    from handcart.backends.ros2.wire.ros_errors import NoTopics
+
+    robot = load_robot(name)
+    if robot.ros2 is None:
+        raise NoTopics()
+    with _topics(robot, bench) as (link, wait):
+        report = listen(robot, robot.ros2, link, wait, seconds)
+    document = read_document(robot_path(name))
+    return {
+        "format": robot.format,
+        "errors": [document.finding(each.key, each.words) for each in report.faults],
+        "warnings": [str(document.finding(each.key, each.words)) for each in report.remarks],
+        "lines": lines_of(_table(report)),
+        "robot": {"topics": [each._asdict() for each in report.topics], "nodes": report.nodes},
+    }
+
+
+@contextmanager
+def _topics(robot: RobotFile, bench: str | None) -> Iterator[tuple[Link, Callable[[], None]]]:
+    """Yield the connection to a robot's topics, and a function that waits for a short time."""
+    from handcart.backends.registry import bench_class
+    from handcart.backends.ros2.bench.local_bench import LocalBench
+    from handcart.backends.ros2.ros_backend import RosBackend
+    from handcart.backends.ros2.wire.ros_link import RosLink, node_name
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+
+    spec = robot.ros2
+    assert spec is not None, "needed: a section ros2"
+    if bench is not None:
+        inner = bench_class(bench, RosBackend.name).build(robot, LIBRARY_FOLDER / "world.yaml", 0)
+        local = LocalBench(robot, spec, inner)
+        try:
+            yield local.link, local.step
+        finally:
+            local.close()
+        return
+    link = RosLink(node_name("check"), spec.namespace, spec.domain)
+    try:
+        yield link, lambda: time.sleep(PAUSE_S)
+    finally:
+        link.close()
+
+
+def _table(report: AirReport) -> Any:
+    """Return a table of the topics for people."""
+    from handcart.tools.terminal.tables import table_of
+
+    rows = [
+        (
+            each.topic,
+            each.kind,
+            f"{each.rate_hz:.1f} Hz" if each.rate_hz else "-",
+            f"{1e3 * each.max_gap_s:.0f} ms" if each.messages else "-",
+            "-" if each.age_s is None else f"{1e3 * each.age_s:.1f} ms",
+            ", ".join(each.frames),
+            ", ".join(name.rpartition(" ")[0] for name in report.nodes[each.topic]),
+        )
+        for each in report.topics
+    ]
+    known = {each.topic for each in report.topics}
+    rows += [
+        (topic, "command", "-", "-", "-", "", ", ".join(name.rpartition(" ")[0] for name in nodes))
+        for topic, nodes in report.nodes.items()
+        if topic not in known
+    ]
+    return table_of("topic", "message", "rate", "longest gap", "age", "frame", "nodes", rows=rows)
