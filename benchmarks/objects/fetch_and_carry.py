@@ -4,8 +4,8 @@
 by a standard deviation of 40 mm and 30 degrees; with every other seed a crate that no map shows stands about
 on the way between the tables, elsewhere with each seed. The parcel goes to the spot `left`, the spot `right`,
 or any free spot, by turns. Printed are the Successes, the outcomes that the ground truth contradicts, and the
-error of PLACE: of the parcel from its named spot, and of where it was seen to stand. Status 1 if an outcome
-was false.
+error of PLACE: of the parcel from its named spot, and of where it was seen to stand. A robot whose package
+isn't installed is skipped. Status 1 if an outcome was false.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from handcart.evaluation.trials.running import run_task
+from handcart.files.errors import InputError
 from handcart.networks.runs.run_options import RunOptions
 
 TASK_FOLDER = Path(__file__).resolve().parents[2] / "tasks" / "fetch_and_carry"
@@ -44,28 +45,43 @@ class Figures:
 
 
 def main() -> None:
-    """Print a row for each backend."""
+    """Print a row for each robot and backend."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--seeds", type=int, default=20, help="number of seeds, from --first")
     words.add_argument("--first", type=int, default=0)
     words.add_argument("--backends", nargs="+", default=["kinematic", "mujoco"])
-    words.add_argument("--robot", default="librarian")
+    words.add_argument(
+        "--robots", "--robot", nargs="+", default=["librarian"], help="names or files of robots"
+    )
     asked = words.parse_args()
-    rows = {
-        name: measure(name, asked.robot, range(asked.first, asked.first + asked.seeds))
-        for name in asked.backends
-    }
-    print(f"{'backend':<11}{'Success':>9}{'false':>7}{'PLACE off its spot, 50/95 %':>30}", end="")
+    seeds = range(asked.first, asked.first + asked.seeds)
+    rows: dict[tuple[str, str], Figures | str] = {}
+    for robot in asked.robots:
+        for backend in asked.backends:
+            try:
+                rows[robot, backend] = measure(backend, robot, seeds)
+            except InputError as error:  # its package isn't installed, or it reaches no table
+                rows[robot, backend] = f"skipped: {error}"
+    wide = max(map(len, asked.robots))
+    print(
+        f"{'robot':<{wide}}  {'backend':<11}{'Success':>9}{'false':>7}{'PLACE off its spot, 50/95 %':>30}",
+        end="",
+    )
     print(f"{'seen off, 50/95 %':>20}{'CPU: times real time':>22}  other ends")
-    for name, found in rows.items():
+    for (robot, backend), found in rows.items():
+        print(f"{robot:<{wide}}  {backend:<11}", end="")
+        if isinstance(found, str):
+            print(f"  {found}")
+            continue
         success = f"{found.ends['Success']}/{found.runs}"
-        print(f"{name:<11}{success:>9}{len(found.false):>7}{_spread(found.placed_mm):>30}", end="")
+        print(f"{success:>9}{len(found.false):>7}{_spread(found.placed_mm):>30}", end="")
         speed = found.simulated_s / found.cpu_s
         print(f"{_spread(found.seen_mm):>20}{speed:>22.1f}  {_others(found.ends)}")
-    for name, found in rows.items():
+    measured = {key: found for key, found in rows.items() if isinstance(found, Figures)}
+    for (robot, backend), found in measured.items():
         for wrong in found.false:
-            print(f"{name}: {wrong}")
-    sys.exit(1 if any(found.false for found in rows.values()) else 0)
+            print(f"{robot} {backend}: {wrong}")
+    sys.exit(1 if any(found.false for found in measured.values()) else 0)
 
 
 def measure(backend: str, robot: str, seeds: range) -> Figures:
@@ -85,7 +101,11 @@ def measure(backend: str, robot: str, seeds: range) -> Figures:
             found.placed_mm.append(metrics["placed_off_mm"])
         if "placed_seen_off_mm" in metrics:
             found.seen_mm.append(metrics["placed_seen_off_mm"])
-        print(f"{backend} seed {seed}: {summary['outcome']} {summary['reason']}", file=sys.stderr, flush=True)
+        print(
+            f"{robot} {backend} seed {seed}: {summary['outcome']} {summary['reason']}",
+            file=sys.stderr,
+            flush=True,
+        )
     return found
 
 

@@ -21,6 +21,7 @@ from .object_site import held_box
 
 OUTLINE_MARGIN_M = 0.02  # within the robot's outline
 GOOD_CLEARANCE_M = 0.015
+MORE_POSTURES = 60  # that are looked at once one is found, for one with the whole arm within the outline
 STEP_M = 0.06  # between tried places of the hand
 HEIGHTS_M = (0.06, 0.12, 0.2)  # of the object's foot over the body
 TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
@@ -59,25 +60,33 @@ def carrying_joints(
 ) -> FloatArray | None:
     """Return joints (n,) that carry an object within the outline, the first with good clearance.
 
-    None if there are none.
+    Postures with the whole arm within the outline come first: an elbow outside of it may meet what the base
+    drives past. None if there are none.
     """
     held = held_box(kind, hand_T_object)
     collision, here = collision_model(robot, held, around), robot.arm.command()
-    best, most = None, 0.0
+    best, most, left = None, -math.inf, MORE_POSTURES
     home = np.array(robot.spec.posture("home"))
     if not kind.upright and _is_inside(robot, robot.arm_model.forward(home), held):
-        best, most = (home, collision.distance(home)) if not collision.in_collision(home) else (None, 0.0)
+        best, most = (home, GOOD_CLEARANCE_M) if not collision.in_collision(home) else (None, most)
     for base_T_hand in _hands(robot, hand_T_object):
-        if most >= GOOD_CLEARANCE_M:
+        if most >= GOOD_CLEARANCE_M or left <= 0:
             break
         if not _is_inside(robot, base_T_hand, held):
             continue
         joints = robot.arm_model.inverse(base_T_hand, here, restarts=IK_RESTARTS)
         if joints is not None and not collision.in_collision(joints):
-            clearance = collision.distance(joints)
-            if clearance > most:
-                best, most = joints, clearance
+            score = min(GOOD_CLEARANCE_M, collision.distance(joints)) - _reach_out(robot, joints)
+            left -= best is not None
+            if score > most:
+                best, most = joints, score
     return best
+
+
+def _reach_out(robot: Robot, joints: FloatArray) -> float:
+    """Return how far the arm reaches out of the robot's outline, in [m]; 0 within."""
+    bodies = np.vstack([corners(each) for each in robot.arm_model.moved_shapes(joints)])
+    return max(0.0, float(robot.spec.footprint_shape.distances(bodies[:, :2]).max()))
 
 
 def _hands(robot: Robot, hand_T_object: Transform) -> Iterator[Transform]:

@@ -28,7 +28,7 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
@@ -46,6 +46,7 @@ from .placing_plan import (
     plan_placing,
     showing_tags,
     turned,
+    withdrawn,
 )
 from .surface import ObjectSurface
 from .tag_readings import Located, locate
@@ -56,7 +57,6 @@ GUARDED_M = 0.015  # over the goal, where slow lowering begins
 DESCENT_MAX_FORCE_N = 6.0
 TOUCHDOWN_FORCE_N = 3.0
 OVERTRAVEL_M = 0.015  # below the goal, where an object touches down at the latest
-WITHDRAWAL_M = 0.07
 RELEASE_CLEARANCE_M = 0.016  # wider than the object
 MAX_OFF_M = 0.020  # of the placed object from its goal
 MAX_MOVED_M = 0.015  # of other objects
@@ -124,8 +124,7 @@ class PlaceObject(ActionPrimitive):
         yield from self.intend(f"the fingers let {held.object} go")
         yield from open_to(robot, robot.gripper.width() + RELEASE_CLEARANCE_M)
         objects.held_object = None
-        away = robot.base_T("hand") @ transform((-WITHDRAWAL_M, 0.0, 0.0))
-        yield from move_straight(robot, np.asarray(away))
+        yield from move_straight(robot, withdrawn(robot.base_T("hand")))
         yield from self._verify(robot, model, held.object, plan.base_T_object)
         if self.stow:
             yield from stow(robot, surroundings(robot, model))

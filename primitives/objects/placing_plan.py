@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -26,11 +27,14 @@ from .surface import ObjectSurface
 ABOVE_GOAL_M = 0.07  # where an object waits before it is lowered
 FREE_ABOVE_M = 0.008  # over the goal, down to which the object must be clear of everything
 FOOT_MARGIN_M = 0.02  # between an object's foot and the edge of the surface, or other objects
+WITHDRAWAL_M = 0.07  # of the hand, the way it came from
 SPOT_STEP_M = 0.06  # between free spots that are tried
 ANY_TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
 MIN_FACING_COSINE = math.cos(math.radians(60.0))  # between a tag's normal and the direction to the robot
-IK_RESTARTS = 3
+IK_RESTARTS = 8
+SOLUTIONS_PER_GOAL = 4
 GOOD_CLEARANCE_M = 0.02
+LIMIT_MARGIN = 0.01  # in [rad] or [m], of a joint from its limit
 
 
 class PlannedPlacing(NamedTuple):
@@ -92,15 +96,12 @@ def plan_placing(
     """
     arm = _with_hand(robot, robot.gripper.width() if width is None else width)
     collision = CollisionModel(arm, around, held_box(kind, hand_T_object), margin=ARM_MARGIN_M)
+    own = CollisionModel(arm, margin=ARM_MARGIN_M)
     best, most, here = None, 0.0, robot.arm.command()
     for goal in goals:
         base_T_hand = goal @ inverse(hand_T_object)
-        above = _raised(base_T_hand, ABOVE_GOAL_M)
-        joints = arm.inverse(above, here, restarts=IK_RESTARTS)
-        if joints is None or collision.in_collision(joints):
-            continue
-        line = plan_straight(arm, joints, _raised(base_T_hand, FREE_ABOVE_M), 0.01, collision)
-        if line is None or plan_straight(arm, line[-1], _raised(base_T_hand, -FREE_ABOVE_M)) is None:
+        joints = _first_free(collision, own, base_T_hand, here)
+        if joints is None:
             continue
         clearance = collision.distance(joints)
         if clearance > most:
@@ -108,6 +109,32 @@ def plan_placing(
         if most >= GOOD_CLEARANCE_M:
             break
     return best
+
+
+def _first_free(
+    collision: CollisionModel, own: CollisionModel, base_T_hand: Transform, here: FloatArray
+) -> FloatArray | None:
+    """Return joints (n,) above a goal, with a straight free line down to it and one back; None without.
+
+    Those whose line ends away from the joints' limits come first: at a limit the hand may be stuck.
+    """
+    arm, above, at_limit = collision.arm, _raised(base_T_hand, ABOVE_GOAL_M), None
+    for joints in islice(arm.solutions(above, here, restarts=IK_RESTARTS), SOLUTIONS_PER_GOAL):
+        if collision.in_collision(joints):
+            continue
+        line = plan_straight(arm, joints, _raised(base_T_hand, FREE_ABOVE_M), 0.01, collision)
+        down = None if line is None else plan_straight(arm, line[-1], _raised(base_T_hand, -FREE_ABOVE_M))
+        if down is None or plan_straight(arm, down[-1], withdrawn(base_T_hand), 0.01, own) is None:
+            continue
+        if arm.within(down[-1], -LIMIT_MARGIN):
+            return joints
+        at_limit = joints if at_limit is None else at_limit
+    return at_limit
+
+
+def withdrawn(base_T_hand: Transform) -> Transform:
+    """Return base_T_hand (4, 4) after the hand has withdrawn from what it let go."""
+    return np.asarray(base_T_hand @ transform((-WITHDRAWAL_M, 0.0, 0.0)))
 
 
 def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float]) -> list[tuple[float, float]]:

@@ -39,7 +39,9 @@ class CheckOptions(NamedTuple):
 def check(
     file: Annotated[
         Path,
-        typer.Argument(help="a task, robot, world, map, places or other file, a URDF, or a task's name"),
+        typer.Argument(
+            help="a file (task, robot, world, map, places ...), a URDF, or a task's or robot's name"
+        ),
     ],
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
     settings: Annotated[
@@ -135,6 +137,21 @@ def _tell_grouped(error: FileError) -> None:
     sys.exit(error.exit_status)
 
 
+def _named_file(file: Path) -> Path:
+    """Return the file of a task's or a robot's name; a path is returned unchanged."""
+    from handcart.backends.description.robot_names import find_robot
+    from handcart.files.errors import FileError
+    from handcart.tasks.task_names import task_path
+
+    try:
+        return task_path(file)
+    except FileError:
+        robot = find_robot(file.as_posix())
+        if robot is None:
+            raise
+        return robot
+
+
 def _findings(error: InputError) -> list[dict[str, Any]]:
     from handcart.files.errors import FileError
 
@@ -168,10 +185,9 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     from handcart.files.yaml.yaml_document import read_document
     from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
     from handcart.primitives.knowledge.place import is_goals
-    from handcart.tasks.task_names import task_path
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
 
-    file = task_path(file)
+    file = _named_file(file)
     if is_urdf(file):
         from handcart.tools.checks.check_urdf import urdf_facts
 

@@ -53,3 +53,11 @@ def test_makers_robot_is_sound_and_stands_free_in_its_postures(name: str) -> Non
         collision = CollisionModel(robot.arm_model())
         for posture in robot.arm.postures:
             assert collision.contacts(np.array(robot.posture(posture))) == []
+
+
+def test_check_takes_a_robots_name(capsys: pytest.CaptureFixture[str]) -> None:
+    from handcart.tools.main import main
+
+    with pytest.raises(SystemExit) as ended:
+        main(["check", "cart/skid"])
+    assert ended.value.code == 0 and "cart/skid: no fault found" in capsys.readouterr().out
