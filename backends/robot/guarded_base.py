@@ -51,6 +51,7 @@ class GuardedBase(HolonomicBase):
         unseen: UnseenGround | None = None,
         restart_scan: Callable[[], None] = lambda: None,
         is_located: Callable[[], bool] = lambda: True,
+        is_blind: Callable[[], bool] = lambda: False,
     ) -> None:
         """Guard a base.
 
@@ -64,6 +65,7 @@ class GuardedBase(HolonomicBase):
             unseen: ground that the lidar does not see; None without a lidar.
             restart_scan: called when the base starts anew, before `scan`: averages begin there.
             is_located: returns whether the pose is on the map; the map is not used while it is not.
+            is_blind: returns whether the lidar repeats an old scan; the base comes to rest meanwhile.
         """
         self._restart_scan = restart_scan
         self._base, self._pose, self._scan, self._unseen = base, pose, scan, unseen
@@ -80,6 +82,7 @@ class GuardedBase(HolonomicBase):
         self._slowed_to = math.inf
         self._felt = NO_STANDS
         self._is_located, self._on_map = is_located, True
+        self._is_blind, self._blind_speed = is_blind, math.inf
         self._people: People | None = None
         self._share = 1.0
         self.share_for_people = 1.0
@@ -127,7 +130,7 @@ class GuardedBase(HolonomicBase):
         if all(map(math.isfinite, command)) and moves:
             way = command.direction
             along, turn_rate = self._allowed(*self._caught_up(command.along, turn_rate), way)
-            command = DriveCommand.towards(way, *self._yielding(along, turn_rate, way))
+            command = DriveCommand.towards(way, *self._seeing(*self._yielding(along, turn_rate, way)))
         if isinstance(self._base, HolonomicBase):
             self._base.drive(*command)
         elif command.sideways == 0.0:
@@ -170,6 +173,16 @@ class GuardedBase(HolonomicBase):
         share = safe_share(pose, command, self._people, self._radius, self._braking, self._period)
         if share < 1.0:
             self._slowed_to, self._share = share * abs(speed), share
+        return share * speed, share * turn_rate
+
+    def _seeing(self, speed: float, turn_rate: float) -> tuple[float, float]:
+        """Return a command, or a part of it that comes to rest while the lidar repeats an old scan."""
+        if not self._is_blind():
+            self._blind_speed = math.inf
+            return speed, turn_rate
+        self._blind_speed = max(0.0, min(self._blind_speed, abs(speed)) - self._braking * self._period)
+        self._slowed_to = min(self._slowed_to, self._blind_speed)
+        share = self._blind_speed / abs(speed) if speed != 0.0 else 0.0
         return share * speed, share * turn_rate
 
     @property

@@ -46,6 +46,7 @@ T = TypeVar("T")
 
 LOW_HAND_HEIGHT_M = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
 HAND_RADIUS_M = 0.15  # [m] about the hand, in which a scan sees it and what it holds
+BLIND_S = 0.3  # of one scan given again while the base moves, until it stops: at 5 Hz each is given for 0.2 s
 MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
 
 
@@ -102,6 +103,7 @@ class Robot:
             self._unseen,
             self._averaged.restart,
             lambda: self.localization.is_located,
+            lambda: self.localization.stale_s > BLIND_S,
         )
         self.command = DriveCommand()
         """Command of the base in the last period."""

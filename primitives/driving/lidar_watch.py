@@ -14,6 +14,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import BoolArray
 
 BLOCKED_S = 1.0  # for which most beams show nothing, until the lidar counts as blocked or dirty
+STALE_S = 6.0  # for which it repeats a scan: the base waits meanwhile, and drives on if new ones come
 LOOK_S = 1.0  # between two comparisons with the map
 MAX_SILENT_LOOKS = 2  # comparisons in a row with too few echoes, until it is said
 NEAR_SHARE = 0.8  # of the reach, within which a wall of the map must return an echo
@@ -46,6 +47,9 @@ class LidarWatch:
         if lidar is None:
             return
         self._watch_blockage(lidar, robot.time)
+        if (stale_s := robot.localization.stale_s) > STALE_S:
+            age = Measured("RangeSensor", "time since the last new scan", stale_s, STALE_S, "s")
+            raise NeedsPerson("the lidar repeats its last scan", age, cause=causes.SENSOR_FAULT)
         if grid is not None and robot.time >= self._next_look:
             self._next_look = robot.time + LOOK_S
             self._compare(lidar, robot, grid)

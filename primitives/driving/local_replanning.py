@@ -107,7 +107,7 @@ class LocalReplanning:
         self._sensed = robot.pose.apply(scan.points())
         explained[hit] = self._field.read(self._sensed) <= margin
         moving, left = self.people.take(robot, scan, ranges, explained)
-        if not robot.localization.held_base.is_settled:
+        if not robot.localization.held_base.is_settled or robot.localization.stale_s > 0.0:
             return
         self._layer.erase(left)
         self._layer.take(map_T_sensor, scan.angles, ranges, explained | moving, robot.time)

@@ -241,6 +241,7 @@ class MoveTo(ActionPrimitive):
             yield from self._replanned(robot, tracker)
             due = looks.due(tracker.remaining)
             waits = due or self._blocked_since is not None or robot.base.share_for_people < 1.0
+            waits = waits or robot.localization.stale_s > 0.0
             robot.base.drive(*self._command(robot, tracker, due))
             self._ahead = tracker.ahead
             if abs(tracker.progress - progress) > 0.01 or waits:

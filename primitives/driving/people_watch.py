@@ -66,7 +66,7 @@ class PeopleWatch:
         if robot.time <= self._taken_at or len(ranges) < 3:
             return TrackedScan(moving, np.empty((0, 3)))
         self._taken_at = robot.time
-        if not robot.localization.held_base.is_settled:
+        if not robot.localization.held_base.is_settled or robot.localization.stale_s > 0.0:
             return self._unsettled(robot, moving)
         beams = self._ordered(scan.angles)
         sensor = robot.pose.compose(scan.base_T_sensor)

@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
-from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
 from handcart.backends.plain_values import Kinds, attributes, from_plain, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
@@ -23,7 +23,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .crowd import Crowd
 from .held_base import HeldBase
-from .lidar import Lidar, beams_of
+from .lidar import MIN_ECHOES, Lidar, beams_of
 from .lift_watch import LOOK_AGAIN, LiftWatch
 from .lost import Lost, lifted_by
 from .older_states import completed, local_map_of
@@ -68,6 +68,8 @@ class Localization(ABC):
         """Number of periods in which the wheels were at rest, apart from deflection."""
         self._stood = self.travel  # what the wheels had travelled when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
+        self._period, self.stale_s = backend.period, 0.0
+        """Time for which the lidar has repeated a scan although the base moved, in [s]."""
         self.crowd = Crowd()
         """People around the base."""
         self._map_field: LikelihoodField | None = None
@@ -197,8 +199,6 @@ class Localization(ABC):
     def dead_reckoned(self) -> bool:
         """True if only wheels or gyros measure the base's motion."""
 
-    # What happens
-
     def update(self, driven: DriveCommand) -> None:
         """Update the estimate with the readings of the period that has passed.
 
@@ -211,6 +211,7 @@ class Localization(ABC):
         rolled = WheelTravel(*(now - then for now, then in zip(travel, self.travel, strict=True)))
         self.travel, before = travel, self.pose
         self._predict(*rolled)
+        self._note_scan(any(rolled))
         self._watch_scans(rolled)
         self._extend_local_map()
         if travel.away(self._stood) <= MAX_REST_WHEEL_DIFFERENCE_M:
@@ -282,8 +283,8 @@ class Localization(ABC):
         lidar = self._range_sensor
         if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
-        self.lifted = self._lift_watch.take(lidar, rolled, self.still, self.crowd)
-        if self.lifted is not None:
+        if (lifted := self._lift_watch.take(lidar, rolled, self.still, self.crowd)) is not None:
+            self.lifted = lifted
             self._displaced()
 
     def _extend_local_map(self) -> None:
@@ -311,9 +312,16 @@ class Localization(ABC):
         """Predict the motion from the wheels' travel, in [m]."""
         self._wheels.predict(left, right, sideways)
 
+    def _note_scan(self, rolls: bool) -> None:
+        """Note whether the lidar repeats its scan; `rolls`: the wheels rolled in this period."""
+        if self._range_sensor is not None and (rolls or self.stale_s > 0.0):
+            scan = self._range_sensor.scan()
+            stale = self._is_stale(scan) and len(scan.points()) >= MIN_ECHOES  # empty scans are all alike
+            self.stale_s = self.stale_s + self._period if stale else 0.0
+
     def _correct(self) -> None:
-        """Correct the pose by scans, as long as they add information."""
-        if self._range_sensor is None:
+        """Correct the pose by scans, as long as they add information; repeated ones add none."""
+        if self._range_sensor is None or self.stale_s > 0.0:
             return
         if self.still <= STILL_SCANS:
             if self._wheels.CORRECTS_BY_SCANS:
@@ -330,11 +338,12 @@ class Localization(ABC):
         """Return (n, 2) in [m] of this period's scan; none if it stays the same while the wheels roll."""
         assert self._range_sensor is not None
         scan = self._range_sensor.scan()
+        return np.empty((0, 2)) if self._is_stale(scan) else self.crowd.without(scan.points(), self.pose)
+
+    def _is_stale(self, scan: Scan) -> bool:
         if not np.array_equal(scan.ranges, self._ranges):
             self._ranges, self._seen_at = scan.ranges.copy(), self.travel
-        if self.travel.away(self._seen_at) > STALE_SCAN_MOTION:
-            return np.empty((0, 2))
-        return self.crowd.without(scan.points(), self.pose)
+        return self.travel.away(self._seen_at) > STALE_SCAN_MOTION
 
     # For a checkpoint
 
@@ -363,7 +372,7 @@ class Localization(ABC):
             set_attributes(part, kinds, state[name])
         self._set_local_map(state.get(LOCAL_MAP_KEY))
         share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
-        self.lifted = lifted_by(share) if share else None
+        self.lifted, self.stale_s = lifted_by(share) if share else None, 0.0
         self._lift_watch.reset()
         self.held_base.reset()
 

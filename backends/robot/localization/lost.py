@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from handcart.robotics.navigation.locating.scan_jump import MAX_CHANGED_SHARE
 
+MAX_STALE_S = 10.0  # of scans that repeat while the base moved, until its pose counts as unknown
 LIFTED_REASON = "it was lifted and set down elsewhere: its scans changed at once, and its wheels did not turn"
 
 
@@ -21,6 +22,14 @@ class Lost(NamedTuple):
     value: float
     limit: float
     unit: str = ""
+
+
+def silenced_for(seconds: float) -> Lost | None:
+    """Return that the lidar has repeated its scan for too long, in [s]; None if it has not."""
+    if seconds <= MAX_STALE_S:
+        return None
+    what = "time since the last new scan"
+    return Lost("its lidar repeats its last scan", "RangeSensor", what, seconds, MAX_STALE_S, "s")
 
 
 def lifted_by(share: float) -> Lost:

@@ -20,7 +20,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .held_base import HeldBase
 from .lidar import MIN_ECHOES, Lidar, beams_of
 from .localization import Localization
-from .lost import Lost
+from .lost import Lost, silenced_for
 from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
 
 MIN_SHARE_FOUND = 0.85  # of the share explained before, from which a scan shows where a base is that was held
@@ -85,7 +85,7 @@ class ScanLocalization(Localization):
         if self.lifted is not None:
             return self.lifted
         if not self._matching.lost:
-            return self.held_base.lost
+            return silenced_for(self.stale_s) or self.held_base.lost
         share = "share of the scan that the map explains"
         silence = self._range_sensor.silence if isinstance(self._range_sensor, Lidar) else ""
         if silence:

@@ -18,7 +18,7 @@ from handcart.robotics.navigation.localization.odometry_localizer import Odometr
 from .held_base import HeldBase
 from .lidar import Lidar
 from .localization import Localization
-from .lost import Lost
+from .lost import Lost, silenced_for
 
 REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
 # [m] that wheels may be driven, by which alone it is reckoned, while they read the same
@@ -42,7 +42,7 @@ class WheelLocalization(Localization):
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels
         self._map_field = wheels.field
-        self._period, self._unanswered = backend.period, 0.0
+        self._unanswered = 0.0
         if isinstance(lidar, Lidar):
             self.held_base = HeldBase(wheels, lidar, backend.period)
 
@@ -66,7 +66,7 @@ class WheelLocalization(Localization):
             why = "after the drive its scan fits the map nowhere near where its wheels say"
             return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
         if self._unanswered <= MAX_COMMANDED_TRAVEL_M:
-            return self.held_base.lost
+            return silenced_for(self.stale_s) or self.held_base.lost
         why = "its wheels are driven, and read the same again and again"
         way = "way driven since the wheels read anything new"
         return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * MAX_COMMANDED_TRAVEL_M, "mm")

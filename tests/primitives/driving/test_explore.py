@@ -156,7 +156,7 @@ def test_lidar_that_repeats_its_scan_ends_the_drive(tmp_path: Path) -> None:
         lidar.scan = lambda: first  # type: ignore[method-assign]
         ended = rig.do(made)
         assert isinstance(ended, GiveUp)
-        assert "repeats its scan" in ended.reason
+        assert "the lidar repeats its" in ended.reason
 
 
 def test_car_does_not_explore(tmp_path: Path) -> None:

@@ -73,7 +73,7 @@ def box_rig(make_rig: Callable[..., Rig], tmp_path: Path) -> Callable[..., Rig]:
 
 
 @pytest.mark.parametrize("localizer", ["scan", "odometry"])
-@pytest.mark.parametrize(("furniture", "place"), [(BESIDE, ASIDE), (BEFORE, AHEAD)])
+@pytest.mark.parametrize(("furniture", "place"), [(BESIDE, ASIDE), (BEFORE, AHEAD)], ids=["turn", "ahead"])
 def test_a_held_base_stops_and_knows_where_it_is(
     box_rig: Callable[..., Rig], localizer: str, furniture: str, place: Place
 ) -> None:

@@ -33,7 +33,7 @@ def robot_of(pose: Pose2, ranges: np.ndarray, now: float) -> Any:
     scan = Scan(ANGLES, ranges, Pose2(0.0, 0.0, 0.0))
     spec = RangeSpec(beams=BEAMS, reach_m=8.0, sigma_mm=10.0)
     lidar = SimpleNamespace(scan=lambda: scan, spec=spec, blockage="", blind_share=0.0)
-    return SimpleNamespace(lidar=lidar, pose=pose, time=now)
+    return SimpleNamespace(lidar=lidar, pose=pose, time=now, localization=SimpleNamespace(stale_s=0.0))
 
 
 @pytest.mark.parametrize(("width_deg", "said"), [(20, True), (19, False)])
