@@ -8,14 +8,13 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.can.drives.axis import Axis
-from handcart.backends.capabilities.arm import Arm
+from handcart.backends.commanded_parts import CommandedArm
 from handcart.backends.hand_force import force_by_efforts
-from handcart.backends.limits import checked_joints
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 
-class CanArm(Arm):
+class CanArm(CommandedArm):
     """Joints whose drives plan ramps to their set-points (profile), or follow them from SYNC to SYNC
     (cyclic).
 
@@ -52,14 +51,6 @@ class CanArm(Arm):
         self._command = self._sent = joints.copy()
 
     @override
-    def move(self, joints: FloatArray) -> None:
-        self._command = checked_joints(self._model, joints, self._sent, self._most)
-
-    @override
-    def command(self) -> FloatArray:
-        return self._command.copy()
-
-    @override
     def joints(self) -> FloatArray:
         return np.array([joint.position for joint in self._joints])
 
@@ -68,10 +59,6 @@ class CanArm(Arm):
         known = np.array([joint.tells_torque for joint in self._joints], dtype=np.bool_)
         measured = np.array([joint.torque for joint in self._joints]) * self._rated
         return force_by_efforts(self._model, self.joints(), measured, known)
-
-    def halt(self) -> None:
-        """Forget a command that hasn't been sent; hold."""
-        self._command = self._sent.copy()
 
     def pass_on(self) -> None:
         """Hand the command to the drives."""

@@ -6,16 +6,15 @@ from typing_extensions import override
 
 from handcart.backends.can.drives.axis import Axis
 from handcart.backends.can.drives.axis_limits import FULL_TORQUE
-from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.commanded_parts import CommandedGripper
 from handcart.backends.description.robot_file import GripperSpec
-from handcart.backends.limits import checked_width
 
 _PRESSES = 0.5  # share of its greatest torque
 _BLOCKED = 0.2  # of top speed: slower fingers don't move
 _AWAY = 1e-3  # [m]
 
 
-class CanGripper(Gripper):
+class CanGripper(CommandedGripper):
     """Fingers whose drive moves to a width with limited torque: stopped by an object, they press.
 
     Pressing is detected by torque (6077h) at rest; without a reported torque, by fingers that rest away
@@ -34,14 +33,6 @@ class CanGripper(Gripper):
     def holds(self, width: float) -> None:
         """Set the last command to a width in [m]."""
         self._command = width
-
-    @override
-    def command(self) -> float:
-        return self._command
-
-    @override
-    def move(self, width: float) -> None:
-        self._command = checked_width(self._spec, width)
 
     @override
     def width(self) -> float:

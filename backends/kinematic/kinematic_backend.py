@@ -87,11 +87,7 @@ class KinematicBackend(SimulatedBackend):
 
     @override
     def step(self) -> None:
-        self._periods += 1
-        self.scene.time = self._periods * self.period
-        for props in self.scene.props.values():
-            props.step()
-        self._walk_passers()
+        self._begin_period()
         motion = self._base.advance(self._periods)
         if (there := self._kidnapped_to()) is not None:
             self.scene.move_base(there)

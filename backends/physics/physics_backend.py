@@ -171,11 +171,7 @@ class PhysicsBackend(SimulatedBackend):
 
     @override
     def step(self) -> None:
-        self._periods += 1
-        self.scene.time = self._periods * self.period
-        for props in self.scene.props.values():
-            props.step()
-        self._walk_passers()
+        self._begin_period()
         if (there := self._kidnapped_to()) is not None:
             self._body.put(there, float(self._body.standing_pose()[2, 3]) + LET_DOWN)
         self._world.keep_time()

@@ -301,11 +301,12 @@ def steady_points(scan: Scan) -> FloatArray:
     minimum of hundreds of readings is always too short. Beams without a return are skipped, so that their
     neighbours are compared with each other.
     """
-    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
+    is_read = len(scan.validity) > 0  # then a range is finite or infinity
+    ranges = scan.ranges if is_read else np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
     if len(ranges) < 3:
         return scan.points() if len(ranges) else NO_STANDS
     angles, goes_round = scan.angles, _goes_round(scan.angles)
-    if len(scan.validity) and (blind := scan.blind()).any():
+    if is_read and (blind := scan.blind()).any():
         angles, ranges = angles[~blind], ranges[~blind]
         if len(ranges) == 0:
             return NO_STANDS

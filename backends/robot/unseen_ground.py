@@ -76,10 +76,12 @@ class UnseenGround:
 
         `direction` of travel in [rad] against the base's heading; `pose` heads there.
         """
-        scan, base_T_way = self._lidar.scan(), Pose2(0.0, 0.0, direction)
-        way_T_sensor = base_T_way.inverse().compose(scan.base_T_sensor)
+        scan, here = self._lidar.scan(), self._rolled()
+        way_T_sensor = scan.base_T_sensor
+        if direction != 0.0:
+            base_T_way = Pose2(0.0, 0.0, direction)
+            way_T_sensor, here = base_T_way.inverse().compose(way_T_sensor), here.compose(base_T_way)
         found = unseen_edge(scan.angles, scan.blind(), way_T_sensor, self._radius, curvature, length)
-        here = self._rolled().compose(base_T_way)
         if not self._driven:
             self._remember(here)
         if found is None:

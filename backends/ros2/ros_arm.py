@@ -8,9 +8,8 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.capabilities.arm import Arm
+from handcart.backends.commanded_parts import CommandedArm
 from handcart.backends.hand_force import force_by_efforts
-from handcart.backends.limits import checked_joints
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
@@ -20,7 +19,7 @@ from .wire.ros_errors import NotOnTheAir
 from .wrench_topic import WrenchTopic
 
 
-class RosArm(Arm):
+class RosArm(CommandedArm):
     """Joints whose controllers follow a new point each period, and hold the last one."""
 
     STATE: ClassVar[Kinds] = {"_command": FloatArray, "_sent": FloatArray}
@@ -69,14 +68,6 @@ class RosArm(Arm):
         self._command = self._sent = within
 
     @override
-    def move(self, joints: FloatArray) -> None:
-        self._command = checked_joints(self._model, joints, self._sent, self._most)
-
-    @override
-    def command(self) -> FloatArray:
-        return self._command.copy()
-
-    @override
     def joints(self) -> FloatArray:
         return self._states.positions(self._names)
 
@@ -86,10 +77,6 @@ class RosArm(Arm):
             return self._wrench.force()
         efforts = self._states.efforts(self._names)
         return force_by_efforts(self._model, self.joints(), efforts, np.isfinite(efforts))
-
-    def halt(self) -> None:
-        """Forget a command that hasn't been sent; hold."""
-        self._command = self._sent.copy()
 
     def taken(self) -> FloatArray | None:
         """Return the joints (n,) to be sent in this period, in [rad] or [m]; None if they are held."""

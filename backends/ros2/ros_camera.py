@@ -8,11 +8,9 @@ import cv2
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.capabilities.camera import Camera
 from handcart.backends.robot.mounted_camera import MountedCamera
-from handcart.robotics.geometry.transform import Transform
+from handcart.backends.robot.placed_camera import PlacedCamera
 from handcart.robotics.numerics.arrays import ByteArray
-from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .topic_sensor import TopicSensor
 
@@ -28,14 +26,14 @@ TO_GREY = {
 """Encodings that are read: channels, and OpenCV's conversion to grey."""
 
 
-class RosCamera(TopicSensor, Camera):
+class RosCamera(TopicSensor, PlacedCamera):
     """Pictures of one camera, turned to grey."""
 
     KIND = "sensor_msgs/Image"
 
     def fit(self, mounted: MountedCamera) -> None:
         """Set the camera as it was calibrated, before the first picture."""
-        self._mounted = mounted
+        self._known = mounted
 
     @override
     def image(self) -> ByteArray:
@@ -43,29 +41,9 @@ class RosCamera(TopicSensor, Camera):
         self.check_fresh()
         return self._image
 
-    @property
-    @override
-    def model(self) -> CameraModel:
-        return self._mounted.model
-
-    @property
-    @override
-    def hand_T_camera(self) -> Transform:
-        return self._mounted.hand_T_camera.copy()
-
-    @property
-    @override
-    def carrier(self) -> str:
-        return self._mounted.carrier
-
-    @property
-    @override
-    def carrier_T_camera(self) -> Transform:
-        return self._mounted.carrier_T_camera.copy()
-
     @override
     def _wrong(self, message: Any) -> str:
-        model = self._mounted.model
+        model = self._known.model
         if message.encoding not in TO_GREY:
             return f"its encoding is {message.encoding!r}; allowed: {', '.join(TO_GREY)}"
         if (message.width, message.height) != (model.width, model.height):

@@ -9,10 +9,9 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.commanded_parts import CommandedGripper
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.description.ros_spec import RosGripperSpec
-from handcart.backends.limits import checked_width
 from handcart.backends.plain_values import Kinds
 
 from .joint_states import JointStates
@@ -25,7 +24,7 @@ REST_S = 0.15
 """[s] of rest after which fingers away from their command press."""
 
 
-class RosGripper(Gripper):
+class RosGripper(CommandedGripper):
     """Fingers whose controller moves them to a position, and presses on what is between them.
 
     Pressing is seen by fingers at rest that are wider open than commanded, or closed upon each other.
@@ -68,14 +67,6 @@ class RosGripper(Gripper):
         moving = abs(now - self._width) > REST_SPEED * self._spec.speed_mm_s / 1e3 * self._period
         self._still_s = 0.0 if moving else self._still_s + self._period
         self._width = now
-
-    @override
-    def command(self) -> float:
-        return self._command
-
-    @override
-    def move(self, width: float) -> None:
-        self._command = checked_width(self._spec, width)
 
     @override
     def width(self) -> float:

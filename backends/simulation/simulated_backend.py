@@ -140,9 +140,13 @@ class SimulatedBackend(Backend):
             return None
         return Pose2(kidnap.to.x_m, kidnap.to.y_m, math.radians(kidnap.to.heading_deg))
 
-    def _walk_passers(self) -> None:
-        """Let passers walk for the period that ends at the scene's time."""
+    def _begin_period(self) -> None:
+        """Advance the scene's time, its props, and the passers, who walk for the period that ends then."""
         scene = self.scene
+        self._periods += 1
+        scene.time = self._periods * self.period
+        for props in scene.props.values():
+            props.step()
         if scene.passers:
             scene.passers.advance(scene.time, self.period, scene.base, self._robot.footprint_radius_m)
 

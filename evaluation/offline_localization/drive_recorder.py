@@ -43,7 +43,7 @@ class DriveRecorder(RunObserver):
     def __init__(self) -> None:
         self._file: TextIO | None = None
         self._robot: Robot | None = None
-        self._noted = 0.0
+        self._noted, self._beacons = 0.0, 0
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """Open the log; that of a continued run is cut at the time of its continuation and extended."""
@@ -51,6 +51,8 @@ class DriveRecorder(RunObserver):
         if robot.localization.sensed is None:
             return
         self._robot, self._noted = robot, robot.time
+        beacons = robot.spec.beacons
+        self._beacons = 0 if beacons is None else len(beacons.places_m)
         path = run_dir / DRIVE_LOG_FILE
         with suppress(OSError):
             lines = _kept(path, robot.time) if path.exists() else [_header(robot)]
@@ -73,7 +75,7 @@ class DriveRecorder(RunObserver):
         try:
             if robot.time > self._noted:
                 self._noted = robot.time
-                self._file.write(_row(robot))
+                self._file.write(_row(robot, self._beacons))
             if whole:
                 self._file.flush()
         except OSError:
@@ -87,16 +89,16 @@ class DriveRecorder(RunObserver):
         self._file = None
 
 
-def _row(robot: Robot) -> str:
+def _row(robot: Robot, beacons: int) -> str:
+    """Return a line of the log, with the ranges to a number of beacons."""
     sensed = robot.localization.sensed
     assert sensed is not None
     base = robot.backend.true_base()
     place = (math.nan,) * 3 if sensed.fix is None else (*sensed.fix.position.tolist(), sensed.fix.sigma)
     true = (math.nan,) * 3 if base is None else tuple(base)
     values = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist(), *place, *true]
-    if robot.spec.beacons is not None:
-        nothing = np.full(len(robot.spec.beacons.places_m), math.nan)
-        values += (nothing if sensed.ranges is None else sensed.ranges).tolist()
+    if beacons:
+        values += [math.nan] * beacons if sensed.ranges is None else sensed.ranges.tolist()
     cells = ["" if math.isnan(value) else f"{value:.6g}" for value in values]
     return ",".join([f"{robot.time:.4f}", *cells]) + "\n"
 

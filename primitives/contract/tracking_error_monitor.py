@@ -56,11 +56,10 @@ class TrackingErrorMonitor:
 
     def _follows_latest(self, joints: list[float]) -> bool:
         """Return whether all joints are at the latest command: then they are within the range of commands."""
-        latest = self._commands[-1]
-        return all(
-            abs(joint - wanted) <= TRACKING_TOLERANCE_RAD
-            for joint, wanted in zip(joints, latest, strict=True)
-        )
+        for joint, wanted in zip(joints, self._commands[-1], strict=True):
+            if not abs(joint - wanted) <= TRACKING_TOLERANCE_RAD:  # NaN neither
+                return False
+        return True
 
     def _discrepancy(self, joint: int, off: float) -> Discrepancy:
         slides = self._robot.spec.joint_units.slides[joint]

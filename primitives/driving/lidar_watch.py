@@ -102,21 +102,20 @@ class LidarWatch:
         turned = np.degrees(scan.angles) % 360.0
         sectors = (turned / SECTOR_DEG).astype(np.int64) % len(self._covered_looks)
         known = expected & np.isin(walls.cells, self._seen)
-        for sector in np.unique(sectors):
-            beams = known & (sectors == sector)
-            count, silent = int(beams.sum()), int((beams & ~returned).sum())
-            if count < MIN_EXPECTED:
-                continue
-            covered = silent > MAX_SILENT_SHARE * count
-            self._covered_looks[sector] = self._covered_looks[sector] + 1 if covered else 0
-            if self._covered_looks[sector] >= MAX_SILENT_LOOKS:
-                ends = f"{sector * SECTOR_DEG:.0f} to {(sector + 1) * SECTOR_DEG:.0f} degrees"
-                beams_words = f"of {count} beams at walls that it saw before {count - silent} return"
-                raise NeedsPerson(
-                    f"the lidar is covered at {ends}: {beams_words}",
-                    Measured("RangeSensor", "share of silent beams", silent / count, MAX_SILENT_SHARE),
-                    cause=causes.SENSOR_FAULT,
-                )
+        counts = np.bincount(sectors[known], minlength=len(self._covered_looks))
+        silent = np.bincount(sectors[known & ~returned], minlength=len(self._covered_looks))
+        covered = silent > MAX_SILENT_SHARE * counts
+        looks = np.where(covered, self._covered_looks + 1, 0)
+        self._covered_looks = np.where(counts < MIN_EXPECTED, self._covered_looks, looks)
+        for sector in np.flatnonzero((self._covered_looks >= MAX_SILENT_LOOKS) & (counts >= MIN_EXPECTED)):
+            count, missing = int(counts[sector]), int(silent[sector])
+            ends = f"{sector * SECTOR_DEG:.0f} to {(sector + 1) * SECTOR_DEG:.0f} degrees"
+            beams_words = f"of {count} beams at walls that it saw before {count - missing} return"
+            raise NeedsPerson(
+                f"the lidar is covered at {ends}: {beams_words}",
+                Measured("RangeSensor", "share of silent beams", missing / count, MAX_SILENT_SHARE),
+                cause=causes.SENSOR_FAULT,
+            )
         right = np.flatnonzero(expected & returned)
         right = right[np.abs(scan.ranges[right] - walls.ranges[right]) < SAME_WALL_M]
         self._seen = np.union1d(self._seen, walls.cells[right])

@@ -23,15 +23,32 @@ class Measured(NamedTuple):
     """Unit of value and limit; empty for counts and shares."""
 
 
-class Discrepancy(Exception):
-    """Exception: the motion cannot continue; the framework restores, measures, and reports Fail (or GiveUp).
+class MotionBroken(Exception):
+    """Base class of the exceptions that break a motion off.
 
     Attributes:
         reason: message for people.
-        permanent: True if another attempt is pointless; the action's attempts are used up.
         measured: the deciding reading, if any.
         check: name of the check, unless it is one of the primitive's methods.
         cause: kind of cause, one of those that the primitive's package declares.
+    """
+
+    def __init__(
+        self, reason: str, measured: Measured | None = None, check: str = "", *, cause: CauseKind = UNNAMED
+    ) -> None:
+        super().__init__(reason)
+        self.reason, self.measured, self.check, self.cause = reason, measured, check, cause
+
+
+class NeedsPerson(MotionBroken):
+    """Exception: only a person can help; the robot stops where it is and gives up."""
+
+
+class Discrepancy(MotionBroken):
+    """Exception: the motion cannot continue; the framework restores, measures, and reports Fail (or GiveUp).
+
+    Attributes:
+        permanent: True if another attempt is pointless; the action's attempts are used up.
     """
 
     def __init__(
@@ -43,34 +60,5 @@ class Discrepancy(Exception):
         *,
         cause: CauseKind = UNNAMED,
     ) -> None:
-        super().__init__(reason)
-        self.reason = reason
+        super().__init__(reason, measured, check, cause=cause)
         self.permanent = permanent
-        self.measured = measured
-        self.check = check
-        self.cause = cause
-
-
-class NeedsPerson(Exception):
-    """Exception: only a person can help; the robot stops where it is and gives up.
-
-    Attributes:
-        reason: message for people.
-        measured: the deciding reading, if any.
-        check: name of the check, unless it is one of the primitive's methods.
-        cause: kind of cause, one of those that the primitive's package declares.
-    """
-
-    def __init__(
-        self,
-        reason: str,
-        measured: Measured | None = None,
-        check: str = "",
-        *,
-        cause: CauseKind = UNNAMED,
-    ) -> None:
-        super().__init__(reason)
-        self.reason = reason
-        self.measured = measured
-        self.check = check
-        self.cause = cause

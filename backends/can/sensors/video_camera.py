@@ -10,19 +10,17 @@ import cv2
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.can_sensor_spec import CameraSource
 from handcart.backends.live.live_sensor import Clock, LiveSensor
 from handcart.backends.live.sensor_errors import NoSensor
 from handcart.backends.robot.mounted_camera import MountedCamera
-from handcart.robotics.geometry.transform import Transform
+from handcart.backends.robot.placed_camera import PlacedCamera
 from handcart.robotics.numerics.arrays import ByteArray
-from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 _RETRY = 0.05  # [s] after a picture that didn't come
 
 
-class VideoCamera(LiveSensor, Camera):
+class VideoCamera(LiveSensor, PlacedCamera):
     """Pictures of a device or a URL, grabbed beside the control loop, or of a file, one a period.
 
     The last picture of a file stays when it ends: a file with one picture shows that for good.
@@ -40,7 +38,7 @@ class VideoCamera(LiveSensor, Camera):
             NoSensor: it can't be opened, or its pictures are of another size than the robot's file says.
         """
         super().__init__("the camera", source.stale_ms / 1e3, clock)
-        self._mounted = mounted
+        self._known = mounted
         self._video = cv2.VideoCapture(source.source)
         if not self._video.isOpened():
             self._video.release()
@@ -75,16 +73,6 @@ class VideoCamera(LiveSensor, Camera):
         assert self._image is not None
         return self._image
 
-    @property
-    @override
-    def model(self) -> CameraModel:
-        return self._mounted.model
-
-    @property
-    @override
-    def hand_T_camera(self) -> Transform:
-        return self._mounted.hand_T_camera.copy()
-
     def _take_in(self) -> None:
         if self._is_file and self._image is not None:
             self._grab()
@@ -101,7 +89,7 @@ class VideoCamera(LiveSensor, Camera):
         grey = np.ascontiguousarray(
             picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8
         )
-        model = self._mounted.model
+        model = self._known.model
         if grey.shape != (model.height, model.width):
             got = f"{grey.shape[1]} x {grey.shape[0]}"
             raise NoSensor(

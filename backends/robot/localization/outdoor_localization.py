@@ -51,6 +51,7 @@ class OutdoorLocalization(Localization):
         self._sensed = Sensed(np.zeros(3), np.zeros(3), np.zeros(2), None)
         self._felt, self._felt_at = np.zeros(6), self.travel
         self._here: Pose2 | None = None
+        self._rolled_to: Pose2 | None = None
         """The filter's pose, asked many times in a period."""
         self.set_origin()
 
@@ -64,7 +65,9 @@ class OutdoorLocalization(Localization):
     @property
     def odometry_pose(self) -> Pose2:
         """See `Localization`: by wheels and gyros."""
-        return self._filter.odometry.pose
+        if self._rolled_to is None:
+            self._rolled_to = self._filter.odometry.pose
+        return self._rolled_to
 
     @override
     def set_origin(self) -> None:
@@ -158,7 +161,7 @@ class OutdoorLocalization(Localization):
     def _predict(self, left: float, right: float, sideways: float) -> None:
         if self._wheels.looks:
             super()._predict(left, right, sideways)
-        self._here = None
+        self._here = self._rolled_to = None
         rolled = np.array([left, right])
         rates, accelerations = self._imu.rates(), self._imu.accelerations()
         felt = np.concatenate([rates, accelerations])
@@ -181,7 +184,7 @@ class OutdoorLocalization(Localization):
     def set_state(self, state: object) -> None:
         super().set_state(state)
         self._filter.forget_derived()
-        self._here = None
+        self._here = self._rolled_to = None
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
         odometry = self._filter.odometry

@@ -12,10 +12,10 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
-from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.commanded_parts import CommandedGripper
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.limits import checked_command, checked_joints, checked_width
+from handcart.backends.limits import checked_command, checked_joints
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.noise.keyed_noise import keyed, keyed_normal
@@ -161,7 +161,7 @@ class SimulatedArm(Arm):
         return last[1].copy()
 
 
-class SimulatedGripper(Gripper):
+class SimulatedGripper(CommandedGripper):
     """Takes commands, and reads the opening with noise."""
 
     STATE: ClassVar[Kinds] = {"_command": float, "_now": int, "_pressing": bool}
@@ -177,14 +177,6 @@ class SimulatedGripper(Gripper):
     @abstractmethod
     def true_width(self) -> float:
         """Return the opening, in [m]."""
-
-    @override
-    def command(self) -> float:
-        return self._command
-
-    @override
-    def move(self, width: float) -> None:
-        self._command = checked_width(self._spec, width)
 
     @override
     def width(self) -> float:

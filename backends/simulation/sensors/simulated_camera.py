@@ -8,23 +8,21 @@ from typing import ClassVar, Self
 
 from typing_extensions import override
 
-from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.robot.mounted_camera import MountedCamera, camera_mount, known_camera
+from handcart.backends.robot.placed_camera import PlacedCamera
 from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.backends.simulation.world.scene import Scene
-from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import ByteArray
-from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .simulated_sensor import SensorSite, SimulatedSensor
 
 
-class SimulatedCamera(Camera, SimulatedSensor):
+class SimulatedCamera(PlacedCamera, SimulatedSensor):
     """Takes a picture as the true camera sees, on demand, once a period; model and mount are those known."""
 
     STATE: ClassVar[Kinds] = {"_now": int}
@@ -34,12 +32,9 @@ class SimulatedCamera(Camera, SimulatedSensor):
         """Mounted at its link in the URDF, unless `errors` has its mount or focal length off."""
         self._errors, self._spec, self._seed = robot.errors, spec, seed
         self._mount = camera_mount(robot, robot.link_of(spec), arm)
+        self._known = known_camera(spec, self._mount)
         self._now = 0
         self._last: tuple[int, ByteArray] | None = None
-
-    @cached_property
-    def _known(self) -> MountedCamera:
-        return known_camera(self._spec, self._mount)
 
     @cached_property
     def _true(self) -> MountedCamera:
@@ -56,26 +51,6 @@ class SimulatedCamera(Camera, SimulatedSensor):
             picture.flags.writeable = False
             self._last = (self._now, picture)
         return self._last[1]
-
-    @property
-    @override
-    def model(self) -> CameraModel:
-        return self._known.model
-
-    @property
-    @override
-    def hand_T_camera(self) -> Transform:
-        return self._known.hand_T_camera.copy()
-
-    @property
-    @override
-    def carrier(self) -> str:
-        return self._mount.carrier
-
-    @property
-    @override
-    def carrier_T_camera(self) -> Transform:
-        return self._known.carrier_T_camera.copy()
 
     def advance(self, period: int) -> None:
         """Begin a new period."""

@@ -10,6 +10,7 @@ these rests are summed up here.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -20,20 +21,24 @@ SMALL_VARIANCE = 1e-2  # [rad²] of a heading, below which the first term of a s
 MAX_CROSSED_VARIANCE = 1.0  # [rad²] of a heading, beyond which slip goes in any direction anyway
 
 
-class BentWay(NamedTuple):
-    """Sums over a drive whose heading is not known exactly."""
+class _BentSums(NamedTuple):
+    """Fields of a `BentWay`."""
 
     rest: FloatArray
     """(2, 2) root mean squares of the position's error in [m]: by 1 - cos(e), and by e - sin(e), in rows."""
     crossed: FloatArray
     """(3, 3) covariance of the heading's slip times its error, in [rad²], and of x and y by it, in [m]."""
 
+
+class BentWay(_BentSums):
+    """Sums over a drive whose heading is not known exactly."""
+
     @classmethod
     def straight(cls) -> Self:
         """Return the sums before a drive."""
         return cls(np.zeros((2, 2)), np.zeros((3, 3)))
 
-    @property
+    @cached_property
     def covariance(self) -> FloatArray:
         """Covariance (2, 2) of the position, in [m²]."""
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])

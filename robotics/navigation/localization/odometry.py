@@ -181,8 +181,8 @@ class Odometry:
         heading = self.pose.theta + 0.5 * turn
         chord = forward * (math.sin(0.5 * turn) / (0.5 * turn) if abs(turn) > 1e-9 else 1.0)
         cos, sin = math.cos(heading), math.sin(heading)
-        by_wheel = _wheel_jacobian(forward, cos, sin, tread)
-        (lx, rx), (ly, ry), (lt, rt) = by_wheel.tolist()
+        (lx, rx), (ly, ry), (lt, rt) = rows = _wheel_jacobian(forward, cos, sin, tread)
+        by_wheel = np.array(rows)
         step = np.array(
             [
                 [1.0, 0.0, -chord * sin, lx * left, rx * right, 0.5 * forward * sin * turn],
@@ -267,15 +267,15 @@ def _middle(before: float, after: float) -> float:
     return 0.25 * (math.sqrt(max(0.0, before)) + math.sqrt(max(0.0, after))) ** 2
 
 
-def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> FloatArray:
-    """Return (3, 2) of x, y, heading by the travel of the left and the right wheel."""
+def _wheel_jacobian(
+    forward: float, cos: float, sin: float, tread: float
+) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
+    """Return the rows of x, y, heading by the travel of the left and the right wheel."""
     bend = 0.5 * forward / tread
-    return np.array(
-        [
-            [0.5 * cos + bend * sin, 0.5 * cos - bend * sin],
-            [0.5 * sin - bend * cos, 0.5 * sin + bend * cos],
-            [-1.0 / tread, 1.0 / tread],
-        ]
+    return (
+        (0.5 * cos + bend * sin, 0.5 * cos - bend * sin),
+        (0.5 * sin - bend * cos, 0.5 * sin + bend * cos),
+        (-1.0 / tread, 1.0 / tread),
     )
 
 
