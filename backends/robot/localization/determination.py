@@ -12,9 +12,28 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
-BIAS_SIGMAS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
-BIASED_SIGMAS = (3.0, 2.915, 2.857, 2.822, 2.792, 2.784, 2.783)
-"""Sigmas beyond a bias of as many `BIAS_SIGMAS`, within which as many errors are as within 3 without one."""
+BIAS_SIGMAS = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
+BIASED_SIGMAS = (
+    3.0,
+    2.781,
+    2.617,
+    2.402,
+    2.265,
+    2.165,
+    2.018,
+    1.909,
+    1.749,
+    1.631,
+    1.456,
+    1.325,
+    1.129,
+    0.981,
+)
+"""Sigmas beyond a bias of as many `BIAS_SIGMAS`, within which as many errors are as within 3 without one.
+
+The bias is anywhere between its limits, as a wall is anywhere within its cell: the error is the sum of a
+uniform and a normal variable.
+"""
 _ANGLES = np.linspace(0.0, math.pi, 24, endpoint=False)
 EVEN_DIRECTIONS = np.vstack([np.cos(_ANGLES), np.sin(_ANGLES)])
 """(2, 24) unit vectors in columns: with a shift, the worst direction is none of the principal axes."""
