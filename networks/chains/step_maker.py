@@ -123,6 +123,10 @@ class Aftermath:
             for counter, actions in network.shared.items()
         }
 
+    def matters(self, situation: str, counter: int) -> bool:
+        """Return whether an action of a counter of Fails can follow in a situation."""
+        return bool(self._ahead.bits(situation) & self._bits[counter])
+
     def successes(
         self,
         action: Action,

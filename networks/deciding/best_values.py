@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
-import itertools
 import math
 from typing import NamedTuple
 
@@ -11,26 +9,21 @@ from handcart.networks.chains.effort import Effort, TooMuch
 from handcart.networks.chains.step_maker import State
 from handcart.networks.graph.network import Action
 
+from .component_search import ComponentSearch
 from .process import Process, ProcessOption
-from .situation_values import SituationValues
+from .situation_values import MAX_TIGHT_SITUATIONS, SituationValues
+from .state_rows import counters_of
 
-GAPS = (0.1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9)
+GAPS = (0.1, 1e-2, 8e-4, 1e-5, 1e-7, 1e-9)
 """Differences of the bounds of a value, relative to it: reached one after the other, as the budget allows."""
-ENOUGH = 1e-3
+ENOUGH = 8e-4
 """Gap that may cost the whole budget."""
 FINER_SHARE = 0.15
 """Share of the rest that each smaller gap may cost: few decisions depend on it."""
-FIRST_SHARE, LAST_SHARE, SHARE_STEP = 1e-3, 1e-13, 0.1
-"""Probabilities of states below which they are not looked at: of the first search, the last, and the factor
-between two searches.
-"""
 LATER_STEPS = 60_000.0
 """Budget of a decision when that of the first is spent: some 0.2 s."""
 OPENING_STEPS, VISIT_STEPS = 50.0, 4.0
 """Effort of finding the options of a state, and of looking at them once."""
-MAX_SWEEPS = 1000
-MAX_TIGHT_SITUATIONS = 30
-"""Situations of a component up to which excluded actions tighten the lower bound."""
 
 
 class Decision(NamedTuple):
@@ -47,9 +40,8 @@ class Decision(NamedTuple):
 class BestValues:
     """Search for the best decisions from states on demand, remembering all that is settled.
 
-    In each strongly connected component the likely states of the policy that looks best are expanded, and
-    their bounds are improved until they meet (LAO*, Hansen and Zilberstein 2001, with the bounds of BRTDP,
-    McMahan et al. 2005).
+    Strongly connected components are solved in the order of what follows: `ComponentSearch` where a run may
+    come back, one step from state to state where it does not.
     """
 
     def __init__(self, process: Process, effort: Effort) -> None:
@@ -66,6 +58,8 @@ class BestValues:
         self._high: dict[State, float] = {}
         self._options: dict[State, list[ProcessOption]] = {}
         self._settled: dict[State, int] = {}
+        self._searches: dict[tuple[int, tuple[int, ...]], ComponentSearch] = {}
+        self._counters: dict[int, frozenset[int]] = {}
         self._gap = 0
         self._is_spent = False
 
@@ -101,15 +95,19 @@ class BestValues:
         """Return what is known of the best decision in a state, without searching."""
         if state.situation == self.process.network.goal:
             return Decision(None, 0.0, 0.0)
+        search = self._search(state)
+        if search is not None and (found := search.decision(state)) is not None:
+            return Decision(*found)
         best, action = self.process.stop_price(state.situation), None
         for option in self._options.get(state) or self.process.options(state):
             if (cost := self._expected(option)) < best:
                 best, action = cost, option.action
-        return Decision(action, best, min(best, self._lower(state)))
+        return Decision(action, best, min(best, self._bounds_of(state)[0]))
 
     def is_known(self, state: State) -> bool:
-        """Return whether a state was looked at."""
-        return state in self._options
+        """Return whether a state was looked at, and is likely enough to matter."""
+        search = self._search(state)
+        return state in self._options if search is None else search.is_likely(state)
 
     def costs(self, state: State) -> list[Decision]:
         """Return all actions that can be started in a state, each followed by the best; the best first."""
@@ -125,22 +123,36 @@ class BestValues:
         """Settle a state; return another one of a later component that has to be settled first, if any."""
         if self._is_settled(root) or root.situation == self.process.network.goal:
             return None
-        if self._is_acyclic(root.situation):
+        search = self._search(root)
+        if search is None:
             return self._settle_exactly(root)
-        share = FIRST_SHARE
-        while True:
-            for _ in range(MAX_SWEEPS):
-                order, outside, grown = self._looks_best(root, share)
-                if outside is not None:
-                    return outside
-                change = max([self._improve(state) for state in reversed(order)])
-                if self._is_close(root) or (not grown and change <= 0.1 * GAPS[self._gap] * self._high[root]):
-                    break
-            if self._is_close(root) or share < LAST_SHARE:
-                break
-            share *= SHARE_STEP
-        self._settled[root] = self._gap
-        return None
+        needed = search.settle(root, GAPS[self._gap], self._effort, self._settled_bounds)
+        if needed is None:
+            self._settled[root] = self._gap
+        return needed
+
+    def _search(self, state: State) -> ComponentSearch | None:
+        """Return the search of the component of a state; None if no run comes back to the state."""
+        if self._is_acyclic(state.situation):
+            return None
+        part = self.process.part[state.situation]
+        if part not in self._counters:
+            self._counters[part] = frozenset(counters_of(self.process, part))
+        own = self._counters[part]
+        carried = tuple(counter for counter, _ in state.fails if counter not in own)
+        if (part, carried) not in self._searches:
+            self._searches[part, carried] = ComponentSearch(self.process, self._bounds, part, carried)
+        return self._searches[part, carried]
+
+    def _settled_bounds(self, state: State) -> tuple[float, float] | None:
+        return self._bounds_of(state) if self._is_settled(state) else None
+
+    def _bounds_of(self, state: State) -> tuple[float, float]:
+        """Return the bounds of a state, in [s]; those of its situation if it was not looked at."""
+        search, stop = self._search(state), self.process.stop_price(state.situation)
+        if search is None:
+            return self._lower(state), self._high.get(state, stop)
+        return search.bounds(state) or (self._bounds.value[state.situation], stop)
 
     def _is_acyclic(self, situation: str) -> bool:
         """Return whether no run comes back to a state of a situation, short of staying in it."""
@@ -172,59 +184,14 @@ class BestValues:
     def _is_settled(self, state: State) -> bool:
         return self._settled.get(state, -1) >= self._gap
 
-    def _is_close(self, state: State) -> bool:
-        return self._high[state] - self._low[state] <= GAPS[self._gap] * self._high[state]
-
-    def _looks_best(self, root: State, share: float) -> tuple[list[State], State | None, bool]:
-        """Return the likely states of the policy that looks best, in the component of the root.
-
-        Args:
-            root: the first state.
-            share: probability of a state, along one path, below which it is not looked at.
-
-        Returns:
-            The states, likely ones first; a state of another component that is not settled; and whether
-            states are new.
-        """
-        part, options = self.process.part, self._options
-        here, order, grown = part[root.situation], list[State](), False
-        likely, done = {root: 1.0}, set[State]()
-        number = itertools.count()
-        heap = [(-1.0, next(number), root)]
-        while heap:
-            minus, _, state = heapq.heappop(heap)
-            if state in done:
-                continue
-            done.add(state)
-            order.append(state)
-            grown |= state not in options
-            option = self._looks_best_in(state)
-            for p, each in () if option is None else option.leads:
-                reach = -minus * p
-                if reach < share or reach <= likely.get(each, 0.0) or self._is_settled(each):
-                    continue
-                if part[each.situation] != here:
-                    return order, each, grown
-                likely[each] = reach
-                heapq.heappush(heap, (-reach, next(number), each))
-        return order, None, grown
-
-    def _looks_best_in(self, state: State) -> ProcessOption | None:
-        best, chosen = self.process.stop_price(state.situation), None
-        for option in self._opened(state):
-            if (cost := self._expected_low(option)) < best:
-                best, chosen = cost, option
-        return chosen
-
-    def _improve(self, state: State) -> float:
-        """Improve the bounds of a state; return by how much they came closer."""
+    def _improve(self, state: State) -> None:
+        """Improve the bounds of a state by those of the states that follow."""
         low = high = price = self.process.stop_price(state.situation)
         for option in self._opened(state):
             low = min(low, self._expected_low(option))
             high = min(high, self._expected(option))
         before = self._low.get(state, 0.0), self._high.get(state, price)
         self._low[state], self._high[state] = max(before[0], min(low, high)), min(before[1], high)
-        return max(self._low[state] - before[0], before[1] - self._high[state])
 
     def _opened(self, state: State) -> list[ProcessOption]:
         if state not in self._options:
@@ -237,14 +204,14 @@ class BestValues:
         cost, left, high = option.cost, 1.0 - option.stays, self._high
         for p, state in option.leads:
             value = high.get(state)
-            cost += p * (self.process.stop_price(state.situation) if value is None else value)
+            cost += p * (self._bounds_of(state)[1] if value is None else value)
         return cost / left if left > 0.0 else math.inf
 
     def _expected_low(self, option: ProcessOption) -> float:
         cost, left, low = option.cost, 1.0 - option.stays, self._low
         for p, state in option.leads:
             value = low.get(state)
-            cost += p * (self._lower(state) if value is None else value)
+            cost += p * (self._bounds_of(state)[0] if value is None else value)
         return cost / left if left > 0.0 else math.inf
 
     def _lower(self, state: State) -> float:

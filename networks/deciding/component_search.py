@@ -1,0 +1,249 @@
+"""Search for the least expected cost from states of one strongly connected component."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array, eye_array
+
+from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.step_maker import State
+from handcart.networks.graph.network import Action
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
+
+from .process import Process
+from .situation_values import SituationValues
+from .state_rows import StateRows
+from .state_table import STOP, StateTable
+
+LOW_SWEEPS, HIGH_SWEEPS = 4, 5
+"""Sweeps over all states for each round of the search."""
+EXPANDED_SHARE = 0.9
+"""Share of the gap whose states are expanded in a round: more rounds, but fewer states."""
+MIN_EXPANDED = 200
+"""States that may be expanded in any round."""
+SLACK_SHARE = 0.05
+"""Share of the gap by which the solution of a policy may miss the optimum and still bound it."""
+ROUND_STEPS, TRANSITION_STEPS, STATE_STEPS = 300.0, 0.012, 1.5
+"""Effort of a round, of each transition in it, and of each new state."""
+CERTAINTY = 1.0 - 1e-13
+"""Factor of all probabilities, so that a policy that never ends has a solution, too: a very large one."""
+MAX_POLICY_STATES = 40_000
+"""Likeliest states of the policy that are given out as known."""
+Bounds = Callable[[State], tuple[float, float] | None]
+"""Bounds of a state beyond the component; None if it is not settled."""
+
+
+class _Solution(NamedTuple):
+    """Solution of the equations of a policy, by the bounds of states that were not expanded."""
+
+    states: IntArray
+    """(n,) the expanded states that it reaches."""
+    low: FloatArray
+    high: FloatArray
+    visits: FloatArray
+    """(all states,) expected number of visits."""
+
+
+class _Decisions(NamedTuple):
+    """The best decisions by the upper bounds."""
+
+    options: IntArray
+    cost: FloatArray
+    is_likely: BoolArray
+
+
+class ComponentSearch:
+    """Bounds of the states of a component, improved until they meet.
+
+    In each round the states that leave most of the gap open are expanded, where the policy leads that looks
+    best by the lower bounds (LAO*, Hansen and Zilberstein 2001). Its equations are solved exactly: they are
+    nearly triangular, because Fails only become more.
+    """
+
+    def __init__(
+        self, process: Process, bounds: SituationValues, part: int, carried: tuple[int, ...] = ()
+    ) -> None:
+        """Create the search without a state.
+
+        Args:
+            process: the network.
+            bounds: lower bounds by situation.
+            part: number of the component.
+            carried: counters of Fails from beyond the component that a run has brought back into it.
+        """
+        self._rows = StateRows(process, part, carried)
+        self._table = StateTable(self._rows, bounds, part)
+        self._beyond: dict[int, State] = {}
+        """States just beyond the component, by their numbers."""
+        self._looked = 0
+        self._least_price = float(self._rows.price.min(initial=np.inf))
+        self._roots: dict[int, None] = {}
+        self._settled: dict[int, None] = {}
+        self._decisions: _Decisions | None = None
+
+    def bounds(self, state: State) -> tuple[float, float] | None:
+        """Return the bounds of a state, in [s]; None if it was never met."""
+        number = self._table.number(self._rows.row(state))
+        return None if number is None else (float(self._table.low[number]), float(self._table.high[number]))
+
+    def settle(self, state: State, gap: float, effort: Effort, beyond: Bounds) -> State | None:
+        """Improve the bounds of a state until their difference is small, relative to the upper one.
+
+        Args:
+            state: the state.
+            gap: the relative difference.
+            effort: budget.
+            beyond: bounds of states beyond the component.
+
+        Returns:
+            A state beyond the component that has to be settled first; None if the state is settled.
+
+        Raises:
+            TooMuch: the budget is spent; the bounds hold.
+        """
+        table = self._table
+        root = int(table.add(self._rows.row(state))[0])
+        self._roots[root], self._decisions = None, None
+        if not table.expanded[root]:
+            table.expand(np.array([root]))
+        slack = SLACK_SHARE * gap * min(self._least_price, float(table.stop[root]))
+        self._looked = 0
+        self._settled.clear()
+        while True:
+            settled = self._look_beyond(beyond)
+            visits = self._improve(root, slack)
+            effort.spend(ROUND_STEPS + TRANSITION_STEPS * table.transitions)
+            if table.high[root] - table.low[root] <= gap * table.high[root]:
+                return None
+            missed = visits * (table.high - table.low)
+            missed[table.expanded] = 0.0
+            missed[settled] = 0.0
+            chosen = _most_missed(missed, max(MIN_EXPANDED, int(table.expanded.sum())))
+            outside = [number for number in chosen.tolist() if number in self._beyond]
+            if outside:
+                return self._beyond[outside[0]]
+            if not len(chosen):
+                return None
+            before = len(table.states)
+            table.expand(chosen)
+            effort.spend(STATE_STEPS * (len(table.states) - before))
+
+    def decision(self, state: State) -> tuple[Action | None, float, float] | None:
+        """Return the best action in a state and its bounds in [s]; None if the state was not expanded."""
+        number = self._table.number(self._rows.row(state))
+        if number is None or not self._table.expanded[number]:
+            return None
+        made = self._made()
+        option, cost = int(made.options[number]), float(made.cost[number])
+        action = None if option == STOP else self._rows.actions[self._table.action(option)]
+        return action, cost, min(cost, float(self._table.low[number]))
+
+    def is_likely(self, state: State) -> bool:
+        """Return whether a state is among the likeliest that the best policy comes to."""
+        number = self._table.number(self._rows.row(state))
+        return number is not None and bool(self._made().is_likely[number])
+
+    def _made(self) -> _Decisions:
+        """Return the decisions by the upper bounds, which are made once after each search."""
+        if self._decisions is None:
+            table = self._table
+            best = table.choices(table.high)
+            visits = self._equations(np.array(list(self._roots)), best.option).visits
+            visits[~table.expanded] = 0.0
+            likely = visits > 0.0
+            if int(likely.sum()) > MAX_POLICY_STATES:
+                likely &= visits >= np.partition(visits, -MAX_POLICY_STATES)[-MAX_POLICY_STATES]
+            self._decisions = _Decisions(best.option, best.cost, likely)
+        return self._decisions
+
+    def _look_beyond(self, beyond: Bounds) -> IntArray:
+        """Set the bounds of the states beyond the component; return the numbers of the settled ones."""
+        table = self._table
+        new = table.states[self._looked :]
+        for offset in np.flatnonzero(new[:, 0] >= self._rows.inside).tolist():
+            number = self._looked + offset
+            state = self._beyond.setdefault(number, self._rows.state(new[offset]))
+            if (found := beyond(state)) is not None:
+                table.low[number], table.high[number] = found
+                self._settled[number] = None
+        self._looked = len(table.states)
+        return np.array(list(self._settled), np.int64)
+
+    def _improve(self, root: int, slack: float) -> FloatArray:
+        """Improve all bounds; return how often the policy that looks best comes to each state.
+
+        Args:
+            root: number of the first state.
+            slack: difference of values that does not matter, in [s].
+        """
+        table, low, high = self._table, self._table.low, self._table.high
+        for _ in range(LOW_SWEEPS):
+            np.maximum(low, table.improved(low), out=low)
+        solved = self._equations(np.array([root]), table.choices(low).option)
+        self._raise_low(solved, slack)
+        high[solved.states] = np.minimum(high[solved.states], solved.high)
+        for _ in range(HIGH_SWEEPS):
+            np.minimum(high, table.improved(high), out=high)
+        return solved.visits
+
+    def _raise_low(self, solved: _Solution, slack: float) -> None:
+        """Take the values of a policy for lower bounds if no choice improves them by more than slack.
+
+        With T the best choice, T(v) >= v - slack implies T((1 - e) v) >= (1 - e) v, e = slack / least price.
+        """
+        table = self._table
+        values = table.low.copy()
+        values[solved.states] = np.minimum(solved.low, table.stop[solved.states])
+        if np.all(table.improved(values)[solved.states] >= values[solved.states] - slack):
+            shrunk = values[solved.states] * (1.0 - slack / self._least_price)
+            table.low[solved.states] = np.maximum(table.low[solved.states], shrunk)
+
+    def _equations(self, roots: IntArray, options: IntArray) -> _Solution:
+        """Solve the equations of a policy from some states (n,) on, given by the option in each state."""
+        from scipy.sparse.linalg import splu  # late: most networks are small
+
+        table = self._table
+        states = table.reached(roots, options)
+        states = states[table.expanded[states]]
+        # What has failed more often follows: the equations are nearly triangular.
+        states = states[np.argsort(-table.states[states, 1:].sum(axis=1, dtype=np.int64), kind="stable")]
+        size = len(states)
+        place = np.full(len(options), -1)
+        place[states] = np.arange(size)
+        row, to, p = table.after(options[states])
+        inside = place[to] >= 0
+        links = p[inside] * CERTAINTY, (row[inside], place[to[inside]])
+        factors = splu(
+            (eye_array(size) - csc_array(links, shape=(size, size))).tocsc(),
+            permc_spec="NATURAL",
+            diag_pivot_thresh=0.0,
+        )
+        row, to, p = row[~inside], to[~inside], p[~inside]
+        price = table.prices(states, options[states])
+        low, high = (
+            factors.solve(price + np.bincount(row, p * values[to], size))
+            for values in (table.low, table.high)
+        )
+        begins = np.zeros(size)
+        begins[place[roots[table.expanded[roots]]]] = 1.0
+        visits = np.zeros(len(options))
+        visits[states] = factors.solve(begins, "T")
+        np.add.at(visits, to, visits[states][row] * p)
+        return _Solution(states, low, high, visits)
+
+
+def _most_missed(missed: FloatArray, most: int) -> IntArray:
+    """Return the states (n,) that leave most of the gap open, the largest first.
+
+    Args:
+        missed: (states,) share of each in the gap.
+        most: maximum number.
+    """
+    open_ = np.flatnonzero(missed > 0.0)
+    open_ = open_[np.argsort(-missed[open_], kind="stable")]
+    total = np.cumsum(missed[open_])
+    count = int(np.searchsorted(total, EXPANDED_SHARE * total[-1])) + 1 if len(open_) else 0
+    return open_[: min(count, most)]

@@ -1,0 +1,174 @@
+"""States of one component of a network as rows of integers, with the states that follow them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.networks.chains.step_maker import State
+from handcart.networks.graph.attempts import MAX_ATTEMPTS
+from handcart.networks.graph.network import Action
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, Uint16Array
+
+from .process import NEVER, Process
+
+GOAL = -1
+_Ending = tuple[float, int, bool]
+"""Probability, place of the situation, and whether it follows a Fail."""
+
+
+class Following(NamedTuple):
+    """Options of some states, and the states that follow them."""
+
+    state: IntArray
+    """(options,) number of the state in which each option can be started; ascending."""
+    action: IntArray
+    """(options,) place of its action in `StateRows.actions`."""
+    option: IntArray
+    """(transitions,) number of the option of each transition."""
+    p: FloatArray
+    """(transitions,) its probability."""
+    rows: Uint16Array
+    """(transitions, 1 + counters) the state that follows."""
+
+
+class StateRows:
+    """Rows of the states in one strongly connected component, and of those just beyond it.
+
+    A row is the place of a situation and the count of each counter that can matter there.
+    """
+
+    def __init__(self, process: Process, part: int, carried: Sequence[int] = ()) -> None:
+        """Prepare the arrays of a component.
+
+        Args:
+            process: the network.
+            part: number of the component.
+            carried: counters of Fails from beyond the component that a run has brought back into it.
+        """
+        self._process, network = process, process.network
+        inside = [name for name in process.parts[part] if name != network.goal]
+        self.actions: list[Action] = [action for name in inside for action in process.out[name]]
+        endings = [_endings(process, action) for action in self.actions]
+        names = dict.fromkeys([*inside, *(to for each in endings for _, to, _ in each)])
+        names.pop(network.goal, None)
+        self.names = list(names)
+        """Situations of the component, followed by those just beyond it."""
+        self.inside = len(inside)
+        """Number of situations in the component."""
+        self._place = {name: place for place, name in enumerate(self.names)} | {network.goal: GOAL}
+        self.counters = [*counters_of(process, part), *carried]
+        self._column = {counter: column for column, counter in enumerate(self.counters)}
+        self._keeps = self._kept()
+        self._prepare_actions()
+        self._prepare_endings([[(p, self._place[to], fails) for p, to, fails in each] for each in endings])
+        self.price = np.array([process.price(action) for action in self.actions])
+        """(actions,) price of starting each action, in [s]."""
+        self.stop_price = np.array([process.stop_price(name) for name in self.names])
+        """(situations,) price of a run that ends there, in [s]."""
+
+    def _kept(self) -> Uint16Array:
+        after = self._process.after
+        every = [[after.matters(name, counter) for counter in self.counters] for name in self.names]
+        return np.array(every, np.uint16).reshape(len(self.names), len(self.counters))
+
+    def _prepare_actions(self) -> None:
+        allowed = [action.allowance for action in self.actions]
+        self._counter = np.array([self._column[action.counter] for action in self.actions], np.int64)
+        self._width = np.array([each.width for each in allowed], np.int64)
+        self._most = np.array([each.most for each in allowed], np.int64)
+        self._last = np.array([MAX_ATTEMPTS if each.unlimited else each.limit for each in allowed], np.int64)
+        self._returns = np.array([bool(each.renewals) for each in allowed])
+        sources = [self._place[action.source] for action in self.actions]
+        self._first = np.searchsorted(sources, np.arange(self.inside + 1))
+        renewed_by = self._process.network.renewed_by
+        self._renews = {
+            place: [self._column[c] for c in renewed_by[action.index] if c in self._column]
+            for place, action in enumerate(self.actions)
+            if action.index in renewed_by
+        }
+
+    def _prepare_endings(self, endings: Sequence[Sequence[_Ending]]) -> None:
+        """Pad the endings of all actions to the same number."""
+        most = max(map(len, endings), default=0)
+        shape = len(endings), most
+        self._p, self._to, self._fails = np.zeros(shape), np.full(shape, GOAL), np.zeros(shape, bool)
+        for place, each in enumerate(endings):
+            for number, (p, to, fails) in enumerate(each):
+                self._p[place, number], self._to[place, number] = p, to
+                self._fails[place, number] = fails
+
+    def row(self, state: State) -> Uint16Array:
+        """Return the row of a state, as (1, 1 + counters)."""
+        row = np.zeros((1, 1 + len(self.counters)), np.uint16)
+        row[0, 0] = self._place[state.situation]
+        for counter, count in state.fails:
+            row[0, 1 + self._column[counter]] = count
+        return row
+
+    def state(self, row: Uint16Array) -> State:
+        """Return the state of a row (1 + counters,)."""
+        counts: Mapping[int, int] = {
+            self.counters[column]: int(row[1 + column]) for column in np.flatnonzero(row[1:])
+        }
+        return self._process.after.at(self.names[int(row[0])], counts)
+
+    def excluded(self, rows: Uint16Array) -> BoolArray:
+        """Return which actions are excluded in each row and stay so, as (n, actions)."""
+        return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
+
+    def _out(self, rows: Uint16Array, actions: IntArray) -> BoolArray:
+        counts = rows[:, 1 + self._counter[actions]].astype(np.int64)
+        return np.asarray(counts % self._width[actions] >= self._most[actions])
+
+    def following(self, rows: Uint16Array) -> Following:
+        """Return the options in states of the component, and what follows each."""
+        places = rows[:, 0].astype(np.int64)
+        count = self._first[places + 1] - self._first[places]
+        state = np.repeat(np.arange(len(rows)), count)
+        action = np.arange(len(state)) + np.repeat(self._first[places] - np.cumsum(count) + count, count)
+        counts = rows[state, 1 + self._counter[action]].astype(np.int64)
+        fails = counts % self._width[action]
+        usable = fails < self._most[action]
+        state, action, counts, fails = state[usable], action[usable], counts[usable], fails[usable]
+        failed = counts + (fails < self._last[action])
+        option, number = np.nonzero((self._p[action] > 0.0) & (self._to[action] != GOAL))
+        after = rows[state[option]]
+        acts = action[option]
+        at_fail = self._fails[acts, number]
+        after[at_fail, 1 + self._counter[acts[at_fail]]] = failed[option[at_fail]]
+        self._renew(after, acts, at_fail)
+        to = self._to[acts, number]
+        after[:, 0] = to
+        after[:, 1:] *= self._keeps[to]
+        return Following(state, action, option, self._p[acts, number], after)
+
+    def _renew(self, after: Uint16Array, acts: IntArray, at_fail: BoolArray) -> None:
+        """Give attempts back in the rows (n, 1 + counters) that follow a Success."""
+        for place, columns in self._renews.items():
+            chosen = np.flatnonzero((acts == place) & ~at_fail)
+            for column in columns:
+                allowed = self._process.network.actions[self.counters[column]].allowance
+                renewals, fails = np.divmod(after[chosen, 1 + column].astype(np.int64), allowed.width)
+                begins_again = chosen[(fails > 0) & (renewals < allowed.renewals)]
+                again = after[begins_again, 1 + column].astype(np.int64) // allowed.width + 1
+                after[begins_again, 1 + column] = again * allowed.width
+
+
+def _endings(process: Process, action: Action) -> list[tuple[float, str, bool]]:
+    """Return the situations that an action may lead to, with probability and whether it is a Fail."""
+    first_fail = 1 + len(action.others)
+    found = [(p, to, number >= first_fail) for number, (p, to) in enumerate(process.endings(action))]
+    return [each for each in found if each[0] > NEVER]
+
+
+def counters_of(process: Process, part: int) -> list[int]:
+    """Return the counters that can differ between states of a component."""
+    network, names = process.network, process.parts[part]
+    found = dict.fromkeys(action.counter for name in names for action in process.out[name])
+    for counter, shared in network.shared.items():
+        if len(shared) > 1 and len({process.part[each.source] for each in shared} - {part}) > 1:
+            found[counter] = None
+    return [counter for counter in found if process.after.matters(names[0], counter)]

@@ -1,0 +1,214 @@
+"""States of one component that were looked at, with their options and bounds of their values."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, Uint16Array
+
+from .growing_array import GrowingArray
+from .situation_values import SituationValues
+from .state_rows import StateRows
+
+STOP = -1
+"""Choice of calling a person."""
+
+
+class Choices(NamedTuple):
+    """The best option of each state, by given values of the states that follow."""
+
+    cost: FloatArray
+    """(states,) least expected cost, in [s]; infinite for states that were not expanded."""
+    option: IntArray
+    """(states,) number of the option, or `STOP`."""
+
+
+class StateTable:
+    """States as rows; those that were expanded have options.
+
+    The states just beyond the component are included; whoever searches sets their bounds.
+    """
+
+    def __init__(self, rows: StateRows, bounds: SituationValues, part: int) -> None:
+        """Create a table without a state.
+
+        Args:
+            rows: the states as rows.
+            bounds: lower bounds by situation.
+            part: number of the component.
+        """
+        self.rows, self._bounds, self._part = rows, bounds, part
+        self._numbers: dict[bytes, int] = {}
+        real, whole, mask = np.zeros(0), np.zeros(0, np.int64), np.zeros(0, bool)
+        self._states = GrowingArray(np.zeros((0, 1 + len(rows.counters)), np.uint16))
+        self._low, self._high, self._stop = GrowingArray(real), GrowingArray(real), GrowingArray(real)
+        self._expanded = GrowingArray(mask)
+        self._price, self._left = GrowingArray(real), GrowingArray(real)
+        self._state, self._action = GrowingArray(whole), GrowingArray(whole)
+        self._ends, self._p, self._to = (
+            GrowingArray(np.zeros(1, np.int64)),
+            GrowingArray(real),
+            GrowingArray(whole),
+        )
+        self._order, self._first = GrowingArray(whole), GrowingArray(whole)
+
+    @property
+    def states(self) -> Uint16Array:
+        """(states, 1 + counters) all states."""
+        return self._states.all
+
+    @property
+    def low(self) -> FloatArray:
+        """(states,) lower bounds of the least expected cost, in [s]."""
+        return self._low.all
+
+    @property
+    def high(self) -> FloatArray:
+        """(states,) upper bounds of the least expected cost, in [s]."""
+        return self._high.all
+
+    @property
+    def stop(self) -> FloatArray:
+        """(states,) price of calling a person, in [s]."""
+        return self._stop.all
+
+    @property
+    def expanded(self) -> BoolArray:
+        """(states,) True for those whose options are known."""
+        return self._expanded.all
+
+    @property
+    def transitions(self) -> int:
+        """Number of transitions."""
+        return len(self._p.all)
+
+    def number(self, row: Uint16Array) -> int | None:
+        """Return the number of the state with a row (1, 1 + counters); None if it was never met."""
+        return self._numbers.get(row.tobytes())
+
+    def add(self, rows: Uint16Array) -> IntArray:
+        """Return the numbers of states (n, 1 + counters); new ones are bounded by their situations."""
+        numbers, new = self._numbers, list[int]()
+        found = np.empty(len(rows), np.int64)
+        width = rows.shape[1] * rows.itemsize
+        keys = np.ascontiguousarray(rows).tobytes()
+        for place in range(len(rows)):
+            key = keys[place * width : (place + 1) * width]
+            number = numbers.get(key)
+            if number is None:
+                number = numbers[key] = len(numbers)
+                new.append(place)
+            found[place] = number
+        if new:
+            self._append(rows[new])
+        return found
+
+    def _append(self, rows: Uint16Array) -> None:
+        places = rows[:, 0].astype(np.int64)
+        stop = self.rows.stop_price[places]
+        low = np.array([self._bounds.value[name] for name in self.rows.names])[places]
+        here = places < self.rows.inside
+        low[here] = self._bounds.without_each(self._part, self.rows.excluded(rows[here]), places[here])
+        self._states.extend(rows)
+        self._low.extend(np.minimum(low, stop))
+        self._high.extend(stop)
+        self._stop.extend(stop)
+        self._expanded.extend(np.zeros(len(rows), bool))
+
+    def expand(self, numbers: IntArray) -> None:
+        """Look for the options of states in the component that were not expanded before."""
+        if not numbers.size:
+            return
+        rows = self.rows
+        after = rows.following(self.states[numbers])
+        state, size = numbers[after.state], len(after.state)
+        to = self.add(after.rows)
+        own = to == state[after.option]
+        stays = np.bincount(after.option[own], after.p[own], size)
+        count = np.bincount(after.option[~own], minlength=size)
+        before = len(self._price.all)
+        self._price.extend(rows.price[after.action])
+        self._left.extend(np.asarray(1.0 - stays, np.float64))
+        self._state.extend(state)
+        self._action.extend(after.action)
+        self._ends.extend(self._ends.all[-1] + np.cumsum(count))
+        self._p.extend(after.p[~own])
+        self._to.extend(to[~own])
+        able, first = np.unique(after.state, return_index=True)
+        self._order.extend(numbers[able])
+        self._first.extend(before + first)
+        self.expanded[numbers] = True
+        unable = np.setdiff1d(numbers, numbers[able], assume_unique=True)
+        self.low[unable] = self.stop[unable]
+
+    def choices(self, values: FloatArray) -> Choices:
+        """Return the best option of each state, with the values (states,) of what follows in [s]."""
+        cost, option = np.full(len(values), np.inf), np.full(len(values), STOP)
+        expanded = self.expanded
+        cost[expanded] = self.stop[expanded]
+        if len(self._first.all):
+            priced = self._priced(values)
+            least = np.full(len(values), np.inf)
+            least[self._order.all] = np.minimum.reduceat(priced, self._first.all)
+            best = np.flatnonzero(priced <= least[self._state.all])[::-1]
+            option[self._state.all[best]] = best
+            option[least >= self.stop] = STOP
+            cost = np.minimum(cost, least)
+        return Choices(cost, option)
+
+    def improved(self, values: FloatArray) -> FloatArray:
+        """Return the least expected cost of expanded states, by the values of what follows; else these."""
+        found = np.where(self.expanded, self.stop, values)
+        if len(self._first.all):
+            order = self._order.all
+            least = np.minimum.reduceat(self._priced(values), self._first.all)
+            found[order] = np.minimum(found[order], least)
+        return found
+
+    def _priced(self, values: FloatArray) -> FloatArray:
+        follows = csr_array((self._p.all, self._to.all, self._ends.all), (len(self._price.all), len(values)))
+        with np.errstate(divide="ignore"):
+            priced: FloatArray = (self._price.all + follows @ values) / self._left.all
+        return priced
+
+    def reached(self, roots: IntArray, option: IntArray) -> IntArray:
+        """Return the states that runs from some states come to, if these options (states,) are chosen."""
+        seen = np.zeros(len(option), bool)
+        seen[roots] = True
+        ahead = roots
+        while len(ahead):
+            to = np.unique(self.after(option[ahead])[1])
+            ahead = to[~seen[to]]
+            seen[ahead] = True
+        return np.flatnonzero(seen)
+
+    def after(self, options: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Return the transitions of some options.
+
+        Args:
+            options: (n,) their numbers; `STOP` has none.
+
+        Returns:
+            Place of its option in `options`, state that follows, and probability if the state is left.
+        """
+        acting = np.flatnonzero(options != STOP)
+        chosen = options[acting]
+        begin, end = self._ends.all[chosen], self._ends.all[chosen + 1]
+        count = end - begin
+        places = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
+        p = self._p.all[places] / np.repeat(self._left.all[chosen], count)
+        return np.repeat(acting, count), self._to.all[places], p
+
+    def action(self, option: int) -> int:
+        """Return the place of an option's action in `StateRows.actions`."""
+        return int(self._action.all[option])
+
+    def prices(self, states: IntArray, options: IntArray) -> FloatArray:
+        """Return what states (n,) cost until they are left by options (n,), or by stopping, in [s]."""
+        cost = self.stop[states].copy()
+        acts = options != STOP
+        cost[acts] = self._price.all[options[acts]] / self._left.all[options[acts]]
+        return cost
