@@ -137,6 +137,10 @@ class RosBackend(Backend):
             RosFault: now or in an earlier step.
             StaleSensor: the odometry or the joints are silent.
         """
+        self._pass_period(send=True)
+
+    def _pass_period(self, send: bool) -> None:
+        """Let a period pass; `send` is True to send its commands."""
         if self._fault is not None:
             raise self._fault
         if not self._begun:
@@ -144,7 +148,8 @@ class RosBackend(Backend):
             if self._pace is not None:
                 self._pace.begin()
         try:
-            self._topics.send()
+            if send:
+                self._topics.send()
             if self._pace is not None:
                 self._pace.wait()
             elif self.bench is not None:
@@ -155,6 +160,16 @@ class RosBackend(Backend):
         except BaseException as error:
             self._stop_for_good(error)
             raise
+
+    def watch(self) -> None:
+        """Let a period pass and read what has arrived, without sending anything: bring-up measures so
+        whether the base stops by itself.
+
+        Raises:
+            RosFault: see `step`.
+            StaleSensor: the odometry or the joints are silent.
+        """
+        self._pass_period(send=False)
 
     def stop(self) -> None:
         """See `Backend`."""

@@ -65,7 +65,7 @@ def move_of(jogger: Jogger, axis: str) -> Move:
     return Move(way, f"the joint turned {turned}", "deg", math.degrees(1.0))
 
 
-class AxesRung(Rung):
+class AxesRung(Rung[Site]):
     """Step that checks that each axis moves in the direction, and as far, as the robot's file says."""
 
     name = "axes"
@@ -124,7 +124,7 @@ def _truth(backend: CanBackend, axis: str) -> float:
     return float(backend.bench.drives[own.spec.node].position / own.units.scale)
 
 
-class LimitsRung(Rung):
+class LimitsRung(Rung[Site]):
     """Joints stop at the limits of the robot's file."""
 
     name = "limits"

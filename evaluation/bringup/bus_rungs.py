@@ -46,7 +46,7 @@ def read_object(line: CanLine, node: int, index: int, subindex: int = 0) -> int 
         return None
 
 
-class InterfaceRung(Rung):
+class InterfaceRung(Rung[Site]):
     """Step that checks that the interface is up and a drive answers on it."""
 
     name = "interface"
@@ -85,7 +85,7 @@ def _no_answer(node: int, errors: int, frames: int, bitrate: int) -> str:
     return f"nothing came: power, cable and terminations of the bus; node {node}; {bitrate} kbit/s"
 
 
-class IdentifyRung(Rung):
+class IdentifyRung(Rung[Site]):
     """Step that checks that the nodes on the bus are those of the robot's file, and no others."""
 
     name = "identify"
@@ -134,7 +134,7 @@ def _differences(name: str, axis: Any, facts: dict[str, Any]) -> list[str]:
     return wrong
 
 
-class ReadBackRung(Rung):
+class ReadBackRung(Rung[Site]):
     """Step that writes all settings and checks that they are read back as written."""
 
     name = "read_back"

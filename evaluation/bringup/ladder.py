@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from handcart.backends.backend import RobotFault
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 
@@ -16,11 +19,11 @@ from .axis_rungs import AxesRung, LimitsRung
 from .bus_rungs import IdentifyRung, InterfaceRung, ReadBackRung
 from .record import RungRecord, read, save
 from .rung import Facts, Rung, RungFailed
-from .site import Site
+from .site import RobotSite
 from .stop_rungs import EmergencyStopRung, StopTestRung
 from .use_rungs import CalibrationRung, CameraRung, PrimitiveRung, TaskRung
 
-ALL_RUNGS: tuple[Rung, ...] = (
+ALL_RUNGS: tuple[Rung[Any], ...] = (
     InterfaceRung(),
     IdentifyRung(),
     ReadBackRung(),
@@ -39,17 +42,18 @@ ALL_RUNGS: tuple[Rung, ...] = (
 class UnknownRung(InputError):
     """The ladder has no rung of that name."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(f"unknown step {name!r}{suggest(name, [each.name for each in ALL_RUNGS])}")
+    def __init__(self, name: str, allowed: list[str]) -> None:
+        super().__init__(f"unknown step {name!r}{suggest(name, allowed)}")
 
 
 class BenchFirst(InputError):
     """A rung was not tried on the bench, as the robot's file is now."""
 
-    def __init__(self, rung: str, robot: str) -> None:
+    def __init__(self, rung: str, robot: str, backend: str) -> None:
+        words = robot if backend == CanBackend.name else f"{robot} --{backend}"
         super().__init__(
             f"the step {rung!r} was not passed on the bench with the robot's file as it is; "
-            f"needed first: handcart bringup {robot} --bench kinematic --all"
+            f"needed first: handcart bringup {words} --bench kinematic --all"
         )
 
 
@@ -57,16 +61,18 @@ class BenchFirst(InputError):
 class Ladder:
     """Progress of a bring-up, kept as records in a folder."""
 
-    site: Site
+    site: RobotSite
     rehearsed: Path | None = None
     """Folder of the bench's records; None on the bench itself."""
+    rungs: Sequence[Rung[Any]] = ALL_RUNGS
+    """Steps in order."""
 
     def records(self, folder: Path | None = None) -> list[RungRecord]:
         """Return the records of passed steps that match the robot's file, from the first step without a
         gap.
         """
         found = []
-        for number, rung in enumerate(ALL_RUNGS, 1):
+        for number, rung in enumerate(self.rungs, 1):
             path = _path(folder or self.site.folder, number, rung)
             record = read(path) if path.is_file() else None
             if record is None or not record.passed or record.fingerprint != self.site.fingerprint:
@@ -75,10 +81,10 @@ class Ladder:
         return found
 
     @property
-    def next(self) -> Rung | None:
+    def next(self) -> Rung[Any] | None:
         """The lowest that is not climbed; None where all are."""
         done = len(self.records())
-        return ALL_RUNGS[done] if done < len(ALL_RUNGS) else None
+        return self.rungs[done] if done < len(self.rungs) else None
 
     def climb(self, tell: Callable[[str], None] = lambda _: None) -> RungRecord:
         """Run the next step and record it.
@@ -89,9 +95,9 @@ class Ladder:
         """
         rung = self.next
         assert rung is not None
-        number = ALL_RUNGS.index(rung) + 1
+        number = [each.name for each in self.rungs].index(rung.name) + 1
         if self.rehearsed is not None and len(self.records(self.rehearsed)) < number:
-            raise BenchFirst(rung.name, self.site.name)
+            raise BenchFirst(rung.name, self.site.name, self.site.backend_name)
         self.site.folder.mkdir(parents=True, exist_ok=True)
         self.site.answers.clear()
         tell(f"{number}. {rung.name}: {rung.summary}")
@@ -99,13 +105,13 @@ class Ladder:
         save(record, _path(self.site.folder, number, rung))
         return record
 
-    def _tried(self, rung: Rung) -> RungRecord:
+    def _tried(self, rung: Rung[Any]) -> RungRecord:
         site, reason = self.site, ""
         left_out = rung.left_out(site)
         facts: Facts = {}
         try:
             facts = {"left_out": left_out} if left_out else rung.climb(site)
-        except (RungFailed, RobotFault) as error:
+        except (RungFailed, RobotFault, NotOnTheAir) as error:
             reason = str(error)
         return RungRecord(
             rung=rung.name,
@@ -125,16 +131,16 @@ class Ladder:
         Raises:
             UnknownRung: no step has that name.
         """
-        names = [each.name for each in ALL_RUNGS]
+        names = [each.name for each in self.rungs]
         if name not in names:
-            raise UnknownRung(name)
+            raise UnknownRung(name, names)
         aside = self.site.folder / f"before_{datetime.now(UTC):%Y%m%dT%H%M%S}"
-        for number, rung in enumerate(ALL_RUNGS, 1):
+        for number, rung in enumerate(self.rungs, 1):
             path = _path(self.site.folder, number, rung)
             if number > names.index(name) and path.is_file():
                 aside.mkdir(exist_ok=True)
                 shutil.move(path, aside / path.name)
 
 
-def _path(folder: Path, number: int, rung: Rung) -> Path:
+def _path(folder: Path, number: int, rung: Rung[Any]) -> Path:
     return folder / f"{number:02d}_{rung.name}.yaml"

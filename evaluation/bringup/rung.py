@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from handcart.files.errors import HandcartError
 
-from .site import Site
+from .site import RobotSite
+
+SiteT = TypeVar("SiteT", bound=RobotSite)
 
 Facts = dict[str, Any]
 
@@ -16,7 +18,7 @@ class RungFailed(HandcartError):
     """Error: a step failed; its message says what to check."""
 
 
-class Rung(ABC):
+class Rung(ABC, Generic[SiteT]):
     """Step that verifies one property of a robot; it has passed when `climb` returns."""
 
     name: ClassVar[str]
@@ -27,9 +29,9 @@ class Rung(ABC):
     """True if the robot moves during the step."""
 
     @abstractmethod
-    def climb(self, site: Site) -> Facts:
+    def climb(self, site: SiteT) -> Facts:
         """Carry out the step; return the measured facts."""
 
-    def left_out(self, site: Site) -> str:
+    def left_out(self, site: SiteT) -> str:
         """Return why this step does not apply to the robot; empty if it does."""
         return ""

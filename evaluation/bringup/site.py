@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import can
+from typing_extensions import override
 
+from handcart.backends.backend import Backend
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.bus.errors import NoDrives
@@ -24,8 +27,8 @@ from .operator import Operator
 
 
 @dataclass
-class Site:
-    """Robot or bench on which the steps run."""
+class RobotSite(ABC):
+    """Robot or bench on which the steps run, however it is connected."""
 
     name: str
     """The robot, as it was named."""
@@ -43,6 +46,42 @@ class Site:
     """True to calibrate the camera on a bench as well."""
     answers: dict[str, bool | float] = field(default_factory=dict)
     """Given in the current rung."""
+
+    @property
+    @abstractmethod
+    def backend_name(self) -> str:
+        """Return the name of the backend that drives the robot."""
+
+    @property
+    @abstractmethod
+    def fingerprint(self) -> str:
+        """Return the fingerprint of the tested part of the robot's file."""
+
+    @abstractmethod
+    def backend(self, seed: int = 0) -> AbstractContextManager[Backend]:
+        """Return a context with the robot, set up and at rest; a real one is claimed for this process."""
+
+    # What a person says, kept for the record
+
+    def confirm(self, key: str, question: str) -> bool:
+        """Ask a question with yes or no."""
+        said = self.answers[key] = self.operator.confirm(key, question)
+        return said
+
+    def number(self, key: str, question: str, truth: float) -> float:
+        """Ask for something measured, which is `truth` on a bench."""
+        said = self.answers[key] = self.operator.number(key, question, lambda: truth)
+        return said
+
+
+@dataclass
+class Site(RobotSite):
+    """Robot by CAN, or its bench in this process."""
+
+    @property
+    @override
+    def backend_name(self) -> str:
+        return CanBackend.name
 
     @property
     def spec(self) -> CanSpec:
@@ -105,15 +144,3 @@ class Site:
                 yield made
         finally:
             made.close()
-
-    # What a person says, kept for the record
-
-    def confirm(self, key: str, question: str) -> bool:
-        """Ask a question with yes or no."""
-        said = self.answers[key] = self.operator.confirm(key, question)
-        return said
-
-    def number(self, key: str, question: str, truth: float) -> float:
-        """Ask for something measured, which is `truth` on a bench."""
-        said = self.answers[key] = self.operator.number(key, question, lambda: truth)
-        return said

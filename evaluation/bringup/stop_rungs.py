@@ -24,7 +24,7 @@ STOP_TRIALS = 5
 """Number of trials of each stop."""
 
 
-class EmergencyStopRung(Rung):
+class EmergencyStopRung(Rung[Site]):
     """Step that checks that the emergency stop removes the drives' torque and that releasing it restores
     none.
     """
@@ -76,7 +76,7 @@ def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
     raise RungFailed(f"still enabled: {', '.join(on)}; does the emergency stop reach their drives?")
 
 
-class StopTestRung(Rung):
+class StopTestRung(Rung[Site]):
     """Measures the stopping distance of the base for each kind of stop."""
 
     name = "stop_test"

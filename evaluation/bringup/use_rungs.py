@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from typing_extensions import override
 
+from handcart.backends.backend import Backend
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -27,7 +28,7 @@ from handcart.primitives.outcomes.outcome import Success
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed
-from .site import Site
+from .site import RobotSite, Site
 
 CAMERA_TASK = LIBRARY_FOLDER.parent / "calibrate_camera" / "task.yaml"
 TAPE_ACCURACY_M = 0.002
@@ -40,7 +41,7 @@ RETURNS_SHARE = 0.8  # of them, in which a beam returns, to be measured
 _SETTLE = 1.0  # [s]
 
 
-class CalibrationRung(Rung):
+class CalibrationRung(Rung[Site]):
     """Calibrates odometry and lidar; the result is a change to review."""
 
     name = "calibrate"
@@ -55,14 +56,8 @@ class CalibrationRung(Rung):
                 raise RungFailed("the way wasn't clear")
             self._radius(site, backend, found, facts)
             self._tread(site, backend, found, facts)
-            self._ranges(site, backend, found, facts)
-        file = site.folder / CALIBRATION_FILE
-        kind = "can" + (f" --bench {site.bench}" if site.bench else "")
-        calibration = Calibration(
-            format="handcart-calibration/1", robot=site.name, backend=kind, found=rounded(found)
-        )
-        write_whole(file, calibration.text())
-        facts["review"] = f"handcart adopt {file}"
+            _measure_ranges(site, backend, found, facts)
+        facts["review"] = f"handcart adopt {_write(site, found)}"
         return facts
 
     def _radius(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
@@ -93,38 +88,40 @@ class CalibrationRung(Rung):
         facts |= {"turn_by_encoder_deg": round(math.degrees(by_encoder), 2)}
         facts |= {"turn_deg": round(math.degrees(measured), 2)}
 
-    def _ranges(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
-        found_sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
-        if found_sensor is None:
-            facts["range_sensor"] = "none"
-            return
-        sensor = Lidar(found_sensor, site.robot)
-        scans = []
-        for _ in range(SCAN_COUNT):
-            backend.step()
-            scans.append(sensor.scan().ranges)
-        ranges = np.array(scans)
-        ranges[~np.isfinite(ranges)] = np.nan
-        seen = np.isfinite(ranges).mean(axis=0) >= RETURNS_SHARE
-        if not seen.any():
-            raise RungFailed(sensor.silence or "the range sensor sees nothing: no beam returns steadily")
-        sigma = 1e3 * float(np.median(np.nanstd(ranges[:, seen], axis=0, ddof=1)))
-        found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCAN_COUNT))
-        ahead = int(np.argmin(np.abs(sensor.scan().angles)))
-        nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
-        reading = float(np.nanmean(ranges[:, nearest]))
-        angle = math.degrees(float(sensor.scan().angles[nearest]))
-        question = f"How far is it from the sensor at {angle:.0f} deg, by tape [m]?"
-        measured = site.number("range_m", question, reading)
-        facts |= {
-            "range_sigma_mm": round(sigma, 2),
-            "range_m": round(reading, 4),
-            "range_by_tape_m": measured,
-        }
-        allowed = max(0.02, 3e-3 * sigma)
-        if abs(measured - reading) > allowed:
-            wrong = f"the range sensor tells {reading:.3f} m, the tape {measured:.3f} m"
-            raise RungFailed(f"{wrong}; allowed: {allowed:.3f} m apart")
+
+def _measure_ranges(site: RobotSite, backend: Backend, found: dict[str, Calibrated], facts: Facts) -> None:
+    """Measure the spread of the ranges, and compare one of them with a tape."""
+    found_sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
+    if found_sensor is None:
+        facts["range_sensor"] = "none"
+        return
+    sensor = Lidar(found_sensor, site.robot)
+    scans = []
+    for _ in range(SCAN_COUNT):
+        backend.step()
+        scans.append(sensor.scan().ranges)
+    ranges = np.array(scans)
+    ranges[~np.isfinite(ranges)] = np.nan
+    seen = np.isfinite(ranges).mean(axis=0) >= RETURNS_SHARE
+    if not seen.any():
+        raise RungFailed(sensor.silence or "the range sensor sees nothing: no beam returns steadily")
+    sigma = 1e3 * float(np.median(np.nanstd(ranges[:, seen], axis=0, ddof=1)))
+    found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCAN_COUNT))
+    ahead = int(np.argmin(np.abs(sensor.scan().angles)))
+    nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
+    reading = float(np.nanmean(ranges[:, nearest]))
+    angle = math.degrees(float(sensor.scan().angles[nearest]))
+    question = f"How far is it from the sensor at {angle:.0f} deg, by tape [m]?"
+    measured = site.number("range_m", question, reading)
+    facts |= {
+        "range_sigma_mm": round(sigma, 2),
+        "range_m": round(reading, 4),
+        "range_by_tape_m": measured,
+    }
+    allowed = max(0.02, 3e-3 * sigma)
+    if abs(measured - reading) > allowed:
+        wrong = f"the range sensor tells {reading:.3f} m, the tape {measured:.3f} m"
+        raise RungFailed(f"{wrong}; allowed: {allowed:.3f} m apart")
 
 
 def _drive(
@@ -161,14 +158,45 @@ def _wrapped(angle: float) -> float:
     return math.remainder(angle, 2.0 * math.pi)
 
 
-class CameraRung(Rung):
+class RangesRung(Rung[RobotSite]):
+    """Measures the lidar's spread, and compares one range with a tape."""
+
+    name = "range_sensor"
+    summary = "the lidar's spread, and one range by tape; `handcart adopt` shows what that changes"
+    moves = False
+
+    @override
+    def left_out(self, site: RobotSite) -> str:
+        return "" if site.robot.range_sensor is not None else "the robot has no lidar"
+
+    @override
+    def climb(self, site: RobotSite) -> Facts:
+        found: dict[str, Calibrated] = {}
+        facts: Facts = {}
+        with site.backend() as backend:
+            _measure_ranges(site, backend, found, facts)
+        return {**facts, "review": f"handcart adopt {_write(site, found)}"}
+
+
+def _write(site: RobotSite, found: dict[str, Calibrated]) -> Path:
+    """Write what a calibration found beside the records; return the file."""
+    file = site.folder / CALIBRATION_FILE
+    kind = site.backend_name + (f" --bench {site.bench}" if site.bench else "")
+    calibration = Calibration(
+        format="handcart-calibration/1", robot=site.name, backend=kind, found=rounded(found)
+    )
+    write_whole(file, calibration.text())
+    return file
+
+
+class CameraRung(Rung[RobotSite]):
     """The camera and its place on the hand are calibrated by a board."""
 
     name = "camera"
     summary = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
 
     @override
-    def left_out(self, site: Site) -> str:
+    def left_out(self, site: RobotSite) -> str:
         if site.robot.hand_camera is None:
             return "the robot has no camera on an arm"
         if site.bench and not site.camera_on_bench:
@@ -176,7 +204,7 @@ class CameraRung(Rung):
         return ""
 
     @override
-    def climb(self, site: Site) -> Facts:
+    def climb(self, site: RobotSite) -> Facts:
         question = f"Is the board where {CAMERA_TASK.parent}/building.yaml says, and the arm free?"
         if not site.confirm("board", question):
             raise RungFailed("the board isn't there")
@@ -184,18 +212,18 @@ class CameraRung(Rung):
         return {**facts, "review": f"handcart adopt {facts['run_dir']}"}
 
 
-class PrimitiveRung(Rung):
+class PrimitiveRung(Rung[RobotSite]):
     """The first primitive of the task, alone."""
 
     name = "primitive"
     summary = "the first primitive of the task ends in Success"
 
     @override
-    def climb(self, site: Site) -> Facts:
+    def climb(self, site: RobotSite) -> Facts:
         if not site.confirm("free", "Is the route free, and is the robot's reach clear of people?"):
             raise RungFailed("it wasn't free")
         settings = {"robot": site.name}
-        with prepare(site.task, "can", settings, bench=site.bench or None) as prepared:
+        with prepare(site.task, site.backend_name, settings, bench=site.bench or None) as prepared:
             network = prepared.task.network
             plan = Planner(network).plan(network.start)
             if isinstance(plan, NoWay) or plan.actions[0].binding is None:
@@ -210,25 +238,25 @@ class PrimitiveRung(Rung):
         return {"primitive": str(first), "outcome": "Success", "sim_time_s": round(prepared.robot.time, 2)}
 
 
-class TaskRung(Rung):
+class TaskRung(Rung[RobotSite]):
     """Step that runs the task."""
 
     name = "task"
     summary = "the task ends in Success"
 
     @override
-    def climb(self, site: Site) -> Facts:
+    def climb(self, site: RobotSite) -> Facts:
         if not site.confirm("ready", f"Is {site.task} ready, and the robot's reach clear of people?"):
             raise RungFailed("it isn't ready")
         return _run(site, site.task)
 
 
-def _run(site: Site, task: Path) -> Facts:
+def _run(site: RobotSite, task: Path) -> Facts:
     """Run a task to its Success; raises `RungFailed`."""
     summary, _ = run_task(
         task,
         site.folder / "runs",
-        RunOptions("can", {"robot": site.name}, draw=True, bench=site.bench or None),
+        RunOptions(site.backend_name, {"robot": site.name}, draw=True, bench=site.bench or None),
     )
     if summary["outcome"] != "Success":
         explained = f"handcart explain {summary['run_dir']}"

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from handcart.backends.description.robot_names import robot_path
@@ -13,12 +10,7 @@ from handcart.files.yaml.yaml_document import read_document
 from .check_robot import lines_of
 
 if TYPE_CHECKING:
-    from handcart.backends.description.robot_file import RobotFile
     from handcart.backends.ros2.air_check.air_report import AirReport
-    from handcart.backends.ros2.wire.ros_link import Link
-
-PAUSE_S = 0.005
-"""[s] between two looks for messages."""
 
 
 def air_facts(name: str, bench: str | None = None, seconds: float = 5.0) -> dict[str, Any]:
@@ -35,13 +27,20 @@ def air_facts(name: str, bench: str | None = None, seconds: float = 5.0) -> dict
         NoRos: rclpy is not installed.
     """
     from handcart.backends.loading.robot_loading import load_robot
+    from handcart.backends.registry import bench_class
     from handcart.backends.ros2.air_check.air_report import listen
+    from handcart.backends.ros2.air_check.connected import connected
+    from handcart.backends.ros2.ros_backend import RosBackend
     from handcart.backends.ros2.wire.ros_errors import NoTopics
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 
     robot = load_robot(name)
     if robot.ros2 is None:
         raise NoTopics()
-    with _topics(robot, bench) as (link, wait):
+    inner = None
+    if bench is not None:
+        inner = bench_class(bench, RosBackend.name).build(robot, LIBRARY_FOLDER / "world.yaml", 0)
+    with connected(robot, robot.ros2, inner) as (link, wait):
         report = listen(robot, robot.ros2, link, wait, seconds)
     document = read_document(robot_path(name))
     return {
@@ -51,32 +50,6 @@ def air_facts(name: str, bench: str | None = None, seconds: float = 5.0) -> dict
         "lines": lines_of(_table(report)),
         "robot": {"topics": [each._asdict() for each in report.topics], "nodes": report.nodes},
     }
-
-
-@contextmanager
-def _topics(robot: RobotFile, bench: str | None) -> Iterator[tuple[Link, Callable[[], None]]]:
-    """Yield the connection to a robot's topics, and a function that waits for a short time."""
-    from handcart.backends.registry import bench_class
-    from handcart.backends.ros2.bench.local_bench import LocalBench
-    from handcart.backends.ros2.ros_backend import RosBackend
-    from handcart.backends.ros2.wire.ros_link import RosLink, node_name
-    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
-
-    spec = robot.ros2
-    assert spec is not None, "needed: a section ros2"
-    if bench is not None:
-        inner = bench_class(bench, RosBackend.name).build(robot, LIBRARY_FOLDER / "world.yaml", 0)
-        local = LocalBench(robot, spec, inner)
-        try:
-            yield local.link, local.step
-        finally:
-            local.close()
-        return
-    link = RosLink(node_name("check"), spec.namespace, spec.domain)
-    try:
-        yield link, lambda: time.sleep(PAUSE_S)
-    finally:
-        link.close()
 
 
 def _table(report: AirReport) -> Any:

@@ -46,6 +46,10 @@ def bench(
     range_port: Annotated[
         int | None, typer.Option(help="send the simulated robot's scans to clients of this port")
     ] = None,
+    wrong: Annotated[
+        list[str] | None,
+        typer.Option("--wrong", help="with --ros2: NAME=FACTOR: the robot differs from its file"),
+    ] = None,
     list_faults: Annotated[bool, typer.Option("--list-faults", help="list the possible faults")] = False,
     log: Annotated[
         Path | None, typer.Option(help="write time, positions, speeds and states of the drives into it")
@@ -66,7 +70,16 @@ def bench(
             list_topic_faults()
             return
         serve_topics(
-            RosBenchOptions(robot, backend or "kinematic", world, task, seed, tuple(faults or ()), seconds)
+            RosBenchOptions(
+                robot,
+                backend or "kinematic",
+                world,
+                task,
+                seed,
+                tuple(faults or ()),
+                seconds,
+                tuple(wrong or ()),
+            )
         )
         return
     if list_faults:

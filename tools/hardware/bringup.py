@@ -32,36 +32,24 @@ def bringup(
     camera: Annotated[
         bool, typer.Option("--camera", help="calibrate the camera on the bench, too; takes minutes")
     ] = False,
+    ros2: Annotated[
+        bool, typer.Option("--ros2", help="bring up a robot that speaks ROS 2, by its topics")
+    ] = False,
+    wrong: Annotated[
+        list[str] | None,
+        typer.Option("--wrong", help="with --ros2: NAME=FACTOR: the bench's robot differs, as joint_3=-1"),
+    ] = None,
     folder: Annotated[Path, typer.Option(help="the records' folder is made in there")] = Path("bringup"),
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
     """Do the next step of the procedure from first power to the task; each is recorded, none is skipped."""
-    from handcart.backends.can.can_backend import CanBackend
-    from handcart.backends.loading.robot_loading import load_robot
-    from handcart.backends.registry import bench_class
-    from handcart.evaluation.bringup.ladder import ALL_RUNGS, Ladder
-    from handcart.evaluation.bringup.site import Site
-    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
     from handcart.tools.terminal.writing import check_folder
 
-    spec = load_robot(robot)
+    if wrong and not (ros2 and bench):
+        raise typer.BadParameter("--wrong goes with --ros2 and --bench only")
     check_folder(folder)
-    if bench is not None:
-        bench_class(bench, CanBackend.name)  # a wrong name is told before the first rung
-    for_what = task or LIBRARY_FOLDER.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
-    name = re.sub(r"[^\w.-]", "_", robot.removesuffix(".yaml").strip("./"))
-    own, rehearsed = folder / name, folder / f"{name}-bench"
-    site = Site(
-        robot,
-        spec,
-        _operator(bench, answers),
-        rehearsed if bench else own,
-        for_what,
-        bench or "",
-        LIBRARY_FOLDER / "world.yaml" if bench else None,
-        camera,
-    )
-    ladder = Ladder(site, None if bench else rehearsed)
+    ladder = _ladder(robot, bench, task, _operator(bench, answers), folder, (camera, ros2, wrong or []))
+    site = ladder.site
     if again is not None:
         ladder.again(again)
     climbed = _climb(ladder, everything) if not status else []
@@ -70,10 +58,54 @@ def bringup(
     if as_json:
         _print_json(ladder, done, climbed)
     else:
-        for each in ALL_RUNGS[len(done) :]:
+        for each in ladder.rungs[len(done) :]:
             print(f"  {each.name}: {each.summary}" + ("  <- next" if each is ladder.next else ""))
-        print(f"{len(done)} of {len(ALL_RUNGS)} steps passed; records in {site.folder}")
+        print(f"{len(done)} of {len(ladder.rungs)} steps passed; records in {site.folder}")
     sys.exit(4 if failed else 0)
+
+
+def _ladder(
+    robot: str,
+    bench: str | None,
+    task: Path | None,
+    operator: Operator,
+    folder: Path,
+    how: tuple[bool, bool, list[str]],
+) -> Ladder:
+    """Return the steps of a robot.
+
+    `how` is whether the bench has the camera calibrated, whether ROS 2 drives, and the bench's differences.
+    """
+    from handcart.backends.loading.robot_loading import load_robot
+    from handcart.backends.registry import bench_class
+    from handcart.backends.ros2.bench.robot_differences import RobotDifferences
+    from handcart.evaluation.bringup.ladder import ALL_RUNGS, Ladder
+    from handcart.evaluation.bringup.ros.procedure import ROS_RUNGS
+    from handcart.evaluation.bringup.ros.ros_site import RosSite
+    from handcart.evaluation.bringup.site import Site
+    from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+
+    camera, ros2, wrong = how
+    spec = load_robot(robot)
+    for_what = task or LIBRARY_FOLDER.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
+    name = re.sub(r"[^\w.-]", "_", robot.removesuffix(".yaml").strip("./")) + ("-ros2" if ros2 else "")
+    rehearsed = folder / f"{name}-bench"
+    kind = RosSite if ros2 else Site
+    site = kind(
+        robot,
+        spec,
+        operator,
+        rehearsed if bench else folder / name,
+        for_what,
+        bench or "",
+        LIBRARY_FOLDER / "world.yaml" if bench else None,
+        camera,
+    )
+    if bench is not None:
+        bench_class(bench, site.backend_name)  # a wrong name is told before the first rung
+    if isinstance(site, RosSite):
+        site.differences = RobotDifferences.read(wrong, spec, site.spec)
+    return Ladder(site, None if bench else rehearsed, ROS_RUNGS if ros2 else ALL_RUNGS)
 
 
 def _climb(ladder: Ladder, everything: bool) -> list[RungRecord]:

@@ -26,6 +26,8 @@ class RosBenchOptions(NamedTuple):
     """Each KIND@TOPIC@SECONDS."""
     seconds: float | None
     """Duration in [s]; None: until Ctrl-C."""
+    wrong: tuple[str, ...] = ()
+    """Each NAME=FACTOR: how the robot differs from its file."""
 
 
 def serve_topics(options: RosBenchOptions) -> None:
@@ -36,6 +38,7 @@ def serve_topics(options: RosBenchOptions) -> None:
         NoRos: rclpy is not installed.
     """
     from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
+    from handcart.backends.ros2.bench.robot_differences import RobotDifferences
     from handcart.backends.ros2.bench.ros_bench import RosBench
     from handcart.backends.ros2.wire.ros_errors import NoTopics
     from handcart.backends.ros2.wire.ros_link import RosLink, node_name
@@ -46,8 +49,13 @@ def serve_topics(options: RosBenchOptions) -> None:
     if spec.ros2 is None:
         inner.close()
         raise NoTopics()
+    try:
+        differences = RobotDifferences.read(options.wrong, spec, spec.ros2)
+    except BaseException:
+        inner.close()
+        raise
     link = RosLink(node_name("bench"), spec.ros2.namespace, spec.ros2.domain)
-    bench = RosBench(spec, spec.ros2, inner, link, BenchFaults(spec.period_s, planned))
+    bench = RosBench(spec, spec.ros2, inner, link, BenchFaults(spec.period_s, planned), differences)
     over = AskedToEnd()
     begun = due = time.monotonic()
     print(f"topics of {spec.ros2.namespace or '/'}, simulated by {options.backend}; Ctrl-C ends", flush=True)
@@ -63,9 +71,13 @@ def serve_topics(options: RosBenchOptions) -> None:
 def list_topic_faults() -> None:
     """Print the faults that a bench of topics can have."""
     from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS
+    from handcart.backends.ros2.bench.robot_differences import FIXED_NAMES
 
     for name, words in FAULT_KINDS.items():
         print(f"{name:<12} {words}")
+    print("differences of the robot from its file, as --wrong NAME=FACTOR:")
+    for name, words in {**FIXED_NAMES, "JOINT": "factor of a joint's command and reading"}.items():
+        print(f"{name:<18} {words}")
 
 
 def _simulated(options: RosBenchOptions) -> tuple[RobotFile, Backend]:

@@ -43,8 +43,8 @@ def state_message(
     return message
 
 
-def scan_message(link: Link, now: float, spec: RangeSpec, robot: Backend) -> Any:
-    """Return the scan of a simulated lidar as a `LaserScan`."""
+def scan_message(link: Link, now: float, spec: RangeSpec, robot: Backend, factor: float = 1.0) -> Any:
+    """Return the scan of a simulated lidar as a `LaserScan`, its ranges times `factor`."""
     lidar = robot.get(RangeSensor)  # type: ignore[type-abstract]
     assert lidar is not None, "its file says so"
     angles = spec.angles()
@@ -52,18 +52,18 @@ def scan_message(link: Link, now: float, spec: RangeSpec, robot: Backend) -> Any
     message.angle_min, message.angle_max = float(angles[0]), float(angles[-1])
     message.angle_increment = float(angles[1] - angles[0])
     message.range_min, message.range_max = float(spec.range_min_m), float(spec.reach_m)
-    message.ranges = array("f", lidar.scan().ranges.astype(np.float32).tobytes())
+    message.ranges = array("f", (factor * lidar.scan().ranges).astype(np.float32).tobytes())
     return message
 
 
-def imu_message(link: Link, now: float, robot: Backend) -> Any:
-    """Return the readings of a simulated inertial unit as an `Imu`."""
+def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> Any:
+    """Return the readings of a simulated inertial unit as an `Imu`, its accelerations times `factor`."""
     unit = robot.get(Imu)  # type: ignore[type-abstract]
     assert unit is not None, "its file says so"
     message = _stamped(link, "sensor_msgs/Imu", now, "imu")
     for vector, values in (
         (message.angular_velocity, unit.rates()),
-        (message.linear_acceleration, unit.accelerations()),
+        (message.linear_acceleration, factor * unit.accelerations()),
     ):
         vector.x, vector.y, vector.z = map(float, values)
     return message

@@ -13,6 +13,7 @@ from handcart.backends.saved_state import NotAState
 
 from .bench_faults import BenchFaults
 from .local_air import LocalAir, LocalLink
+from .robot_differences import RobotDifferences
 from .ros_bench import RosBench
 
 
@@ -20,7 +21,12 @@ class LocalBench:
     """Simulated drivers, whose time passes with the steps of the program."""
 
     def __init__(
-        self, robot: RobotFile, spec: RosSpec, inner: Backend, faults: BenchFaults | None = None
+        self,
+        robot: RobotFile,
+        spec: RosSpec,
+        inner: Backend,
+        faults: BenchFaults | None = None,
+        differences: RobotDifferences | None = None,
     ) -> None:
         """Connect a simulated robot, owned by the bench from now on, to topics in this process.
 
@@ -29,13 +35,14 @@ class LocalBench:
             spec: its section `ros2`.
             inner: the simulated robot.
             faults: what goes wrong between both; None: nothing.
+            differences: how the simulated robot differs from the file; None: it doesn't.
         """
         self.air = LocalAir()
         self.inner = inner
         """The simulated robot."""
         self.link = LocalLink(self.air, "handcart")
         """The program's end of the topics."""
-        self._drivers = RosBench(robot, spec, inner, LocalLink(self.air, "bench"), faults)
+        self._drivers = RosBench(robot, spec, inner, LocalLink(self.air, "bench"), faults, differences)
 
     def wait(self, seconds: float) -> None:
         """Publish what the sensors read at rest, and let the time of the topics pass, in [s]."""

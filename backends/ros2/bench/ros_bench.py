@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
@@ -31,6 +31,7 @@ from .bench_messages import (
     scan_message,
     state_message,
 )
+from .robot_differences import RobotDifferences
 from .wheel_odometry import WheelOdometry
 
 COMMAND_TIMEOUT_S = 0.25
@@ -48,7 +49,13 @@ class RosBench:
     }
 
     def __init__(
-        self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link, faults: BenchFaults | None = None
+        self,
+        robot: RobotFile,
+        spec: RosSpec,
+        inner: Backend,
+        link: Link,
+        faults: BenchFaults | None = None,
+        differences: RobotDifferences | None = None,
     ) -> None:
         """Connect a simulated robot to topics.
 
@@ -58,9 +65,11 @@ class RosBench:
             inner: the simulated robot, owned by the bench from now on.
             link: the drivers' node, owned by the bench from now on.
             faults: what goes wrong on the wire; None: nothing.
+            differences: how the simulated robot differs from the file; None: it doesn't.
         """
         self._robot, self._spec, self.inner, self._link = robot, spec, inner, link
         self._faults = faults or BenchFaults(robot.period_s)
+        self._true = differences or RobotDifferences()
         self._base = inner.get(Base)  # type: ignore[type-abstract]
         self._arm = inner.get(Arm)  # type: ignore[type-abstract]
         self._gripper = inner.get(Gripper)  # type: ignore[type-abstract]
@@ -110,7 +119,7 @@ class RosBench:
     @property
     def speeds(self) -> DriveCommand:
         """Speeds that the base obeys now."""
-        late = self.time - self._commanded > COMMAND_TIMEOUT_S
+        late = self.time - self._commanded > self._true.timeout(COMMAND_TIMEOUT_S)
         return DriveCommand() if late else self._command
 
     def _listen(self) -> None:
@@ -134,7 +143,12 @@ class RosBench:
 
     def _heard_velocity(self, message: Any) -> None:
         twist = message.twist if self._spec.velocity.type == "TwistStamped" else message
-        self._command = DriveCommand(twist.linear.x, twist.angular.z, twist.linear.y)
+        factor = self._true.factor
+        self._command = DriveCommand(
+            twist.linear.x * factor("velocity.forward"),
+            twist.angular.z * factor("velocity.turn"),
+            twist.linear.y * factor("velocity.sideways"),
+        )
         self._commanded = self.time
 
     def _drive(self) -> None:
@@ -157,8 +171,8 @@ class RosBench:
         for place, joint in enumerate(self._robot.arm.joints):
             target = self._wanted.get(self._spec.name_of(joint))
             if target is not None:
-                wanted[place] = self._spec.sign_of(joint) * target
-        most = self._model.velocity * self.inner.period
+                wanted[place] = self._spec.sign_of(joint) * target / self._true.factor(joint)
+        most = np.minimum(self._model.velocity, self._robot.joint_speeds()) * self.inner.period
         arm.move(self._model.clipped(np.clip(wanted, held - most, held + most)))
 
     def _move_fingers(self, gripper: Gripper) -> None:
@@ -182,20 +196,28 @@ class RosBench:
         spec, link, robot = self._spec, self._link, self._robot
         found: dict[str, Any] = {}
         if self._base is not None:
-            pose, speeds = self._wheels.moved(self._base.wheel_travel(), self.inner.period)
+            travel = self._reported(self._base.wheel_travel())
+            pose, speeds = self._wheels.moved(travel, self.inner.period)
             found[spec.odometry.topic] = odometry_message(link, now, pose, speeds)
         names, positions, efforts = self._joint_readings()
         if names:
             found[spec.joint_states.topic] = state_message(link, now, names, positions, efforts)
         if robot.range_sensor is not None:
-            found[spec.lidar.topic] = scan_message(link, now, robot.range_sensor, self.inner)
+            scan = scan_message(link, now, robot.range_sensor, self.inner, self._true.factor("scan"))
+            found[spec.lidar.topic] = scan
         if robot.imu is not None:
-            found[spec.imu.topic] = imu_message(link, now, self.inner)
+            found[spec.imu.topic] = imu_message(link, now, self.inner, self._true.factor("imu"))
         if robot.camera is not None and link.subscribers(spec.camera.topic):
             found[spec.camera.topic] = image_message(link, now, self.inner)
         if robot.camera is not None and link.subscribers(spec.camera.info_topic):
             found[spec.camera.info_topic] = camera_info_message(link, now, camera_model(robot.camera))
         return found
+
+    def _reported(self, travel: WheelTravel) -> WheelTravel:
+        """Return the travel of the wheels as the odometry reports it."""
+        forward = 0.5 * (travel.left + travel.right) * self._true.factor("odometry.forward")
+        turn = 0.5 * (travel.right - travel.left) * self._true.factor("odometry.turn")
+        return WheelTravel(forward - turn, forward + turn, travel.sideways)
 
     def _joint_readings(self) -> tuple[list[str], list[float], list[float]]:
         """Return names in ROS, positions in [rad] or [m] and efforts in [Nm] or [N] of all joints."""
@@ -208,7 +230,7 @@ class RosBench:
                 self._robot.arm.joints, joints, self._efforts(self._model, self._arm, joints), strict=True
             ):
                 names.append(self._spec.name_of(joint))
-                positions.append(self._spec.sign_of(joint) * float(angle))
+                positions.append(self._spec.sign_of(joint) * self._true.state_factor(joint) * float(angle))
                 efforts.append(self._spec.sign_of(joint) * float(effort))
         if self._gripper is not None:
             spec = self._spec.gripper
@@ -229,7 +251,8 @@ class RosBench:
         """Return the travel of each finger's joint, in [rad] or [m], for a metre of opening."""
         spec, file = self._spec.gripper, self._robot.gripper
         opening = 1.0 if file is None else file.opening_mm / 1e3
-        return ((0.5 * opening if spec.open is None else spec.open) - spec.closed) / opening
+        per_m = ((0.5 * opening if spec.open is None else spec.open) - spec.closed) / opening
+        return per_m * self._true.factor("gripper")
 
     def _publishers(self) -> Mapping[str, Any]:
         spec, link = self._spec, self._link

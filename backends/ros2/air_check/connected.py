@@ -1,0 +1,49 @@
+"""Connection to a robot's topics: on the air, or of a bench in this process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from handcart.backends.backend import Backend
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.ros2.bench.local_bench import LocalBench
+from handcart.backends.ros2.bench.robot_differences import RobotDifferences
+from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
+
+PAUSE_S = 0.005
+"""[s] between two looks for messages."""
+
+
+@contextmanager
+def connected(
+    robot: RobotFile,
+    spec: RosSpec,
+    inner: Backend | None = None,
+    differences: RobotDifferences | None = None,
+) -> Iterator[tuple[Link, Callable[[], None]]]:
+    """Yield a connection to a robot's topics, and a function that waits for a short time.
+
+    Args:
+        robot: the robot's file.
+        spec: its section `ros2`.
+        inner: a simulated robot for topics in this process, owned from now on; None: the topics on the air.
+        differences: how the simulated robot differs from the file.
+
+    Raises:
+        NoRos: rclpy is not installed.
+    """
+    if inner is not None:
+        local = LocalBench(robot, spec, inner, differences=differences)
+        try:
+            yield local.link, local.step
+        finally:
+            local.close()
+        return
+    link = RosLink(node_name("check"), spec.namespace, spec.domain)
+    try:
+        yield link, lambda: time.sleep(PAUSE_S)
+    finally:
+        link.close()

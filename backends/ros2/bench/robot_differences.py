@@ -1,0 +1,72 @@
+"""How the robot behind a bench differs from the robot's file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.files.errors import InputError
+from handcart.files.suggest import suggest
+
+TIMEOUT = "timeout"
+FIXED_NAMES = {
+    "velocity.forward": "factor of the speed that the base drives for a commanded one",
+    "velocity.sideways": "the same, sideways",
+    "velocity.turn": "the same, of the turn rate",
+    "odometry.forward": "factor of the distance that the odometry reports",
+    "odometry.turn": "the same, of the angle",
+    "gripper": "factor of the fingers' positions in ROS",
+    "scan": "factor of the lidar's ranges",
+    "imu": "factor of the inertial unit's accelerations",
+    TIMEOUT: "time in [s] for which the base keeps its last speeds",
+}
+"""Differences by name; a joint's name, or `state.` and a joint's name, is the factor of its positions."""
+STATE = "state."
+
+
+class RobotDifferences:
+    """Factors by which the true robot differs from its file: -1 for a wrong sign, 57.3 for degrees."""
+
+    def __init__(self, factors: Mapping[str, float] | None = None) -> None:
+        """Take the factors by name; None: the robot is as its file says."""
+        self._factors = dict(factors or {})
+
+    @classmethod
+    def read(cls, words: Iterable[str], robot: RobotFile, spec: RosSpec) -> RobotDifferences:
+        """Return the differences that words such as `joint_3=-1` or `odometry.turn=57.3` mean.
+
+        Raises:
+            InputError: a name or a number is wrong; all of them at once.
+        """
+        joints = () if robot.arm is None else robot.arm.joints
+        allowed = [*FIXED_NAMES, *joints, *(STATE + each for each in joints)]
+        found, wrong = dict[str, float](), list[str]()
+        for each in words:
+            name, _, value = each.partition("=")
+            if name not in allowed:
+                wrong.append(f"{name!r} is no difference of this robot{suggest(name, allowed)}")
+                continue
+            try:
+                number = float(value)
+            except ValueError:
+                number = math.nan
+            if not math.isfinite(number) or number == 0.0 or (name == TIMEOUT and number < 0.0):
+                wrong.append(f"{each!r}: allowed: NAME=FACTOR, a finite number other than 0")
+            found[name] = number
+        if wrong:
+            raise InputError("\n".join(wrong))
+        return cls(found)
+
+    def factor(self, name: str) -> float:
+        """Return the factor of a name; 1 without one."""
+        return self._factors.get(name, 1.0)
+
+    def state_factor(self, joint: str) -> float:
+        """Return the factor of a joint's reading."""
+        return self.factor(joint) * self.factor(STATE + joint)
+
+    def timeout(self, usual: float) -> float:
+        """Return the time in [s] for which the base keeps its last speeds."""
+        return self._factors.get(TIMEOUT, usual)

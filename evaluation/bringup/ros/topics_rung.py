@@ -1,0 +1,36 @@
+"""The step that holds the robot's file against the topics; nothing moves."""
+
+from __future__ import annotations
+
+from typing_extensions import override
+
+from handcart.backends.ros2.air_check.air_report import listen
+from handcart.evaluation.bringup.rung import Facts, Rung, RungFailed
+
+from .ros_site import RosSite
+
+
+class TopicsRung(Rung[RosSite]):
+    """Step that checks that all topics are on the air and fit the robot's file."""
+
+    name = "topics"
+    summary = "each topic is on the air and as the file says; rates, gaps and ages of stamps are recorded"
+    moves = False
+
+    @override
+    def climb(self, site: RosSite) -> Facts:
+        with site.air() as (link, wait):
+            report = listen(site.robot, site.spec, link, wait)
+        if report.faults:
+            raise RungFailed("; ".join(each.words for each in report.faults))
+        for each in report.remarks:
+            site.operator.tell(f"   {each.words}")
+        return {
+            each.topic: {
+                "rate_hz": round(each.rate_hz, 2),
+                "max_gap_ms": round(1e3 * each.max_gap_s, 1),
+                "age_ms": None if each.age_s is None else round(1e3 * each.age_s, 2),
+                "nodes": report.nodes[each.topic],
+            }
+            for each in report.topics
+        }

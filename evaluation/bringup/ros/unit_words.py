@@ -1,0 +1,22 @@
+"""What a ratio of two measurements of one motion suggests."""
+
+from __future__ import annotations
+
+import math
+
+UNITS = {math.degrees(1.0): "degrees", 1e3: "millimetres", 1e2: "centimetres"}
+UNIT_TOLERANCE = 0.4
+
+
+def unit_hint(read: float, true: float) -> str:
+    """Return in words why a reading may differ from the truth: its sign, its unit, its scale."""
+    if abs(read) < 1e-6 or abs(true) < 1e-6:
+        return "one of both stood still"
+    ratio = read / true
+    sign = "the sign is the other way round" if ratio < 0.0 else ""
+    for factor, unit in UNITS.items():
+        for size in (factor, 1.0 / factor):
+            if abs(abs(ratio) / size - 1.0) < UNIT_TOLERANCE:
+                words = f"a factor of {abs(ratio):.3g}: {unit}?"
+                return f"{sign}, and {words}" if sign else words
+    return sign or f"a factor of {ratio:.3g}"

@@ -1,0 +1,170 @@
+"""Bring-up by ROS 2 finds a robot that is not as its file says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.bench.robot_differences import RobotDifferences
+from handcart.evaluation.bringup.ladder import BenchFirst, Ladder
+from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
+from handcart.evaluation.bringup.ros.base_rung import BaseRung
+from handcart.evaluation.bringup.ros.gripper_rung import GripperRung
+from handcart.evaluation.bringup.ros.joints_rung import JointsRung
+from handcart.evaluation.bringup.ros.procedure import ROS_RUNGS
+from handcart.evaluation.bringup.ros.ros_site import RosSite
+from handcart.evaluation.bringup.ros.silence_rung import SilenceRung
+from handcart.evaluation.bringup.ros.unit_words import unit_hint
+from handcart.evaluation.bringup.rung import RungFailed
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+from handcart.files.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def librarian() -> RobotFile:
+    """A robot with an arm; its camera, whose pictures take time, is left at home."""
+    robot = load_robot("librarian")
+    assert robot.camera is not None
+    return robot.with_sensors({robot.name_of(robot.camera): None}).read_in(robot.folder)
+
+
+@pytest.fixture
+def site_of(tmp_path: Path, librarian: RobotFile) -> Any:
+    """Return a function that makes a site: the robot, and how it differs from its file."""
+
+    def made(name: str, *wrong: str) -> RosSite:
+        robot = librarian if name == "librarian" else load_robot(name)
+        task = LIBRARY_FOLDER.parent / "drive_map" / "task.yaml"
+        world = LIBRARY_FOLDER / "world.yaml"
+        site = RosSite(name, robot, BenchOperator(), tmp_path / "records", task, "kinematic", world)
+        site.differences = RobotDifferences.read(wrong, robot, site.spec)
+        return site
+
+    return made
+
+
+def test_the_time_without_commands_is_measured(site_of: Any) -> None:
+    facts = SilenceRung().climb(site_of("cart"))
+    assert 0.2 <= facts["kept_s"] <= 0.35
+    assert facts["kept_s"] <= facts["rest_s"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ("timeout=0.7", "keeps its last speeds for 0.[67]"),
+        ("timeout=60", "keeps its last speeds longer than 3"),
+        ("velocity.forward=0.01745", "the odometry shows"),
+    ],
+)
+def test_a_base_that_keeps_its_speeds_is_refused(site_of: Any, wrong: str, words: str) -> None:
+    with pytest.raises(RungFailed, match=words):
+        SilenceRung().climb(site_of("cart", wrong))
+
+
+def test_a_base_as_its_file_says_passes(site_of: Any) -> None:
+    facts = BaseRung().climb(site_of("cart"))
+    assert facts["forward_mm"] == pytest.approx(300, abs=15)
+    assert facts["forward_by_odometry_mm"] == pytest.approx(300, abs=15)
+    assert facts["turn_deg"] == pytest.approx(40, abs=3)
+    assert 0.0 < facts["forward_latency_s"] <= 0.15
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ("odometry.forward=-1", r"odom \(forward\): .* the sign is the other way round"),
+        ("odometry.turn=-1", r"odom \(turn\): .* the sign is the other way round"),
+        ("odometry.forward=1.3", "a factor of 1.3"),
+        ("velocity.forward=-1", r"cmd_vel \(forward\): .* the sign is the other way round"),
+        ("velocity.turn=-1", r"cmd_vel \(turn\): .* the sign is the other way round"),
+        ("velocity.turn=0.01745", "degrees"),
+    ],
+)
+def test_a_wrong_axis_of_the_base_is_found(site_of: Any, wrong: str, words: str) -> None:
+    with pytest.raises(RungFailed, match=words):
+        BaseRung().climb(site_of("cart", wrong))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ("joint_6=-1", "joint_6: .* the sign is the other way round: add it to `reversed`"),
+        ("joint_6=57.2958", "joint_6: .* degrees"),
+        ("joint_1=-1", "by the readings the hand is at .* is a joint's sign, zero or unit another one"),
+        ("joint_4=0.5", "joint_4: .* a factor of 0.5"),
+        ("state.joint_1=-1", "by the readings the hand is at"),
+    ],
+)
+def test_a_wrong_joint_is_found(site_of: Any, wrong: str, words: str) -> None:
+    with pytest.raises(RungFailed, match=words):
+        JointsRung().climb(site_of("librarian", wrong))
+
+
+@pytest.mark.parametrize("wrong", ["gripper=1000", "gripper=0.5"])
+def test_a_wrong_gripper_is_found(site_of: Any, wrong: str) -> None:
+    with pytest.raises(RungFailed, match="`open` and `closed`"):
+        GripperRung().climb(site_of("librarian", wrong))
+
+
+@pytest.mark.slow
+def test_arm_and_gripper_as_their_file_says_pass(site_of: Any) -> None:
+    site = site_of("librarian")
+    facts = JointsRung().climb(site)
+    assert set(facts) == {"hand_off_mm", *site.robot.arm.joints}
+    assert GripperRung().climb(site)["width_at_60_percent_mm"] == pytest.approx(42, abs=2)
+
+
+def test_a_person_who_sees_another_motion_is_believed(site_of: Any) -> None:
+    site = site_of("cart")
+    site.operator = ScriptedOperator({"clear": True, "forward_mm": -298.0})
+    with pytest.raises(RungFailed, match="the base moved -298 mm; the sign is the other way round"):
+        BaseRung().climb(site)
+
+
+def test_a_failed_step_is_recorded_and_tried_again(site_of: Any) -> None:
+    site = site_of("cart", "timeout=60")
+    ladder = Ladder(site, rungs=ROS_RUNGS)
+    assert ladder.climb().passed
+    failed = ladder.climb()
+    assert not failed.passed
+    assert failed.rung == "silence"
+    assert (site.folder / "02_silence.yaml").is_file()
+    site.differences = RobotDifferences()
+    again = Ladder(site, rungs=ROS_RUNGS)
+    assert again.next is not None
+    assert again.next.name == "silence"
+    assert again.climb().passed
+
+
+def test_a_robot_by_topics_is_tried_on_the_bench_first(site_of: Any, tmp_path: Path) -> None:
+    ladder = Ladder(site_of("cart"), rehearsed=tmp_path / "none", rungs=ROS_RUNGS)
+    with pytest.raises(BenchFirst, match="handcart bringup cart --ros2 --bench kinematic --all"):
+        ladder.climb()
+
+
+def test_wrong_differences_are_told_at_once(librarian: RobotFile) -> None:
+    assert librarian.ros2 is not None
+    words = ("joint_9=-1", "odometry.turn=zero", "gripper=0", "joint_1=-1")
+    with pytest.raises(InputError) as told:
+        RobotDifferences.read(words, librarian, librarian.ros2)
+    assert len(str(told.value).splitlines()) == 3
+    assert "'joint_9' is no difference of this robot" in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("read", "true", "words"),
+    [
+        (57.0, 1.0, "degrees"),
+        (-1.0, 1.0, "the sign is the other way round"),
+        (-1000.0, 1.0, "the sign is the other way round, and a factor of 1e+03: millimetres?"),
+        (0.0, 1.0, "one of both stood still"),
+        (1.4, 1.0, "a factor of 1.4"),
+    ],
+)
+def test_a_ratio_suggests_its_cause(read: float, true: float, words: str) -> None:
+    assert words in unit_hint(read, true)
