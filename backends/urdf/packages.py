@@ -14,8 +14,16 @@ from pathlib import Path
 
 PACKAGE_PREFIX = "package://"
 PACKAGE_NAME = re.compile(r"[A-Za-z_][\w-]*")
-PACKAGE_EXTRAS = {"pybullet_data": "pybullet", "example-robot-data": "robots", "stretch_urdf": "robots"}
-"""Extras of handcart with which a package is installed, by its name in `package://NAME/PATH`."""
+PACKAGE_SOURCES = {
+    "example-robot-data": "'handcart[robots]'",
+    "mani_skill": "--no-deps mani-skill",
+    "pybullet_data": "'handcart[pybullet]'",
+    "stretch4_urdf": "--no-deps hello-robot-stretch4-urdf",
+    "stretch_urdf": "--no-deps hello-robot-stretch-urdf",
+}
+"""Arguments of `pip install` that bring a package, by its name in `package://NAME/PATH`; those without
+dependencies are used for their data alone.
+"""
 _MODULE = re.compile(r"[A-Za-z_]\w*")
 _SHARES = ("share", "cmeel.prefix/share")
 _DEPTH = 3  # folders below an entry of ROS_PACKAGE_PATH that are searched

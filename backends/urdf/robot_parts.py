@@ -23,7 +23,7 @@ from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
 from .collada_unit import collada_unit_m
 from .mesh_path import is_mesh, mesh_path
-from .packages import PACKAGE_EXTRAS, PACKAGE_NAME, PACKAGE_PREFIX, package_folders
+from .packages import PACKAGE_NAME, PACKAGE_PREFIX, PACKAGE_SOURCES, package_folders
 
 KeyPath = tuple[str | int, ...]
 
@@ -198,8 +198,8 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     package, _, path = urdf.removeprefix(PACKAGE_PREFIX).partition("/")
     roots = list(package_folders(package))
     if not roots:
-        extra = PACKAGE_EXTRAS.get(package)
-        how = f"; it comes with: pip install 'handcart[{extra}]'" if extra else ""
+        source = PACKAGE_SOURCES.get(package)
+        how = f"; it comes with: pip install {source}" if source else ""
         raise UrdfError(f"there is no package {package!r}; allowed: {_PACKAGES}{how}")
     root = next((root for root in roots if (root / path).is_file()), roots[0])
     return _inside(root, path), root, str(_inside(root, path))

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.pose2 import Pose2
@@ -21,6 +22,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .aimed_view import aimed_views
 from .objects_file import ObjectsFile
 from .surface import ObjectSurface
 
@@ -144,10 +146,23 @@ def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose
         _is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home)
         for hand in _hands(robot, spot)
     )
-    return grips and (
-        robot.hand_camera is None
-        or any(_is_free(arm, collision, hand, home) for hand in _looks(robot, arm, spot))
-    )
+    if not grips:
+        return False
+    if robot.hand_camera is None:
+        return _sees(robot, arm, collision, spot, home)
+    return any(_is_free(arm, collision, hand, home) for hand in _looks(robot, arm, spot))
+
+
+def _sees(
+    robot: RobotFile, arm: ArmModel, collision: CollisionModel, spot: FloatArray, home: FloatArray
+) -> bool:
+    """Return whether the first camera off the hand can be turned to a point (3,); True without a camera."""
+    spec = next(iter(robot.all_of(CameraSpec).values()), None)
+    if spec is None:
+        return True
+    camera = known_camera(spec, mount_of(robot, spec, arm))
+    views = aimed_views(arm, camera.carrier, camera.carrier_T_camera, spot, home)
+    return any(not collision.in_collision(joints) for joints, _ in views)
 
 
 def _hands(robot: RobotFile, spot: FloatArray) -> Iterator[Transform]:

@@ -64,6 +64,7 @@ NOT_RUN = {
     "docs/explanation/stack_blocks.md handcart run tasks/build_fence": "tests/tasks runs these files",
     "docs/explanation/stack_blocks.md handcart campaign": "20 trials of physics: tests/tasks builds a tower",
     "docs/explanation/stack_blocks.md handcart run wall": "tests/tasks builds walls",
+    "docs/reference/makers_robots.md": "packages of 131 MB: tests/tools/checks/test_robot_table.py",
     "docs/reference/mutation.md": "written with records of hours: tests/test_mutation.py",
     "docs/reference/tasks.md": "a run that goes on: tests/networks/operator",
 }

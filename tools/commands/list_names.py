@@ -21,8 +21,16 @@ class What(StrEnum):
     tasks = "tasks"
 
 
-def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> None:
+def list_names(
+    what: Annotated[What, typer.Argument(help="what to list")],
+    table: Annotated[
+        bool, typer.Option("--table", help="of robots: which primitives each can do, on which backends")
+    ] = False,
+) -> None:
     """List primitives, causes of their Fails, backends, robots or tasks, with one line about each."""
+    if table:
+        _robot_table(what)
+        return
     rows = {
         What.primitives: _primitives,
         What.causes: _causes,
@@ -35,6 +43,19 @@ def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> No
     width = max((len(name) for name, _ in rows), default=0)
     for name, line in rows:
         print(f"{name:<{width}}  {line}".rstrip())
+
+
+def _robot_table(what: What) -> None:
+    """Print the table of robots, row by row: each row reads the URDF of a robot."""
+    from handcart.tools.checks.robot_table import robot_table
+
+    if what is not What.robots:
+        raise typer.BadParameter("--table is for robots; allowed: handcart list robots --table")
+    from handcart.backends.description.robot_names import named_robots
+
+    wide = max(map(len, named_robots()))
+    for row in robot_table():
+        print(row.line(wide), flush=True)
 
 
 def _broken(what: What) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.loading.robot_model import model_for
-from handcart.backends.urdf.packages import PACKAGE_EXTRAS
+from handcart.backends.urdf.packages import PACKAGE_SOURCES
 from handcart.files.models.loading import load_document
 from handcart.files.yaml.yaml_document import read_document
 from tests.makers import makers_robots, missing_package, packages_of
@@ -28,11 +29,14 @@ def test_makers_file_keeps_the_schema_without_its_package(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_package_of_a_makers_file_is_in_an_extra(name: str) -> None:
+def test_package_of_a_makers_file_has_a_known_source(name: str) -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    head = "".join(ROBOTS[name].read_text("utf-8").splitlines(keepends=True)[:2]).replace('"', "'")
     for package in packages_of(ROBOTS[name]):
-        stated = " ".join(extras[PACKAGE_EXTRAS[package]])
-        assert {"pybullet_data": "pybullet"}.get(package, package).replace("_", "-") in stated
+        source = PACKAGE_SOURCES[package]
+        assert package == "pybullet_data" or f"pip install {source}" in head
+        if extra := re.fullmatch(r"'handcart\[(\w+)\]'", source):
+            assert any(package.removesuffix("_data") in each for each in extras[extra[1]])
 
 
 def test_no_mesh_of_a_maker_is_copied() -> None:
