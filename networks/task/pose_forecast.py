@@ -23,7 +23,7 @@ from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.start_search import ScanBeams, map_ranges
-from handcart.robotics.navigation.localization.surface_depth import depth_shift
+from handcart.robotics.navigation.localization.surface_depth import depth_shifts
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .place_room import PLACES_KEY, PlaceRoom
@@ -136,7 +136,7 @@ def forecast_pose(
         blind += way if undetermined(spread, USUAL_NEED) is not None else 0.0
         before = pose
     spread = repeatability_of(localizer.covariance, localizer.map_error)
-    shift = NO_SHIFT if docks else depth_shift(field, points, before)
+    shift = NO_SHIFT if docks else depth_shifts(field, points, before)
     return PoseForecast(undetermined(spread, need, shift=shift), blind, length, silent, silent_at)
 
 

@@ -9,31 +9,12 @@ import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.kept_limits import uniform_limits
+
+from .pose_covariance import SCAN_REPEATABILITY
 
 NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
-BIAS_SIGMAS = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
-BIASED_SIGMAS = (
-    3.0,
-    2.781,
-    2.617,
-    2.402,
-    2.265,
-    2.165,
-    2.018,
-    1.909,
-    1.749,
-    1.631,
-    1.456,
-    1.325,
-    1.129,
-    0.981,
-)
-"""Sigmas beyond a bias of as many `BIAS_SIGMAS`, within which as many errors are as within 3 without one.
-
-The bias is anywhere between its limits, as a wall is anywhere within its cell: the error is the sum of a
-uniform and a normal variable.
-"""
 _ANGLES = np.linspace(0.0, math.pi, 24, endpoint=False)
 EVEN_DIRECTIONS = np.vstack([np.cos(_ANGLES), np.sin(_ANGLES)])
 """(2, 24) unit vectors in columns: with a shift, the worst direction is none of the principal axes."""
@@ -123,16 +104,18 @@ def undetermined(
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         need: limit of 3 sigma plus the distance from the wanted pose.
         off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
-        shift: (2,) largest error of the position on the map beyond the covariance, either way, in [m]. It is
-            a bias of unknown size, the same in all readings at one place, so noise comes on top of it.
+        shift: (2,) or (1 + n, 2) largest errors of the position on the map beyond the covariance, either
+            way, in [m]: an error that is anywhere up to it, or the sum of n such errors instead, as in
+            `depth_shifts`. They are the same in all readings at one place, so noise comes on top of them.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
     axes, limits = need.axes(covariance)
-    if need.across is None and (length := math.hypot(*shift.tolist())) > 0.0:
-        axes = np.column_stack([axes, shift / length, EVEN_DIRECTIONS])
+    alike = np.atleast_2d(shift)[0]
+    if need.across is None and (length := math.hypot(*alike.tolist())) > 0.0:
+        axes = np.column_stack([axes, alike / length, EVEN_DIRECTIONS])
         limits = np.full(axes.shape[1], need.position)
-    spread = _reach(sigmas_along(covariance, axes), np.abs(shift @ axes))
+    spread = _reach(covariance, axes, shift)
     sizes = np.abs(np.array(off[:2]) @ axes) + spread
     worst = int(np.argmax(sizes / limits))
     if sizes[worst] > limits[worst]:
@@ -150,24 +133,34 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         need: required accuracy of the pose.
-        shift: (2,) in [m], see `undetermined`.
+        shift: (2,) or (1 + n, 2) in [m], see `undetermined`.
     """
     axes, limits = need.axes(covariance)
-    sigmas = sigmas_along(covariance, axes)
-    spread = _reach(sigmas, np.full(len(sigmas), math.hypot(*shift.tolist())))
+    if shift.any():
+        axes, limits = EVEN_DIRECTIONS, np.full(EVEN_DIRECTIONS.shape[1], limits.min())
+    spread = _reach(covariance, axes, shift)
     room = float((limits - spread).min())
     return room, need.heading - DETERMINED_SIGMAS * math.sqrt(max(0.0, float(covariance[2, 2])))
 
 
-def _reach(sigmas: FloatArray, biases: FloatArray) -> FloatArray:
-    """Return the limits (k,) of errors with a bias that are kept as often as 3 sigma without one, in [m].
+def _reach(covariance: FloatArray, axes: FloatArray, shift: FloatArray) -> FloatArray:
+    """Return the limits (k,) of errors that are kept as often as 3 sigma, in [m].
+
+    Walls that lie apart in their cells are what lets matches at one place scatter: that part of the
+    covariance is in their shifts already.
 
     Args:
-        sigmas: (k,) in [m].
-        biases: (k,) in [m].
+        covariance: (2, 2) or (3, 3), of x and y in [m²] first, with that scatter.
+        axes: (2, k) unit vectors in columns.
+        shift: see `undetermined`.
     """
-    beyond = np.interp(biases / np.maximum(sigmas, 1e-12), BIAS_SIGMAS, BIASED_SIGMAS)
-    return np.asarray(biases + beyond * sigmas)
+    sigmas = sigmas_along(covariance, axes)
+    alike, *walls = np.abs(np.atleast_2d(shift) @ axes)
+    limits = uniform_limits(alike[:, None], sigmas)
+    if not walls:
+        return limits
+    noise = sigmas_along(covariance[:2, :2] - SCAN_REPEATABILITY[:2, :2], axes)
+    return np.maximum(limits, uniform_limits(np.transpose(walls), noise))
 
 
 def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:

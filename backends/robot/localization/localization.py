@@ -138,7 +138,7 @@ class Localization(ABC):
 
     @property
     def map_shift(self) -> FloatArray:
-        """Largest error (2,) of the position due to the map's cells, in [m].
+        """Largest errors (1 + n, 2) of the position due to the map's cells, in [m]; see `depth_shifts`.
 
         Added to `repeatability` where a pose is compared with a place on the map.
         """

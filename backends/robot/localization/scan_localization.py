@@ -13,10 +13,11 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
 from handcart.robotics.navigation.localization.start_search import SURE_FIT
-from handcart.robotics.navigation.localization.surface_depth import depth_shift
+from handcart.robotics.navigation.localization.surface_depth import depth_shifts
 from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .determination import NO_SHIFT
 from .held_base import HeldBase
 from .lidar import MIN_ECHOES, Lidar, beams_of
 from .localization import Localization
@@ -53,8 +54,8 @@ class ScanLocalization(Localization):
     @override
     def map_shift(self) -> FloatArray:
         if self._range_sensor is None or not self._matching.sure:
-            return np.zeros(2)
-        return depth_shift(self._matching.field, self._range_sensor.scan().points(), self.pose)
+            return NO_SHIFT
+        return depth_shifts(self._matching.field, self._range_sensor.scan().points(), self.pose)
 
     @property
     def displacement(self) -> Belief:

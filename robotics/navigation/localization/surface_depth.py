@@ -1,8 +1,9 @@
 """Error of a pose by the depth at which surfaces lie in their cells, where walls are seen from one side only.
 
-A surface lies anywhere in its cell, up to half a cell before or behind the centre. How a map was drawn makes
-that depth alike for all walls: those on cell borders are all at the front. Where a scan shows walls on both
-sides, the errors cancel. Where it shows walls on one side, the pose is off by the depth.
+A surface lies anywhere in its cell, up to half a cell before or behind the centre. How a map was drawn may
+make that depth alike for all walls: those on cell borders are all at the front. Then the errors cancel where
+a scan shows walls on both sides; where it shows walls on one side, the pose is off by the depth. Walls that
+lie anywhere have depths of their own: the errors of two opposite ones cancel by chance alone.
 """
 
 from __future__ import annotations
@@ -17,20 +18,23 @@ from .likelihood_field import LikelihoodField
 MAX_DEPTH_CELLS = 0.5
 NEAR_CELLS = 2.0  # from a surface, within which a point counts as one on it
 SCALE_CELLS = 1.0  # of the robust weights
+SECTORS = 8  # directions of surfaces, in each of which they count as one wall
 MIN_INFORMATION = 1.0  # points: a direction with fewer is not determined by the scan at all
 
 
-def depth_shift(field: LikelihoodField, points: FloatArray, pose: Pose2) -> FloatArray:
-    """Return the shift (2,) of a matched position on the map, in [m], if surfaces lie half a cell deep in
-    cells.
+def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> FloatArray:
+    """Return the shifts of a matched position on the map if surfaces lie half a cell deep in their cells.
 
     Args:
         field: likelihood field of the map.
         points: (n, 2) end points of the scan in the base frame, in [m].
         pose: map_T_base that fits the scan.
+
+    Returns:
+        (1 + SECTORS, 2) in [m]: first if all surfaces lie so, then if those that face one direction do.
     """
     if not len(points):
-        return np.zeros(2)
+        return np.zeros((1 + SECTORS, 2))
     on_map, resolution = pose.apply(points), field.map.resolution
     reading = field.reading(on_map, pose[:2])
     away, steep = on_map - pose[:2], np.hypot(*reading.slopes.T)
@@ -41,5 +45,9 @@ def depth_shift(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Floa
     rows = np.column_stack([normals, levers])
     weights = 1.0 / (1.0 + (reading.distances[used] / (SCALE_CELLS * resolution)) ** 2) ** 2
     information = (rows * weights[:, None]).T @ rows + MIN_INFORMATION * np.eye(3)
-    shift = np.linalg.solve(information, rows.T @ weights)
-    return np.asarray(MAX_DEPTH_CELLS * resolution * shift[:2])
+    shifts = np.linalg.solve(information, rows.T * weights)[:2]
+    facing = np.arctan2(normals[:, 1], normals[:, 0]) * (SECTORS / (2.0 * np.pi))
+    sectors = np.rint(facing).astype(np.int64) % SECTORS
+    walls = [np.bincount(sectors, each, SECTORS) for each in shifts]
+    total = np.column_stack([shifts.sum(axis=1), walls])
+    return np.asarray(MAX_DEPTH_CELLS * resolution * total.T)

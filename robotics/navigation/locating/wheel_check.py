@@ -36,6 +36,8 @@ MIN_SHARE_OFF = 0.3
 WRONG_SIGMAS = 4.0
 MIN_INLIERS = 0.6
 """Share of the earlier scan that the later one must show again."""
+MIN_INFORMATION_SHARE = 0.05
+"""Share of the information along the best direction of a position, below which another is undetermined."""
 SMALL_GATES_M = (0.2, 0.1)
 AGREEMENT_SCALE_M = 0.05
 """Difference of ranges that counts half."""
@@ -224,7 +226,7 @@ class Baseline:
         way, turn = (_size(self._moved) + np.array([MIN_MOTION_M, MIN_MOTION_RAD])).tolist()
         prior = np.diag([way**-2, way**-2, turn**-2])
         match = match_surfaces(self._surface, now, starts[0], prior, SMALL_GATES_M)
-        noise = np.asarray(np.linalg.inv(match.information), dtype=np.float64)
+        noise = np.asarray(np.linalg.inv(_determined(match.information, prior)), dtype=np.float64)
         if match.inliers < MIN_INLIERS or not self._is_beyond(match.pose, noise, lag):
             return None
         pose = self._then.compose(match.pose)
@@ -242,6 +244,19 @@ class Baseline:
         least = np.maximum(WRONG_SIGMAS * sigmas, MIN_SHARE_OFF * np.array([way, turn]))
         off = _size(moved.relative_to(self._moved))
         return bool((off > np.maximum(least, lag * self._fastest)).any())
+
+
+def _determined(information: FloatArray, prior: FloatArray) -> FloatArray:
+    """Return the information (3, 3) of a match without that about a direction which it hardly determines.
+
+    Along a corridor it is that of the normals' errors. There the `prior` (3, 3) is left.
+    """
+    values, directions = np.linalg.eigh((information - prior)[:2, :2])
+    if values[0] > MIN_INFORMATION_SHARE * values[1]:
+        return information
+    along = np.array([*directions[:, 0], 0.0])
+    rest = np.eye(3) - np.outer(along, along)
+    return np.asarray(rest @ (information - prior) @ rest + prior)
 
 
 def _size(motion: Pose2) -> FloatArray:
@@ -292,10 +307,15 @@ def disagreement_of_ranges(
         low = int(at)
         if low + 1 >= count or not (math.isfinite(ranges[low]) and math.isfinite(ranges[low + 1])):
             continue
-        one, two = ranges[low], ranges[low + 1]
-        share = at - low
-        between = (1.0 - share) * one + share * two
-        off = min(abs(away - between), abs(away - one), abs(away - two))
+        first, second = angles[0] + low * step, angles[0] + (low + 1) * step
+        begin_x, begin_y = ranges[low] * math.cos(first), ranges[low] * math.sin(first)
+        line_x, line_y = (
+            ranges[low + 1] * math.cos(second) - begin_x,
+            ranges[low + 1] * math.sin(second) - begin_y,
+        )
+        length = math.sqrt(line_x * line_x + line_y * line_y) + 1e-9
+        beside = abs((x - begin_x) * line_y - (y - begin_y) * line_x) / length
+        off = min(beside, abs(away - ranges[low]), abs(away - ranges[low + 1]))
         compared += 1
         total += off * off / (off * off + AGREEMENT_SCALE_M**2)
     return total / compared if compared >= MIN_BEAMS else 0.0

@@ -9,7 +9,7 @@ import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
-from handcart.robotics.navigation.localization.surface_depth import depth_shift
+from handcart.robotics.navigation.localization.surface_depth import depth_shifts
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 
 from ..conftest import Boxes
@@ -27,10 +27,23 @@ def test_the_shift_is_the_error_of_a_map_of_cell_borders(
     points = scan(walls, pose, np.random.default_rng(3), 0.002)
     match = match_scan(field, points, pose, np.diag([0.05, 0.05, 0.02]) ** 2)
     error = np.subtract(match.pose[:2], pose[:2])
-    assert np.abs(error) == pytest.approx(np.abs(depth_shift(field, points, match.pose)), abs=0.006)
+    assert np.abs(error) == pytest.approx(np.abs(depth_shifts(field, points, match.pose)[0]), abs=0.006)
+
+
+def test_walls_that_lie_anywhere_in_their_cells_shift_on_their_own(scan: Callable[..., np.ndarray]) -> None:
+    """One wall is at the front of its cells and the opposite one at their back: half a cell."""
+    walls = [*FAR_WALLS, *NEAR_WALLS]
+    pose = Pose2(1.0, -1.0, 0.4)
+    field = LikelihoodField(from_boxes(walls, 0.05, (-4.0, -7.0), (14.0, 14.0)))
+    moved = [(x + (0.049 if x > 4.0 else 0.0), y, a, b, c) for x, y, a, b, c in walls]
+    points = scan(moved, pose, np.random.default_rng(3), 0.002)
+    match = match_scan(field, points, pose, np.diag([0.05, 0.05, 0.02]) ** 2)
+    alike, *apart = np.abs(depth_shifts(field, points, match.pose)[:, 0])
+    assert alike < 0.01
+    assert alike + 0.006 < abs(match.pose.x - pose.x) < sum(apart)
 
 
 def test_points_that_no_wall_explains_shift_nothing() -> None:
     field = LikelihoodField(from_boxes(FAR_WALLS, 0.05, (-4.0, -7.0), (14.0, 14.0)))
-    assert depth_shift(field, np.empty((0, 2)), Pose2(0.0, 0.0, 0.0)) == pytest.approx(np.zeros(2))
-    assert depth_shift(field, np.full((9, 2), 0.3), Pose2(0.0, 0.0, 0.0)) == pytest.approx(np.zeros(2))
+    assert depth_shifts(field, np.empty((0, 2)), Pose2(0.0, 0.0, 0.0)) == pytest.approx(np.zeros((9, 2)))
+    assert depth_shifts(field, np.full((9, 2), 0.3), Pose2(0.0, 0.0, 0.0)) == pytest.approx(np.zeros((9, 2)))

@@ -23,7 +23,7 @@ class Drive:
     """A base whose wheels roll alike in each period, among boxes."""
 
     def __init__(self, boxes: Boxes, pose: Pose2 = Pose2(3.0, 3.5, 0.0)) -> None:
-        self.boxes, self.pose, self.by_wheels, self.scans = boxes, pose, pose, 0
+        self.boxes, self.pose, self.by_wheels, self.scans, self.reach = boxes, pose, pose, 0, 30.0
         self.check = WheelCheck(TREAD_M, OdometryErrors(), PERIOD_S)
         self.check.take(self.seen(pose))
         self.check.note_pose(pose)
@@ -31,7 +31,9 @@ class Drive:
     def seen(self, pose: Pose2) -> ScanBeams:
         self.scans += 1
         noise = np.random.default_rng(self.scans).normal(0.0, 0.01, len(ANGLES))
-        return ScanBeams(np.zeros(2), ANGLES, box_ranges(self.boxes, pose, ANGLES) + noise, 30.0)
+        ranges = box_ranges(self.boxes, pose, ANGLES) + noise
+        ranges[ranges > self.reach] = np.inf
+        return ScanBeams(np.zeros(2), ANGLES, ranges, self.reach)
 
     def roll(
         self, wheels: tuple[float, float], shares: tuple[float, float], seen_from: Pose2 | None = None
@@ -102,3 +104,13 @@ def test_an_old_scan_given_again_denies_no_wheels(library_boxes: Boxes) -> None:
     for _ in range(20):
         drive.check.roll(*TURNS, 0.0)
         assert drive.check.take(scan) is None
+
+
+def test_a_corridor_that_looks_alike_denies_no_wheels() -> None:
+    """Scans show no motion along it, whether the base is held or not."""
+    walls: Boxes = [(0.0, y, 0.0, 80.0, 0.1) for y in (2.4, 4.6)]
+    drive = Drive(walls)
+    drive.reach = 12.0
+    for _ in range(40):
+        assert drive.roll(DRIVES, (1.0, 1.0)) is None
+    assert not drive.check.is_contradicted
