@@ -39,6 +39,7 @@ OWN_COMMANDS = {
     "view": ("past_runs.view", "view", "Show a run in three dimensions, in the browser."),
     "runs": ("past_runs.runs", "runs", "List the runs of a folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),
+    "robot": ("commands.draft_robot", "robot", "Draft a robot's file from what is on the air."),
     "map": ("maps.map_log", "map_log", "Build a map from a recorded log."),
     "map crop": ("maps.crop", "crop", "Cut a map to a rectangle."),
     "map turn": ("maps.turn", "turn", "Turn a map, or straighten it."),

@@ -54,6 +54,7 @@ NOT_RUN = {
     "handcart run tasks/stack_blocks/task.yaml --view": "a server: tests/evaluation/viewing/view",
     "docs/how_to/hardware.md": "the tutorial of hardware runs these on a bench",
     "docs/how_to/ros2.md handcart bringup": "takes long: tests/evaluation/bringup/ros",
+    "docs/how_to/ros2.md handcart robot": "rclpy: tests/backends/ros2/test_on_the_wire.py",
     "docs/how_to/ros2.md handcart check": "rclpy: tests/backends/ros2/test_on_the_wire.py",
     "docs/how_to/ros2.md handcart run drive_map --backend": "rclpy: tests/backends/ros2/test_on_the_wire.py",
     "docs/how_to/localize.md": "names logs of the reader's: tests/tools/test_localize.py",

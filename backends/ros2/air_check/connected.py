@@ -19,7 +19,7 @@ PAUSE_S = 0.005
 
 @contextmanager
 def connected(
-    robot: RobotFile,
+    robot: RobotFile | None,
     spec: RosSpec,
     inner: Backend | None = None,
     differences: RobotDifferences | None = None,
@@ -27,7 +27,7 @@ def connected(
     """Yield a connection to a robot's topics, and a function that waits for a short time.
 
     Args:
-        robot: the robot's file.
+        robot: the robot's file; None: only with the topics on the air.
         spec: its section `ros2`.
         inner: a simulated robot for topics in this process, owned from now on; None: the topics on the air.
         differences: how the simulated robot differs from the file.
@@ -35,7 +35,7 @@ def connected(
     Raises:
         NoRos: rclpy is not installed.
     """
-    if inner is not None:
+    if inner is not None and robot is not None:
         local = LocalBench(robot, spec, inner, differences=differences)
         try:
             yield local.link, local.step

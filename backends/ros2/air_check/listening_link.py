@@ -24,14 +24,14 @@ class ListeningLink(Link):
         """Measurement of each topic that is heard."""
 
     @override
-    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+    def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
         meter = self.meters[topic] = TopicMeter(topic, kind, self.clock, self.now)
 
         def heard(message: Any) -> None:
             meter.heard(message)
             take(message)
 
-        self._link.subscribe(kind, topic, heard)
+        self._link.subscribe(kind, topic, heard, latched)
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
@@ -39,6 +39,10 @@ class ListeningLink(Link):
             raise AssertionError(f"a check would send to {topic}")
 
         return refuse
+
+    @override
+    def latched(self, kind: str, topic: str) -> Take:
+        return self.publisher(kind, topic)
 
     @override
     def message(self, kind: str) -> Any:
@@ -67,6 +71,10 @@ class ListeningLink(Link):
     @override
     def topics_of(self, kind: str) -> list[str]:
         return self._link.topics_of(kind)
+
+    @override
+    def joints_of(self, controller: str) -> list[str]:
+        return self._link.joints_of(controller)
 
     @override
     def now(self) -> float:

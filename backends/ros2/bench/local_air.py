@@ -17,6 +17,8 @@ class LocalAir:
 
     def __init__(self) -> None:
         """Begin without topics, at a time of 1 s: a stamp of 0 means none."""
+        self.latched: dict[str, Any] = {}
+        """Last message of the topics that keep it for those who come later."""
         self.time = 1.0
         """[s]"""
         self.listeners: dict[str, list[tuple[LocalLink, str, deque[Any]]]] = {}
@@ -35,10 +37,12 @@ class LocalLink(Link):
         self._taking: list[tuple[deque[Any], Take]] = []
 
     @override
-    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+    def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
         waiting: deque[Any] = deque(maxlen=KEPT_MESSAGES)
         self._air.listeners.setdefault(topic, []).append((self, kind, waiting))
         self._taking.append((waiting, take))
+        if latched and topic in self._air.latched:
+            waiting.append(self._air.latched[topic])
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
@@ -50,6 +54,16 @@ class LocalLink(Link):
                     waiting.append(message)
 
         return publish
+
+    @override
+    def latched(self, kind: str, topic: str) -> Take:
+        publish = self.publisher(kind, topic)
+
+        def keep(message: Any) -> None:
+            self._air.latched[topic] = message
+            publish(message)
+
+        return keep
 
     @override
     def message(self, kind: str) -> Any:
@@ -79,9 +93,16 @@ class LocalLink(Link):
 
     @override
     def topics_of(self, kind: str) -> list[str]:
-        return sorted(
-            topic for topic, links in self._air.publishers.items() if any(each == kind for _, each in links)
-        )
+        ends = [*self._air.publishers.items()]
+        ends += [
+            (topic, [(link, taken) for link, taken, _ in listeners])
+            for topic, listeners in self._air.listeners.items()
+        ]
+        return sorted({topic for topic, links in ends if any(each == kind for _, each in links)})
+
+    @override
+    def joints_of(self, controller: str) -> list[str]:
+        return []
 
     @override
     def now(self) -> float:

@@ -55,6 +55,7 @@ _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
     "JointState": lambda: SimpleNamespace(header=_header(), name=[], position=[], velocity=[], effort=[]),
     "LaserScan": _scan,
     "Image": _image,
+    "String": lambda: SimpleNamespace(data=""),
     "CameraInfo": _camera_info,
     "Imu": lambda: SimpleNamespace(
         header=_header(), angular_velocity=_vector(), linear_acceleration=_vector()

@@ -17,7 +17,9 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.hand_force import efforts_of_force
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot.mounted_camera import camera_model
+from handcart.backends.ros2.wire.messages import SRDF_TOPIC, URDF_TOPIC
 from handcart.backends.ros2.wire.ros_link import Link
+from handcart.backends.urdf.robot_parts import read_srdf
 from handcart.robotics.far import Far
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
@@ -81,6 +83,7 @@ class RosBench:
         self._wheels = WheelOdometry(robot.drive)
         self._send = self._publishers()
         self._listen()
+        self._describe()
 
     def step(self) -> None:
         """Obey what has arrived, let a period pass, and publish the readings."""
@@ -121,6 +124,16 @@ class RosBench:
         """Speeds that the base obeys now."""
         late = self.time - self._commanded > self._true.timeout(COMMAND_TIMEOUT_S)
         return DriveCommand() if late else self._command
+
+    def _describe(self) -> None:
+        """Publish the URDF, and the SRDF if there is one, as robot_state_publisher and MoveIt do."""
+        texts = {URDF_TOPIC: self._robot.urdf_text()}
+        if self._robot.srdf is not None:
+            texts[SRDF_TOPIC] = read_srdf(self._robot.srdf, self._robot.folder)
+        for topic, text in texts.items():
+            message = self._link.message("std_msgs/String")
+            message.data = text
+            self._link.latched("std_msgs/String", topic)(message)
 
     def _listen(self) -> None:
         spec, link = self._spec, self._link

@@ -12,6 +12,9 @@ from handcart.backends.description.ros_spec import RosVelocitySpec
 
 from .ros_link import Link
 
+URDF_TOPIC, SRDF_TOPIC = "robot_description", "robot_description_semantic"
+"""Topics by which a robot describes itself, latched."""
+
 
 def message_kind(kind: str) -> str:
     """Return the full name of a type of message for joints."""

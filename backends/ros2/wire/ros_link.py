@@ -18,16 +18,23 @@ EMPTY_PASSES = 3
 """Passes without a message after which all have arrived: one pass takes one message of each topic."""
 MAX_PASSES = 200
 KEPT_MESSAGES = 5
+SERVICE_TIMEOUT_S = 1.0
 
 
 class Link(Protocol):
     """Connection to the topics of a robot."""
 
-    def subscribe(self, kind: str, topic: str, take: Take) -> None:
-        """Call `take` with each message of a topic; `kind` such as `sensor_msgs/LaserScan`."""
+    def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
+        """Call `take` with each message of a topic; `kind` such as `sensor_msgs/LaserScan`.
+
+        `latched` is True to receive the last message of before, too, where the publisher keeps it.
+        """
 
     def publisher(self, kind: str, topic: str) -> Take:
         """Return a function that publishes a message."""
+
+    def latched(self, kind: str, topic: str) -> Take:
+        """Return a function that publishes; a late subscriber receives the last message, too."""
 
     def message(self, kind: str) -> Any:
         """Return a new message."""
@@ -49,6 +56,9 @@ class Link(Protocol):
 
     def topics_of(self, kind: str) -> list[str]:
         """Return the names of all topics of a type."""
+
+    def joints_of(self, controller: str) -> list[str]:
+        """Return the parameter `joints` of a controller's node; empty if it reports none."""
 
     def now(self) -> float:
         """Return the time of ROS in [s], by which messages are stamped."""
@@ -95,17 +105,28 @@ class RosLink(Link):
         self._came, self._closed = 0, False
 
     @override
-    def subscribe(self, kind: str, topic: str, take: Take) -> None:
+    def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
         def came(message: Any) -> None:
             self._came += 1
             take(message)
 
-        self._node.create_subscription(message_class(kind), topic, came, self._profile(is_command=False))
+        profile = self._profile(is_command=False)
+        if latched:
+            profile.reliability = self._qos.ReliabilityPolicy.RELIABLE
+            profile.durability = self._qos.DurabilityPolicy.TRANSIENT_LOCAL
+        self._node.create_subscription(message_class(kind), topic, came, profile)
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
         made = self._node.create_publisher(message_class(kind), topic, self._profile(is_command=True))
         publish: Take = made.publish
+        return publish
+
+    @override
+    def latched(self, kind: str, topic: str) -> Take:
+        profile = self._profile(is_command=True)
+        profile.durability = self._qos.DurabilityPolicy.TRANSIENT_LOCAL
+        publish: Take = self._node.create_publisher(message_class(kind), topic, profile).publish
         return publish
 
     @override
@@ -167,6 +188,20 @@ class RosLink(Link):
     def topics_of(self, kind: str) -> list[str]:
         wanted = kind.replace("/", "/msg/")
         return sorted(name for name, kinds in self._node.get_topic_names_and_types() if wanted in kinds)
+
+    @override
+    def joints_of(self, controller: str) -> list[str]:
+        kinds = import_module("rcl_interfaces.srv").GetParameters
+        client = self._node.create_client(kinds, f"{controller}/get_parameters")
+        try:
+            if not client.wait_for_service(SERVICE_TIMEOUT_S):
+                return []
+            answer = client.call_async(kinds.Request(names=["joints"]))
+            self._executor.spin_until_future_complete(answer, SERVICE_TIMEOUT_S)
+            values = answer.result().values if answer.done() else []
+            return [str(name) for value in values for name in value.string_array_value]
+        finally:
+            self._node.destroy_client(client)
 
     @override
     def now(self) -> float:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 from typing_extensions import override
 
 from .ros_errors import NoRos
-from .ros_link import RosLink, Take, message_class
+from .ros_link import RosLink, Take
 
 DIAGNOSTICS_TOPIC = "/diagnostics"
 
@@ -50,17 +50,6 @@ class RosServingLink(RosLink, ServingLink):
     """A node of rclpy whose services are answered by threads of their own."""
 
     EXECUTOR = "MultiThreadedExecutor"
-
-    @override
-    def latched(self, kind: str, topic: str) -> Take:
-        qos = self._qos
-        profile = qos.QoSProfile(
-            depth=1,
-            reliability=qos.ReliabilityPolicy.RELIABLE,
-            durability=qos.DurabilityPolicy.TRANSIENT_LOCAL,
-        )
-        publish: Take = self._node.create_publisher(message_class(kind), topic, profile).publish
-        return publish
 
     @override
     def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 
@@ -16,6 +17,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ros_spec import RosSpec, RosTopicSpec, RosVelocitySpec
 from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.air_check.air_description import describe_air
 from handcart.backends.ros2.air_check.air_report import listen
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
@@ -141,3 +143,24 @@ def test_a_check_compares_the_file_with_the_air(bench: subprocess.Popen[str]) ->
     ]
     assert 5.0 < {each.topic: each.rate_hz for each in report.topics}["odom"] < 25.0
     assert any("geometry_msgs/TwistStamped is sent" in each.words for each in wrong.faults)
+
+
+def test_a_robot_on_the_air_describes_itself(bench: subprocess.Popen[str]) -> None:
+    controller, link = RosLink("arm_controller"), RosLink("draft")
+    controller._node.declare_parameter("joints", ["joint_1", "joint_2"])
+    spinning = threading.Event()
+    answering = threading.Thread(target=lambda: [controller.receive() for _ in iter(spinning.is_set, True)])
+    answering.start()
+    try:
+        told = describe_air(link, lambda: time.sleep(0.005), 6.0)
+        joints = link.joints_of("/arm_controller")
+    finally:
+        spinning.set()
+        answering.join()
+        controller.close()
+        link.close()
+    assert "<robot" in told.urdf
+    assert told.topics["geometry_msgs/Twist"] == ("/cmd_vel",)
+    assert told.topics["nav_msgs/Odometry"] == ("/odom",)
+    assert told.messages["/scan"].angle_increment > 0.0
+    assert joints == ["joint_1", "joint_2"]

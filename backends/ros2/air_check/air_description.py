@@ -1,0 +1,105 @@
+"""A robot that describes itself on the air: its URDF, its SRDF, its topics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from handcart.backends.ros2.wire.messages import SRDF_TOPIC, URDF_TOPIC
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
+from handcart.backends.ros2.wire.ros_link import Link
+
+VELOCITY_KINDS = ("geometry_msgs/TwistStamped", "geometry_msgs/Twist")
+COMMAND_KINDS = (*VELOCITY_KINDS, "trajectory_msgs/JointTrajectory", "std_msgs/Float64MultiArray")
+READING_KINDS = (
+    "nav_msgs/Odometry",
+    "sensor_msgs/JointState",
+    "sensor_msgs/LaserScan",
+    "sensor_msgs/Image",
+    "sensor_msgs/CameraInfo",
+    "sensor_msgs/Imu",
+    "sensor_msgs/NavSatFix",
+    "geometry_msgs/WrenchStamped",
+)
+HEARD_KINDS = (
+    "sensor_msgs/LaserScan",
+    "sensor_msgs/CameraInfo",
+    "nav_msgs/Odometry",
+)
+"""Types of which one message is read."""
+
+
+class AirDescription(NamedTuple):
+    """What a robot tells of itself."""
+
+    urdf: str
+    srdf: str
+    """"" without one."""
+    topics: Mapping[str, tuple[str, ...]]
+    """Topics of each type that somebody publishes, or takes if it is a command."""
+    messages: Mapping[str, Any]
+    """One message of topics whose content is of use, by the topic."""
+    controllers: Mapping[str, tuple[str, ...]]
+    """Joints of each controller by its topic, where its node reports them."""
+    namespace: str = ""
+    """Namespace of the robot's topics."""
+
+
+def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace: str = "") -> AirDescription:
+    """Listen for some seconds to what a robot tells of itself; nothing is sent.
+
+    Args:
+        link: connection to its topics.
+        wait: waits for a short time.
+        seconds: time in [s].
+        namespace: of the robot's topics.
+
+    Raises:
+        NotOnTheAir: nobody publishes `robot_description`.
+    """
+    texts: dict[str, str] = {}
+    for topic in (URDF_TOPIC, SRDF_TOPIC):
+        link.subscribe(
+            "std_msgs/String", topic, _kept(texts, topic, lambda message: message.data), latched=True
+        )
+    messages: dict[str, Any] = {}
+    heard: set[str] = set()
+    end = link.clock() + seconds
+    while link.clock() < end:
+        wait()
+        for kind in HEARD_KINDS:
+            for topic in link.topics_of(kind):
+                if topic not in heard:
+                    heard.add(topic)
+                    link.subscribe(kind, topic, _kept(messages, topic, lambda message: message))
+        link.receive()
+    if URDF_TOPIC not in texts:
+        raise NotOnTheAir(
+            [
+                f"{URDF_TOPIC}: no URDF arrives within {seconds:g} s; needed: robot_state_publisher, or"
+                " `handcart check URDF --draft FILE` with the URDF as a file"
+            ]
+        )
+    topics = {kind: tuple(_in_use(link, kind)) for kind in (*READING_KINDS, *COMMAND_KINDS)}
+    controllers = {
+        topic: tuple(names)
+        for kind in COMMAND_KINDS[2:]
+        for topic in topics[kind]
+        if (names := link.joints_of(topic.rpartition("/")[0]))
+    }
+    return AirDescription(
+        texts[URDF_TOPIC], texts.get(SRDF_TOPIC, ""), topics, messages, controllers, namespace
+    )
+
+
+def _in_use(link: Link, kind: str) -> list[str]:
+    """Return the topics of a type that somebody publishes, or takes if it is a command."""
+    look = link.listeners if kind in COMMAND_KINDS else link.publishers
+    return [topic for topic in link.topics_of(kind) if any(f"({kind})" in each for each in look(topic))]
+
+
+def _kept(into: dict[str, Any], topic: str, content: Callable[[Any], Any]) -> Callable[[Any], None]:
+    def keep(message: Any) -> None:
+        into[topic] = content(message)
+
+    return keep

@@ -1,0 +1,86 @@
+"""Draft of a robot's file for a robot that describes itself on the air."""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from typing import Any
+
+from handcart.backends.ros2.air_check.air_description import AirDescription
+from handcart.evaluation.robot_report.outline import Outline
+from handcart.robotics.kinematics.urdf_contents import joints_of
+
+from .draft import CAMERA_SECTION, LIDAR_SECTION
+from .ros_section import KINDS, chosen, ros_section
+
+
+def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str:
+    """Return a draft with what is on the air: sensors as measured, the SRDF, its postures, the topics.
+
+    Args:
+        text: draft by the URDF alone.
+        air: what the robot tells of itself.
+        outline: of the URDF.
+        srdf: name of the SRDF's file; "" without one.
+    """
+    text = text.replace("from the URDF alone", "from the robot's URDF and topics", 1)
+    scan = air.messages.get(chosen("lidar", air.topics[KINDS["lidar"]])[0])
+    if scan is not None and LIDAR_SECTION.split(", ")[0] in text:
+        lines = _lidar(scan).split(", ")
+        text = text.replace(LIDAR_SECTION, ", ".join(lines))
+        text = text.replace("\n  ".join(LIDAR_SECTION.split(", ")), "\n  ".join(lines))
+        text = text.replace("# by its data sheet", "# by a scan; sigma_mm by its data sheet", 1)
+    info = _camera_info(air)
+    if info is not None and any(info.k):
+        text = text.replace(
+            f"{CAMERA_SECTION}     # by its data sheet", f"{_camera(info)}     # by its camera_info"
+        )
+    if srdf:
+        text = re.sub(r"(?m)^(urdf: .*)$", rf'\1\nsrdf: "{srdf}"', text, count=1)
+        text = re.sub(
+            r"(?m)^(    home: .*)$", lambda home: "\n".join([home[1], *_postures(air, outline)]), text
+        )
+    return text + "\n".join(ros_section(air, outline)) + "\n"
+
+
+def _lidar(scan: Any) -> str:
+    ends = scan.angle_min, scan.angle_min + scan.angle_increment * (len(scan.ranges) - 1)
+    start, end = sorted(map(math.degrees, ends))
+    step = abs(math.degrees(scan.angle_increment))
+    if abs(end - start + step - 360.0) < 0.5 * step:
+        start, end = start, start + 360.0
+    low = f", range_min_m: {scan.range_min:.3g}" if scan.range_min > 0.0 else ""
+    angles = f"start_deg: {start:.5g}, end_deg: {end:.5g}"
+    return f"beams: {len(scan.ranges)}, {angles}{low}, reach_m: {scan.range_max:.4g}, sigma_mm: 20"
+
+
+def _camera_info(air: AirDescription) -> Any:
+    """Return the calibration beside the chosen camera's pictures; None without one."""
+    image = chosen("camera", air.topics[KINDS["camera"]])[0]
+    return air.messages.get(f"{image.rpartition('/')[0]}/camera_info") if image else None
+
+
+def _camera(info: Any) -> str:
+    lens = dict(zip(("k1", "k2", "p1", "p2", "k3"), info.d, strict=False))
+    more = "".join(f", {name}: {value:.6g}" for name, value in lens.items() if value)
+    more = more if info.distortion_model in ("", "plumb_bob") else ""
+    return f"{{width_px: {info.width}, height_px: {info.height}, focal_px: {info.k[0]:.6g}{more}}}"
+
+
+def _postures(air: AirDescription, outline: Outline) -> list[str]:
+    """Return the postures of the SRDF that name all joints of the arm, as lines."""
+    facts = {each.name: each for each in joints_of(air.urdf)}
+    lines, used = [], {"home"}
+    for state in ElementTree.fromstring(air.srdf).iter("group_state"):
+        values = {each.get("name", ""): each.get("value", "0") for each in state.iter("joint")}
+        name = re.sub(r"\W", "_", state.get("name", ""))
+        if not all(joint in values for joint in outline.arm) or name in used:
+            continue
+        used.add(name)
+        scales = (1e3 if facts[joint].kind == "prismatic" else math.degrees(1.0) for joint in outline.arm)
+        numbers = (
+            f"{scale * float(values[joint]):.4g}" for joint, scale in zip(outline.arm, scales, strict=True)
+        )
+        lines.append(f"    {name}: [{', '.join(numbers)}]     # of the SRDF")
+    return lines

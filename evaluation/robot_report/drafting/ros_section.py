@@ -1,0 +1,130 @@
+"""Draft of the section `ros2` from the topics that are on the air."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from handcart.backends.ros2.air_check.air_description import VELOCITY_KINDS, AirDescription
+from handcart.evaluation.robot_report.outline import Outline
+
+WORDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
+    "velocity": (("cmd_vel",), ("nav", "joy", "teleop", "key", "smooth", "raw", "unstamped", "phone", "tab")),
+    "odometry": (("odom", "controller"), ("filtered", "global", "truth", "amcl", "visual", "vio", "gps")),
+    "joint_states": (("joint_states",), ("dynamic", "command", "desired")),
+    "lidar": (("scan",), ("filtered", "multi", "3d", "cloud")),
+    "camera": (("rgb", "color", "image_raw"), ("depth", "infra", "mask", "debug", "rect", "compressed")),
+    "imu": (("imu", "data"), ("mag", "temp", "raw")),
+    "gripper": (("gripper", "hand", "finger"), ()),
+}
+"""Words in a topic's name that speak for and against it."""
+KINDS = {
+    "odometry": "nav_msgs/Odometry",
+    "joint_states": "sensor_msgs/JointState",
+    "lidar": "sensor_msgs/LaserScan",
+    "camera": "sensor_msgs/Image",
+    "imu": "sensor_msgs/Imu",
+}
+CONTROLLER_KINDS = ("trajectory_msgs/JointTrajectory", "std_msgs/Float64MultiArray")
+
+
+def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
+    """Return the topic whose name fits a key best, and the others; "" without any."""
+    if not topics:
+        return "", ()
+    good, bad = WORDS[key]
+
+    def rank(topic: str) -> tuple[int, int, str]:
+        score = sum(word in topic for word in good) - 2 * sum(word in topic for word in bad)
+        return -score, len(topic), topic
+
+    first, *others = sorted(topics, key=rank)
+    return first, tuple(others)
+
+
+def ros_section(air: AirDescription, outline: Outline) -> list[str]:
+    """Return the lines of the section `ros2`; other candidates are comments."""
+    lines = [
+        "ros2:     # by the topics on the air; next: handcart check --ros2, then handcart bringup --ros2"
+    ]
+    lines += [f"  namespace: {air.namespace}"] if air.namespace else []
+    lines += _velocity(air)
+    for key, kind in KINDS.items():
+        name, others = chosen(key, air.topics[kind])
+        if name:
+            frame = _frame(air, name) if key == "odometry" else ""
+            lines.append(f"  {key}: {{topic: {_plain(air, name)}{frame}}}{_or(air, others)}")
+    lines += _controllers(air, outline)
+    return lines
+
+
+def _velocity(air: AirDescription) -> Iterator[str]:
+    found = {topic: kind for kind in reversed(VELOCITY_KINDS) for topic in air.topics[kind]}
+    name, others = chosen("velocity", list(found))
+    if name:
+        kind = found[name].partition("/")[2]
+        yield f"  velocity: {{topic: {_plain(air, name)}, type: {kind}}}{_or(air, others)}"
+
+
+def _controllers(air: AirDescription, outline: Outline) -> Iterator[str]:
+    """Yield the arm's and the gripper's controllers."""
+    kind = next((each for each in CONTROLLER_KINDS if air.topics[each]), "")
+    if not kind or not outline.arm:
+        return
+    topics = list(air.topics[kind])
+    fingers = set(outline.fingers or ()) | set(outline.turning_fingers)
+    grippers = [each for each in topics if _moves(air, each, fingers) or _is_gripper(air, each)]
+    joints = _joints_by_topic(air, [each for each in topics if each not in grippers], outline.arm)
+    if joints:
+        yield "  arm:"
+        yield from () if kind.endswith("Trajectory") else (f"    type: {kind.partition('/')[2]}",)
+        yield "    controllers:"
+        for topic, names in joints.items():
+            sure = "" if topic in air.controllers else "     # by its name; look at its parameter `joints`"
+            yield f"      {_plain(air, topic)}: [{', '.join(names)}]{sure}"
+    left = [name for name in outline.arm if not any(name in names for names in joints.values())]
+    if left:
+        yield f"  # no controller was found for {', '.join(left)}"
+    if grippers and outline.fingers:
+        name, others = chosen("gripper", grippers)
+        fingers_of = ", ".join(air.controllers.get(name) or outline.fingers)
+        yield f"  gripper: {{topic: {_plain(air, name)}, joints: [{fingers_of}]}}{_or(air, others)}"
+
+
+def _joints_by_topic(
+    air: AirDescription, topics: Sequence[str], arm: Sequence[str]
+) -> dict[str, tuple[str, ...]]:
+    """Return the arm's joints of each controller: as its node says, or by the words of its name."""
+    known = {topic: tuple(name for name in air.controllers.get(topic, ()) if name in arm) for topic in topics}
+    found = {topic: names for topic, names in known.items() if names}
+    left = [name for name in arm if not any(name in names for names in found.values())]
+    unsure = [topic for topic in topics if topic not in air.controllers]
+    if len(unsure) == 1 and left:
+        return {**found, unsure[0]: tuple(left)}
+    for topic in unsure:
+        word = topic.strip("/").split("/")[-2].partition("_")[0] if "/" in topic.strip("/") else topic
+        names = tuple(name for name in left if name.startswith(word))
+        if names:
+            found[topic] = names
+    return found
+
+
+def _moves(air: AirDescription, topic: str, fingers: set[str]) -> bool:
+    return bool(fingers & set(air.controllers.get(topic, ())))
+
+
+def _is_gripper(air: AirDescription, topic: str) -> bool:
+    return topic not in air.controllers and any(word in topic for word in WORDS["gripper"][0])
+
+
+def _frame(air: AirDescription, topic: str) -> str:
+    message = air.messages.get(topic)
+    return "" if message is None else f", frame: {message.header.frame_id}"
+
+
+def _plain(air: AirDescription, topic: str) -> str:
+    """Return a topic relative to the robot's namespace; one outside of it as it is."""
+    return topic.removeprefix(f"{air.namespace}/")
+
+
+def _or(air: AirDescription, others: Sequence[str]) -> str:
+    return f"     # or {', '.join(_plain(air, each) for each in others)}" if others else ""

@@ -1,0 +1,123 @@
+"""Drafts of a robot's file from what is on the air."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.air_check.air_description import COMMAND_KINDS, READING_KINDS, AirDescription
+from handcart.evaluation.robot_report.drafting.ros_draft import with_air
+from handcart.evaluation.robot_report.drafting.ros_section import chosen, ros_section
+from handcart.evaluation.robot_report.outline import Outline, outline_of
+
+TIAGO = {
+    "geometry_msgs/TwistStamped": ("/mobile_base_controller/cmd_vel",),
+    "geometry_msgs/Twist": ("/joy_vel", "/nav_vel", "/key_vel", "/cmd_vel_nav"),
+    "nav_msgs/Odometry": ("/ground_truth_odom", "/mobile_base_controller/odom"),
+    "sensor_msgs/JointState": ("/joint_states",),
+    "sensor_msgs/LaserScan": ("/scan_raw", "/scan_filtered"),
+    "sensor_msgs/Image": (
+        "/head_front_camera/depth_registered/image_raw",
+        "/head_front_camera/rgb/image_raw",
+        "/head_front_camera/rgb/image_rect_color",
+    ),
+    "trajectory_msgs/JointTrajectory": (
+        "/arm_controller/joint_trajectory",
+        "/gripper_controller/joint_trajectory",
+        "/head_controller/joint_trajectory",
+        "/torso_controller/joint_trajectory",
+    ),
+}
+"""Topics of a TIAGo, as its users list them."""
+ARM = ("torso_lift_joint", "head_1_joint", "head_2_joint", *(f"arm_{n}_joint" for n in range(1, 8)))
+
+
+def air(topics: Mapping[str, tuple[str, ...]], **more: Any) -> AirDescription:
+    """Return a robot on the air with these topics."""
+    every = {**dict.fromkeys((*READING_KINDS, *COMMAND_KINDS), ()), **topics}
+    given = {"urdf": "", "srdf": "", "messages": {}, "controllers": {}} | more
+    return AirDescription(topics=every, **given)
+
+
+def outline(arm: tuple[str, ...] = ARM) -> Outline:
+    fingers = ("gripper_left_finger_joint", "gripper_right_finger_joint")
+    return Outline("base_footprint", 0.0, None, arm, "hand", fingers, (), {}, (arm,))
+
+
+def test_topics_of_a_tiago_become_its_section() -> None:
+    text = "\n".join(ros_section(air(TIAGO), outline()))
+    for line in (
+        "velocity: {topic: mobile_base_controller/cmd_vel, type: TwistStamped}",
+        "odometry: {topic: mobile_base_controller/odom}",
+        "lidar: {topic: scan_raw}",
+        "camera: {topic: head_front_camera/rgb/image_raw}",
+        "torso_controller/joint_trajectory: [torso_lift_joint]",
+        "head_controller/joint_trajectory: [head_1_joint, head_2_joint]",
+        f"arm_controller/joint_trajectory: [{', '.join(ARM[3:])}]",
+        "joints: [gripper_left_finger_joint, gripper_right_finger_joint]",
+    ):
+        assert line in text
+
+
+def test_a_controller_that_tells_its_joints_is_believed() -> None:
+    told = {"/left/joint_trajectory": ARM[1:], "/lift/joint_trajectory": ARM[:1]}
+    topics = {"trajectory_msgs/JointTrajectory": tuple(told)}
+    lines = ros_section(air(topics, controllers=told), outline())
+    assert f"      left/joint_trajectory: [{', '.join(ARM[1:])}]" in lines
+    assert "      lift/joint_trajectory: [torso_lift_joint]" in lines
+
+
+def test_joints_without_a_controller_are_told() -> None:
+    topics = {
+        "trajectory_msgs/JointTrajectory": (
+            "/arm_controller/joint_trajectory",
+            "/x_controller/joint_trajectory",
+        )
+    }
+    assert any(
+        "no controller was found for torso_lift_joint" in line for line in ros_section(air(topics), outline())
+    )
+
+
+def test_topics_are_relative_to_the_namespace() -> None:
+    topics = {"nav_msgs/Odometry": ("/r1/odom",), "sensor_msgs/LaserScan": ("/shared/scan",)}
+    lines = ros_section(air(topics, namespace="/r1"), outline(()))
+    assert "  namespace: /r1" in lines
+    assert "  odometry: {topic: odom}" in lines
+    assert "  lidar: {topic: /shared/scan}" in lines
+
+
+@pytest.mark.parametrize(
+    ("key", "topics", "best"),
+    [
+        ("velocity", ("/cmd_vel_nav", "/cmd_vel", "/cmd_vel_joy"), "/cmd_vel"),
+        ("odometry", ("/odometry/filtered", "/diff_drive_controller/odom"), "/diff_drive_controller/odom"),
+        ("camera", ("/camera/depth/image_raw", "/camera/color/image_raw"), "/camera/color/image_raw"),
+        ("imu", ("/imu/data_raw", "/imu/data", "/imu/mag"), "/imu/data"),
+        ("lidar", (), ""),
+    ],
+)
+def test_the_topic_that_fits_best_is_chosen(key: str, topics: tuple[str, ...], best: str) -> None:
+    assert chosen(key, topics)[0] == best
+
+
+def test_sensors_and_postures_are_as_measured() -> None:
+    robot = load_robot("librarian")
+    urdf = robot.urdf_text()
+    found = outline_of(urdf)
+    values = "".join(f'<joint name="{name}" value="0.5"/>' for name in found.arm)
+    srdf = f'<robot name="r"><group_state name="carry pose" group="arm">{values}</group_state></robot>'
+    scan = SimpleNamespace(
+        angle_min=-1.6581, angle_increment=0.0122829, ranges=[1.0] * 271, range_min=0.05, range_max=25.0
+    )
+    topics = {"sensor_msgs/LaserScan": ("/scan",)}
+    told = air(topics, urdf=urdf, srdf=srdf, messages={"/scan": scan})
+    draft = 'urdf: "r.urdf"\n    home: [0]\nrange_sensor: {beams: 360, reach_m: 8, sigma_mm: 20}\n'
+    text = with_air(draft, told, found, "r.srdf")
+    assert 'urdf: "r.urdf"\nsrdf: "r.srdf"\n' in text
+    assert "beams: 271, start_deg: -95.002, end_deg: 95.013, range_min_m: 0.05, reach_m: 25" in text
+    assert "    carry_pose: [28.65, 28.65, 28.65, 28.65, 28.65, 28.65]     # of the SRDF" in text
