@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 GROUP = "handcart.sensors"
 """Entry points of other packages: the name of a kind, and the path of its `SensorKind`."""
-SHIPPED_KINDS = ("lidar", "camera", "positioning", "imu", "gps", "beacons", "depth_camera")
+SHIPPED_KINDS = ("lidar", "camera", "positioning", "imu", "gps", "beacons", "depth_camera", "battery")
 """Shipped kinds, each declared in a module of its name in `handcart.backends.sensors.kinds`."""
 
 

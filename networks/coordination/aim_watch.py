@@ -10,6 +10,8 @@ from handcart.networks.graph.aims import Aims, Interrupt
 
 CHARGE_HYSTERESIS = 2.0
 """Charge above its limit from which a battery's interrupt may come again, in [%]."""
+CHARGE_TIMEOUT_S = 300.0
+"""Time without a rise of the charge after which a robot no longer waits for it, in [s]."""
 
 
 class AimWatch:
@@ -31,6 +33,8 @@ class AimWatch:
         self._round_began = began
         self._handled = {number: handled.get(number, began) for number in range(len(aims.interrupts))}
         self._is_low: dict[int, bool] = {}
+        self._charging: Interrupt | None = None
+        self._charged, self._rose = -1.0, 0.0
         self._battery: Battery | None = robot.backend.get(Battery)  # type: ignore[type-abstract]
 
     def begin_round(self) -> float:
@@ -61,8 +65,28 @@ class AimWatch:
             above = priority is None or each.priority > priority
             if above and self._is_due(number, each):
                 self._handled[number] = self._robot.time
+                if each.battery_until is not None:
+                    self._charging, self._charged = each, -1.0
                 return number
         return None
+
+    def is_charging(self, situation: str) -> bool:
+        """Return whether the robot waits in a situation until its battery is charged.
+
+        A charge that does not rise, or is not known, ends the wait.
+        """
+        wanted = self._charging
+        if wanted is None or wanted.battery_until is None or self._battery is None:
+            return False
+        if situation not in wanted.goals:
+            return False
+        charge, now = self._battery.charge_percent(), self._robot.time
+        if charge > self._charged:
+            self._charged, self._rose = charge, now
+        if charge < wanted.battery_until and now - self._rose < CHARGE_TIMEOUT_S:
+            return True
+        self._charging = None
+        return False
 
     def _is_due(self, number: int, interrupt: Interrupt) -> bool:
         if interrupt.every_s is not None:

@@ -149,7 +149,8 @@ class Coordinator:
         while not self._route.arrived:
             self._supervision.between_actions()
             self._look_at_aims()
-            if self._aims.is_early and self._route.priority is None:
+            waits = self._aims.is_early or self._aims.is_charging(self.situation)
+            if waits and self._route.priority is None:
                 yield
                 continue
             if not self._route.planned:

@@ -28,15 +28,21 @@ class RoundsEntry(FileModel):
 
 
 class DueEntry(FileModel):
-    """Condition of an interrupt; exactly one key."""
+    """Condition of an interrupt: `every_s` or `battery_below_percent`."""
 
     every_s: Seconds | None = None
     """Time after which it is due again."""
     battery_below_percent: Annotated[float, Field(gt=0.0, lt=100.0)] | None = None
     """Charge of the battery below which it is due."""
 
+    until_percent: Annotated[float, Field(gt=0.0, le=100.0)] | None = None
+    """Charge up to which the robot waits at the interrupt's goal (default: it goes on at once)."""
+
     @model_validator(mode="after")
     def _has_one(self) -> Self:
+        below = self.battery_below_percent
+        if self.until_percent is not None and (below is None or self.until_percent <= below):
+            raise ValueError("until_percent has no lower battery_below_percent; allowed: one above it")
         if (self.every_s is None) is (self.battery_below_percent is None):
             raise ValueError("needs one condition; allowed: every_s or battery_below_percent")
         return self
@@ -55,7 +61,8 @@ class InterruptEntry(FileModel):
     def interrupt(self, goals: Sequence[str]) -> Interrupt:
         """Return the interrupt, given the situations of the network that end it."""
         when = self.when
-        return Interrupt(self.name, tuple(goals), when.every_s, when.battery_below_percent, self.priority)
+        below, until = when.battery_below_percent, when.until_percent
+        return Interrupt(self.name, tuple(goals), when.every_s, below, self.priority, until)
 
 
 class SituationInterrupt(InterruptEntry):

@@ -33,16 +33,19 @@ class Interrupt:
     """Charge of the battery below which it is due, in [%]."""
     priority: int = 0
     """An interrupt of a higher priority comes before one of a lower one."""
+    battery_until: float | None = None
+    """Charge up to which the robot waits once the interrupt's goal is reached, in [%]; None: it goes on."""
 
     def fields(self) -> dict[str, Any]:
         """Return it, ready for JSON."""
-        return {
+        found = {
             "name": self.name,
             "goals": list(self.goals),
             "every_s": self.every_s,
             "battery_below": self.battery_below,
             "priority": self.priority,
         }
+        return found if self.battery_until is None else {**found, "battery_until": self.battery_until}
 
 
 @dataclass(frozen=True)

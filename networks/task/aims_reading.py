@@ -81,5 +81,5 @@ def battery_faults(aims: Aims) -> Iterator[Fault]:
     for number, each in enumerate(aims.interrupts):
         if each.battery_below is not None:
             wrong = "the robot measures no charge of its battery"
-            allowed = "allowed: every_s, or a backend with the capability Battery"
+            allowed = "allowed: every_s, or a robot with a sensor of the kind battery"
             yield ("interrupts", number, "when", "battery_below_percent"), f"{wrong}; {allowed}"

@@ -13,6 +13,8 @@ from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import FileError
 from handcart.networks.events.events import Ended
 from handcart.networks.events.run_observer import RunObserver
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.run_files.run_folder import JOURNAL_FILE
 from handcart.networks.runs.run import execute, prepare
 from handcart.networks.runs.run_options import RunOptions
 from handcart.primitives.outcomes.outcome import Success
@@ -164,3 +166,15 @@ def test_a_place_outside_the_free_space_is_told_with_its_line(
 def test_names_in_the_tour_are_checked() -> None:
     with pytest.raises(FileError, match=r"unknown place 'kichen'; did you mean 'kitchen'\?"):
         prepare(TASK, settings={"tour": "[desk, kichen]"})
+
+
+@pytest.mark.slow
+def test_patrol_charges_its_battery_and_goes_on(tmp_path: Path) -> None:
+    summary, status = run_task(TASK.parent / "patrol.yaml", tmp_path, RunOptions(seed=1))
+    assert (status, summary["actions"], summary["metrics"]["untrue"]) == (0, 6, [])
+    aims = [r for r in read_journal(tmp_path / "patrol-1" / JOURNAL_FILE).records if r["kind"] == "AIM"]
+    assert [(each["what"], each["situation"]) for each in aims] == [
+        ("interrupt", "in the meeting room (goal 3)"),
+        ("round", "docked (goal 3)"),
+    ]
+    assert summary["sim_time_s"] > 140.0

@@ -215,8 +215,35 @@ def test_low_batteries_are_charged_while_a_round_waits(
 
 
 @pytest.mark.parametrize(
+    ("charges", "seconds"),
+    [
+        pytest.param([50, 15, 15, *range(15, 91)], (1.4, 3.0), id="charged"),
+        pytest.param([50, 15, 15, 15], (300.0, 310.0), id="the charge does not rise"),
+        pytest.param([50, 15, float("nan")], (0.0, 2.0), id="the charge is not known"),
+    ],
+)
+def test_a_low_battery_is_charged_before_the_run_goes_on(
+    load: Load, tmp_path: Path, stand: Stand, charges: list[float], seconds: tuple[float, float]
+) -> None:
+    when = "{battery_below_percent: 20, until_percent: 80}"
+    row = f"interrupts: [{{name: low, when: {when}, goal: charged}}]\n"
+    task = load(f"{HEAD}goal: [shelf, home]\n{row}{CIRCLE}")
+    stand.robot = Robot(Powered(Cell(*charges)), RobotFile.model_validate(SPEC), Pose2(0, 0, 0))
+    led, end = kept(task, stand, tmp_path / "j")
+    assert led == ["desk", "shelf (goal 2)", "charged (goal 2)", "shelf (goal 2)", "home (goal 2)"]
+    assert end.outcome == "Success"
+    starts = [r["t"] for r in read_journal(tmp_path / "j").records if r["kind"] == "START"]
+    ends = [r["t"] for r in read_journal(tmp_path / "j").records if r["kind"] == "RESULT"]
+    assert seconds[0] <= starts[3] - ends[2] <= seconds[1]
+
+
+@pytest.mark.parametrize(
     ("keys", "message"),
     [
+        (
+            "goal: shelf\ninterrupts: [{name: a, when: {every_s: 1, until_percent: 9}, goal: home}]\n",
+            "until_percent has no lower battery_below_percent",
+        ),
         ("goal: [shelf, shel]\n", "4:15: unknown situation 'shel'; did you mean 'shelf'?"),
         ("goal: [shelf, shelf]\n", "4:15: 'shelf' is reached already"),
         ("goal: [home, shelf]\n", "4:8: 'home' is reached already"),
