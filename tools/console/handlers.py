@@ -53,6 +53,7 @@ class Handlers:
             web.get("/api/runs/{run}", self.run),
             web.get("/api/runs/{run}/files/{file:.+}", self.file),
             web.get("/api/runs/{run}/after/{action}", self.after),
+            web.get("/api/runs/{run}/why/{number:[0-9]{1,9}}", self.why),
             web.post("/api/runs/{run}/command", self.command),
             web.post("/api/runs/{run}/stop", self.stop),
             web.post("/api/runs/{run}/acknowledge", self.acknowledge),
@@ -96,6 +97,12 @@ class Handlers:
         if not asks or str(asks["index"]) != action:
             return said(409, "that action doesn't wait")
         found = await self._away(lambda: RunDetails(folder, True).after(state["situation"], asks["index"]))
+        return found if isinstance(found, web.Response) else _json(found)
+
+    async def why(self, request: web.Request) -> web.Response:
+        """Answer why an action was chosen, and what its alternatives promised."""
+        folder, number = self._folder(request), int(request.match_info["number"])
+        found = await self._away(lambda: RunDetails(folder, True).why(number))
         return found if isinstance(found, web.Response) else _json(found)
 
     async def file(self, request: web.Request) -> web.Response:

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from handcart.evaluation.viewing.explanation.explanation import relying_on_the_journal
+from handcart.evaluation.viewing.explanation.explanation_words import choice_words
 from handcart.files.errors import HandcartError
 from handcart.networks.analysis.outlook import NoOutlook, outlook
 from handcart.networks.chains.policy import TooLarge
@@ -17,6 +19,7 @@ from handcart.networks.drawing.svg import to_svg
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.operator.acknowledging import cause_of
 from handcart.networks.operator.view_address import view_address
+from handcart.networks.past_runs.hindsight import choice_of
 from handcart.networks.past_runs.past_run import PastRun, read_run
 from handcart.networks.run_files.run_folder import read_run_journal
 from handcart.networks.task.task_file import load_task
@@ -72,6 +75,25 @@ class RunDetails:
             return outlook(task, situation, _fails(run), action)._asdict()
         except (NoOutlook, TooLarge, HandcartError) as error:
             return {"unknown": str(error).splitlines()[0]}
+
+    def why(self, number: int) -> dict[str, Any]:
+        """Return why an action was chosen: each alternative with its P(goal) and time, line by line.
+
+        Args:
+            number: number of the action in the run, from 1.
+
+        Raises:
+            JournalError: the journal's content is inconsistent.
+        """
+        run = self._run
+        action = next((each for each in run.actions if each.number == number), None)
+        if action is None:
+            return {"unknown": f"no action {number} was started"}
+        with relying_on_the_journal(run):
+            choice = choice_of(run, action)
+        if choice is None:
+            return {"unknown": "the journal does not keep what else there was"}
+        return {"why": list(choice_words(choice))}
 
     def _network(self) -> dict[str, Any] | None:
         kept = self._run.network

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,21 @@ label { color: #495057 !important }
 _HEAD = "font-family:system-ui,sans-serif;padding:0.3em 0.8em;line-height:1.35;color:#1d2733;font-size:0.85em"
 
 
+Why = Callable[[PastAction], Sequence[str]]
+"""Function that returns why an action was chosen, line by line."""
+
+
+def _unknown(_action: PastAction) -> Sequence[str]:
+    return ()
+
+
+def _listed(lines: Sequence[str]) -> str:
+    if not lines:
+        return ""
+    items = "".join(f"<li>{escape(line)}</li>" for line in lines)
+    return f'<details style="{_HEAD}"><summary>Why this action?</summary><ul>{items}</ul></details>'
+
+
 class Panel:
     """Parts of the panel from top to bottom; the controls are below the time line."""
 
@@ -43,16 +58,28 @@ class Panel:
         gui = server.gui
         self._title, self.ended = title, ended
         self._status = gui.add_html("")
+        self._why_text = gui.add_html("")
         self._line = gui.add_html("")
         self.controls = gui.add_folder(None)
         self._network = gui.add_html("")
         self._picture = gui.add_html("")
         self._window: NetworkWindow | None = None
+        self._why: Why = _unknown
+        self._explained: int | None = None
         self._shown: tuple[object, ...] = ()
         self._line_at = -1.0
 
-    def know(self, network: ActionNetwork | None, actions: Sequence[PastAction]) -> None:
-        """Lay out the network again, with the outcomes of its actions."""
+    def know(
+        self, network: ActionNetwork | None, actions: Sequence[PastAction], why: Why | None = None
+    ) -> None:
+        """Lay out the network again, with the outcomes of its actions.
+
+        Args:
+            network: the network; None if it is not known.
+            actions: the actions of the run.
+            why: returns the reasons for choosing an action, line by line; None: as before.
+        """
+        self._why = why or self._why
         self._window = None if network is None else NetworkWindow(network, actions)
         self._shown = ()
 
@@ -68,6 +95,9 @@ class Panel:
         time = frame.moment.time
         runs = action is not None and action.start <= time < action.end
         self._status.content = self._words(frame, action, runs)
+        if action is not None and action.number != self._explained:
+            self._explained = action.number
+            self._why_text.content = _listed(self._why(action))
         if at_once or abs(time - self._line_at) >= TIME_LINE_PERIOD_S * max(1.0, (span[1] - span[0]) / 100.0):
             self._line_at = time
             self._line.content = f'<div style="padding:0.2em 0.8em">{time_line(actions, *span, time)}</div>'

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import threading
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
+from handcart.evaluation.viewing.explanation.explanation import relying_on_the_journal
+from handcart.evaluation.viewing.explanation.explanation_words import choice_words
 from handcart.evaluation.viewing.playback.playback import Playback
+from handcart.networks.past_runs.hindsight import choice_of
 from handcart.networks.past_runs.past_run import PastAction, PastRun
 
 from .page import Page
@@ -23,6 +27,13 @@ BEFORE_LABEL, NEXT_LABEL = "◂ before", "next ▸"
 SLIDER_STEP_S = 0.1
 
 
+def _why(run: PastRun, action: PastAction) -> Sequence[str]:
+    """Return why an action was chosen, with P(goal) and time of each alternative."""
+    with relying_on_the_journal(run):
+        choice = choice_of(run, action)
+    return () if choice is None else list(choice_words(choice))
+
+
 class Replay:
     """Replay with its controls; its caller calls `step` repeatedly."""
 
@@ -33,7 +44,7 @@ class Replay:
         things = [track.shape for track in playback.things.values()]
         self._page = Page(server, playback.scenery, things, str(run.header["task"]), _ended(run))
         network = None if run.network is None else run.network.network
-        self._page.panel.know(network, run.actions)
+        self._page.panel.know(network, run.actions, partial(_why, run))
         self._time, self._drawn = playback.start, -1.0
         self._playing, self._factor = False, 1.0
         self._lock = threading.Lock()

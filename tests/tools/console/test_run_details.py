@@ -77,6 +77,14 @@ def test_what_a_permission_means_is_unknown_in_one_line(ran: Path, monkeypatch: 
     assert details.after("at_home", 0) == {"unknown": "the first thing"}
 
 
+def test_why_an_action_was_chosen_names_its_probability(ran: Path) -> None:
+    details = RunDetails(ran, alive=False)
+    first, *others = details.why(1)["why"]
+    assert first.startswith("cheapest way to the goal") and "; P(goal) 0." in first
+    assert others
+    assert details.why(99) == {"unknown": "no action 99 was started"}
+
+
 class Reader:
     """Counts what is read, and does it at once."""
 

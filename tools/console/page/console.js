@@ -236,11 +236,41 @@ function outlook(after) {
     `refused (it counts as failed) ${share(after.refused)}.`;
 }
 
+let reasons = { run: "", number: 0, lines: [] };
+
+function askWhy(number) {
+  const run = chosen;
+  if (reasons.run === run && reasons.number === number) {
+    reasons = { run: "", number: 0, lines: [] };
+    drawActions(details.actions);
+    return;
+  }
+  told(() => get(at(run, `/why/${number}`))).then((found) => {
+    if (!found || chosen !== run) return;
+    reasons = { run, number, lines: found.why || [`It isn't known why: ${found.unknown}.`] };
+    drawActions(details.actions);
+  });
+}
+
+function whyCell(each) {
+  const cell = element("td");
+  const open = reasons.run === chosen && reasons.number === each.number;
+  const button = element("button", each.do, { type: "button", title: "Why this action?", "aria-expanded": String(open) });
+  button.addEventListener("click", () => askWhy(each.number));
+  cell.append(button);
+  if (open) {
+    const list = element("ul");
+    list.append(...reasons.lines.map((line) => element("li", line)));
+    cell.append(list);
+  }
+  return cell;
+}
+
 function drawActions(actions) {
   const rows = actions.slice().reverse().map((each) => {
     const row = element("tr");
     const took = each.outcome ? (each.end - each.start).toFixed(1) : "";
-    row.append(element("td", each.number, { class: "number" }), element("td", each.do),
+    row.append(element("td", each.number, { class: "number" }), whyCell(each),
       element("td", `${each.from}, ${each.to}`), element("td", took, { class: "number" }),
       element("td", each.outcome || "goes on"), element("td", each.reason));
     return row;

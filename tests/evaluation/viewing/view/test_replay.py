@@ -44,6 +44,13 @@ def test_it_plays_to_the_end_and_stands_there(replay: Replay, toured: Path) -> N
     assert replay.time == pytest.approx(0.5), "from the end it begins anew"
 
 
+def test_the_panel_says_why_the_shown_action_was_chosen(replay: Replay) -> None:
+    replay.go_to(1.0)
+    replay.step(0.0)
+    shown = replay._page.panel._why_text.content
+    assert "Why this action?" in shown and "cheapest way to the goal" in shown
+
+
 def test_any_time_can_be_gone_to(replay: Replay, toured: Path) -> None:
     playback = Playback.read(toured)
     for time, shown in ((3.3, 3.3), (-5.0, playback.start), (1e9, playback.end), (1.0, 1.0)):
