@@ -15,6 +15,7 @@ import math
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -29,6 +30,10 @@ from handcart.networks.runs.run_options import RunOptions
 TASK_FOLDER = Path(__file__).resolve().parents[2] / "tasks" / "fetch_and_carry"
 SPOTS = ("left", "right", None)
 WAY = ((2.2, 3.0), (4.3, 2.0))  # from the place at table A to that at table B [m]
+
+
+RunOnce = Callable[[Path, str, str, int], dict[str, Any]]
+"""Runs a task below a folder, on a backend, with a robot and a seed; returns its summary."""
 
 
 @dataclass
@@ -62,7 +67,12 @@ def main() -> None:
                 rows[robot, backend] = measure(backend, robot, seeds)
             except InputError as error:  # its package isn't installed, or it reaches no table
                 rows[robot, backend] = f"skipped: {error}"
-    wide = max(map(len, asked.robots))
+    sys.exit(print_rows(rows))
+
+
+def print_rows(rows: Mapping[tuple[str, str], Figures | str]) -> int:
+    """Print a row for each robot and backend, and the false outcomes; return 1 if there are any, or 0."""
+    wide = max(len(robot) for robot, _ in rows)
     print(
         f"{'robot':<{wide}}  {'backend':<11}{'Success':>9}{'false':>7}{'PLACE off its spot, 50/95 %':>30}",
         end="",
@@ -81,16 +91,17 @@ def main() -> None:
     for (robot, backend), found in measured.items():
         for wrong in found.false:
             print(f"{robot} {backend}: {wrong}")
-    sys.exit(1 if any(found.false for found in measured.values()) else 0)
+    return 1 if any(found.false for found in measured.values()) else 0
 
 
-def measure(backend: str, robot: str, seeds: range) -> Figures:
-    """Run the task with some seeds on a backend."""
+def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) -> Figures:
+    """Run the task, or another one, with some seeds on a backend."""
+    run = run or run_once
     found = Figures(0, Counter(), [], [], [], 0.0, 0.0)
     for seed in seeds:
         begun = time.process_time()
         with TemporaryDirectory(prefix="fetch-") as folder:
-            summary = run_once(Path(folder), backend, robot, seed)
+            summary = run(Path(folder), backend, robot, seed)
         metrics = summary["metrics"]
         found.runs += 1
         found.cpu_s += time.process_time() - begun

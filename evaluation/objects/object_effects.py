@@ -46,8 +46,7 @@ def _false_sighting(survey: Survey, name: str) -> list[str]:
     covariance = np.array(seen.covariance)
     sigma = 1e3 * math.sqrt(max(np.linalg.eigvalsh(covariance[:2, :2]).max(), 0.0))
     heading = math.degrees(math.sqrt(max(covariance[2, 2], 0.0)))
-    if thing.is_round:
-        turned = 0.0  # a cylinder looks the same from all around
+    turned = _apart(turned, survey, name)
     return [
         *at_most(
             "it is {:.1f} mm from where it was seen", off, LOOK_TOLERANCE_MM + LIMIT_SIGMAS * sigma, LOOK_MM
@@ -59,6 +58,18 @@ def _false_sighting(survey: Survey, name: str) -> list[str]:
             LOOK_DEG,
         ),
     ]
+
+
+def _apart(turned: float, survey: Survey, name: str) -> float:
+    """Return an error of a heading, in [deg], up to turns after which an object looks the same."""
+    file = survey.run.model.of(Objects).objects
+    kind = file.kind_of(name)
+    if kind.is_round:
+        return 0.0
+    if file.tags_of(name):
+        return turned
+    step = 90.0 if kind.size_mm[0] == kind.size_mm[1] else 180.0
+    return abs(math.remainder(turned, step))
 
 
 def _found(survey: Survey, claim: Claim) -> list[str]:

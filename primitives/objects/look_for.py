@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import AnyCamera
+from handcart.backends.capabilities.depth_camera import DepthCamera
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
@@ -38,11 +39,11 @@ MAX_HEADING_SIGMA_DEG = 50.0  # beyond, a tag on a side may be anywhere around
 
 
 class LookFor(ActionPrimitive):
-    """Look where an object is believed to be, then over the rest of the surface, until its tag is read.
+    """Look where an object is believed to be, then over the rest of the surface, until it is found.
 
     The views that show most of the belief come first. A close view follows; the corners of the tags in
     all pictures together give the pose, on a surface whose height is known. Other known objects that were
-    seen are noted too.
+    seen are noted too. An object without tags is found by its size, in the depths of all views.
     """
 
     object: ObjectName
@@ -62,20 +63,28 @@ class LookFor(ActionPrimitive):
     _seen: Located | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the object is in the hand."""
-        held = model.of(Objects).held_object
-        return f"{self.object} is in the hand" if held is not None and held.object == self.object else ""
+        """Return that the object is in the hand, or that nothing could show it."""
+        objects = model.of(Objects)
+        held, file = objects.held_object, objects.objects
+        if held is not None and held.object == self.object:
+            return f"{self.object} is in the hand"
+        has_depth = robot.backend.get(DepthCamera) is not None  # type: ignore[type-abstract]
+        if has_depth or self.object not in file.objects or file.tags_of(self.object):
+            return ""
+        return f"{self.object} has no tags, and the robot has no depth camera; needed: one of them"
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         kind_of(model, self.object)
         objects, name = model.of(Objects), self._surface(model)
         yield from self._search(robot, model, name)
-        first = conclude(model, self.object, name, self._look)
+        yield from self._look.understand(robot, model, name)
+        first = conclude(robot, model, self.object, name, self._look)
         yield from look_closely(
             robot, model, self.object, first.base_T_object, self._look, self.evidence, self.direction
         )
-        self._seen = conclude(model, self.object, name, self._look)
+        yield from self._look.understand(robot, model, name)
+        self._seen = conclude(robot, model, self.object, name, self._look)
         seen = sighting(robot, model, self.object, name, self._seen)
         others = self._others(robot, model, name)
         kept = [each for each in objects.without(self.object) if each.object not in others]

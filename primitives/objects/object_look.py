@@ -21,24 +21,32 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
+from handcart.robotics.perception.objects.depth_view import DepthView
 
+from .depth_readings import Belief, Standing, identify, standing, take_depth
+from .object_kind import KnownObject
 from .object_names import name_in_world
-from .object_site import held_shape, kind_of, surface_of, surroundings
+from .object_site import base_T_map, held_shape, kind_of, surface_of, surroundings
 from .objects import Objects, ObjectSighting
 from .tag_readings import Located, NotUpright, ReadTag, SeenTwice, locate, read_objects
 from .view_plan import Direction, directions, view_joints
 
 CLOSE_DISTANCES_M = (0.28, 0.34, 0.24)
 """From the camera to the top of an object whose place is known."""
+DEPTH_DISTANCES_M = (0.42, 0.48, 0.54)
+"""Likewise, for a depth camera, which sees nothing from nearer."""
+SEEN_SIGMA_M = 0.02  # of where something was seen or put
 PICTURES_PER_VIEW = 2  # at most, until something is read
 MAX_OFF_SURFACE_M = 0.02  # that the middle of a foot may be beyond an edge
 
 
 @dataclass
 class ObjectLook:
-    """Tags that were read from one stop of the base."""
+    """Tags that were read, and depths, from one stop of the base."""
 
     reads: list[ReadTag] = field(default_factory=list)
+    depths: list[DepthView] = field(default_factory=list)
+    found: list[Standing] = field(default_factory=list)
     views: int = 0
 
     def of(self, name: str) -> list[ReadTag]:
@@ -56,7 +64,8 @@ class ObjectLook:
         """Wait for rest, take pictures from the current view, and read their tags."""
         yield from settle(robot)
         self.views += 1
-        for _ in range(PICTURES_PER_VIEW):
+        has_tags = bool(model.of(Objects).objects.tags_of(name))
+        for _ in range(PICTURES_PER_VIEW if has_tags else 1):
             yield
             photo = robot.photo()
             found = read_objects(photo.pixels, photo.camera, photo.base_T_camera, model.of(Objects).objects)
@@ -64,7 +73,17 @@ class ObjectLook:
                 evidence.pictures["objects"] = draw_overlay(photo.pixels, [each.tag for each in found])
             self.reads += found
             if any(each.object == name for each in found):
-                return
+                break
+        depth = take_depth(robot)
+        if depth is not None:
+            self.depths.append(depth)
+
+    def understand(self, robot: Robot, model: ModelView, surface: str) -> Periods:
+        """Work out what stands on a surface by all depth pictures so far; it is kept as `found`."""
+        if self.depths:
+            file, top = model.of(Objects).objects, base_T_top(robot, model, surface)
+            known = file.surfaces[surface]
+            self.found = yield from robot.compute(standing, tuple(self.depths), top, known, file.kinds)
 
 
 def look_closely(
@@ -87,7 +106,8 @@ def look_closely(
     body = kind.body(name_in_world(name)).seen_from(base_T_object)
     heading = math.atan2(base_T_object[1, 0], base_T_object[0, 0])
     towards = list(directions(file.tags_of(name), heading, wanted))
-    if not (yield from look_from(robot, model, top, towards, CLOSE_DISTANCES_M, (body,))):
+    distances = CLOSE_DISTANCES_M if file.tags_of(name) else DEPTH_DISTANCES_M
+    if not (yield from look_from(robot, model, top, towards, distances, (body,))):
         raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
     yield from look.picture(robot, model, evidence, name)
 
@@ -119,12 +139,40 @@ def look_from(
     return True
 
 
-def conclude(model: ModelView, name: str, surface: str, look: ObjectLook) -> Located:
-    """Return where an object is by all pictures of a stop.
+def conclude(
+    robot: Robot,
+    model: ModelView,
+    name: str,
+    surface: str,
+    look: ObjectLook,
+    expected: Transform | None = None,
+) -> Located:
+    """Return where an object is by all pictures of a stop: by its tags, or by its size if it has none.
+
+    The depth pictures were understood before (`ObjectLook.understand`).
+
+    Args:
+        robot: the robot.
+        model: knows objects and surfaces.
+        name: the object.
+        surface: where it should be.
+        look: the pictures.
+        expected: base_T_object (4, 4) where it was seen or put; None: as the file of objects believes.
 
     Raises:
         Discrepancy: it was not seen, seen at two places, has fallen over or is not on the surface.
     """
+    file = model.of(Objects).objects
+    if not file.tags_of(name):
+        return identify(
+            name,
+            file.objects[name].kind,
+            kind_of(model, name),
+            look.found,
+            _beliefs(robot, model, name, surface, expected),
+            base_T_top(robot, model, surface),
+            look.views,
+        )
     reads = look.of(name)
     if not reads:
         unread = Measured("Camera", f"of {look.views} views those that show {name}", 0, 1)
@@ -146,6 +194,47 @@ def conclude(model: ModelView, name: str, surface: str, look: ObjectLook) -> Loc
             f"{name} doesn't stand upright on {surface}: {found.reason}", cause=causes.MISPLACED
         )
     return found
+
+
+def base_T_top(robot: Robot, model: ModelView, surface: str) -> Transform:
+    """Return the pose (4, 4) of the middle of a surface's top in the base frame."""
+    found = surface_of(model, surface)
+    return np.asarray(base_T_map(robot) @ found.floor.lift(found.height_m))
+
+
+def _beliefs(
+    robot: Robot, model: ModelView, name: str, surface: str, expected: Transform | None
+) -> list[Belief]:
+    """Return where all objects of an object's kind on a surface are believed to be, that one first."""
+    objects = model.of(Objects)
+    file, held = objects.objects, objects.held_object
+    found = []
+    for other, known in file.objects.items():
+        seen = objects.seen(other)
+        if other != name and (
+            known.kind != file.objects[name].kind
+            or (held is not None and held.object == other)
+            or (seen.surface if seen is not None else known.on) != surface
+        ):
+            continue
+        if other == name and expected is not None:
+            x, y = expected[:2, 3].tolist()
+            heading = math.atan2(expected[1, 0], expected[0, 0])
+            found.append(Belief(other, (x, y), SEEN_SIGMA_M, heading))
+        elif seen is not None and seen.surface == surface:
+            here = robot.pose.inverse().compose(seen.pose)
+            found.append(Belief(other, (here.x, here.y), SEEN_SIGMA_M, here.theta))
+        else:
+            found.append(_of_file(robot, other, known, surface))
+    return sorted(found, key=lambda each: each.object != name)
+
+
+def _of_file(robot: Robot, name: str, known: KnownObject, surface: str) -> Belief:
+    heading = math.radians(known.heading_deg) - robot.pose.theta
+    if known.x_m is None or known.y_m is None or known.on != surface:
+        return Belief(name, None, 1.0, heading)
+    here = robot.pose.inverse().compose(Pose2(known.x_m, known.y_m, 0.0))
+    return Belief(name, (here.x, here.y), max(known.sigma_mm / 1e3, SEEN_SIGMA_M), heading)
 
 
 def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:

@@ -27,12 +27,14 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Seen, Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .carrying import stow
+from .depth_readings import obstacles
 from .grasp_plan import LIFT_M, OPENING_CLEARANCE_M, PlannedGrasp, gripped, plan_grasps
 from .object_kind import ObjectKind
-from .object_look import ObjectLook, conclude, look_closely
+from .object_look import ObjectLook, base_T_top, conclude, look_closely
 from .object_names import ObjectName, SurfaceName, name_in_world
 from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
 from .objects import HeldObject, Objects, ObjectSighting
@@ -76,6 +78,7 @@ class Pick(ActionPrimitive):
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
     _start: Located | None = PrivateAttr(default=None)
     _why_unseen: Discrepancy | None = PrivateAttr(default=None)
+    _beside: Sequence[Solid] = PrivateAttr(default=())
     _held: bool = PrivateAttr(default=False)
     _known: tuple[ObjectSighting, ...] = PrivateAttr(default=())
 
@@ -101,7 +104,8 @@ class Pick(ActionPrimitive):
         look = ObjectLook()
         try:
             yield from look_closely(robot, model, self.object, expected, look, self.evidence)
-            found = conclude(model, self.object, seen.surface, look)
+            yield from look.understand(robot, model, seen.surface)
+            found = conclude(robot, model, self.object, seen.surface, look, expected)
         except Discrepancy as why:
             self._why_unseen = why
             return {}
@@ -186,7 +190,8 @@ class Pick(ActionPrimitive):
     def _planned(
         self, robot: Robot, model: ModelView, kind: ObjectKind, base_T_object: Transform
     ) -> Generator[None, None, PlannedGrasp]:
-        around = surroundings(robot, model, self.object)
+        self._beside = self._seen_beside(robot, model, kind, base_T_object)
+        around = (*surroundings(robot, model, self.object), *self._beside)
         target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
         choice = yield from robot.compute(plan_grasps, robot, kind, base_T_object, around, target)
         self.found(grasps_tried=choice.tried, grasps_free=len(choice.planned))
@@ -203,6 +208,17 @@ class Pick(ActionPrimitive):
         if not others:
             raise Discrepancy(f"{self.object} has only one free grasp", cause=causes.NO_ARM_PATH)
         return others[0]
+
+    def _seen_beside(
+        self, robot: Robot, model: ModelView, kind: ObjectKind, base_T_object: Transform
+    ) -> Sequence[Solid]:
+        """Return boxes around what a depth camera saw beside the object, in the base frame."""
+        seen = model.of(Objects).seen(self.object) or next(
+            (each for each in self._known if each.object == self.object), None
+        )
+        if seen is None:
+            return ()
+        return list(obstacles(self._look.found, base_T_top(robot, model, seen.surface), base_T_object, kind))
 
     def _leading_on(
         self,
@@ -238,7 +254,7 @@ class Pick(ActionPrimitive):
     ) -> Generator[None, None, float]:
         """Go to the object and close the fingers on it; return the weight of the empty hand, in [N]."""
         target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
-        around = (*surroundings(robot, model, self.object), target)
+        around = (*surroundings(robot, model, self.object), *self._beside, target)
         yield from open_to(robot, plan.grasp.width + OPENING_CLEARANCE_M)
         yield from move_to_joints(robot, plan.before, around=around)
         pushed = yield from push(robot, plan.base_T_grip, GRASP_SPEED_M_S, GRASP_TOUCH_FORCE_N)

@@ -246,7 +246,8 @@ class PlaceObject(ActionPrimitive):
         """
         look, objects = ObjectLook(), model.of(Objects)
         yield from look_closely(robot, model, name, goal, look, self.evidence)
-        found = conclude(model, name, self.surface, look)
+        yield from look.understand(robot, model, self.surface)
+        found = conclude(robot, model, name, self.surface, look, goal)
         off = float(np.linalg.norm(found.base_T_object[:2, 3] - goal[:2, 3]))
         self.found(off_goal_mm=round(1e3 * off, 2))
         if off > MAX_OFF_M:

@@ -1,0 +1,93 @@
+"""Points of a depth picture over a level surface whose height is known."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+BORDER_PX = 4  # from the picture's edge within which a body may be cut off
+PLANE_BAND_M = 0.025  # around the expected height in which points count as the surface
+PLANE_MIN_POINTS = 300
+PLANE_OUTLIER_M = 0.006
+PLANE_ROUNDS = 3
+
+
+class DepthView(NamedTuple):
+    """Points of one picture."""
+
+    points: FloatArray
+    """(n, 3) in the base frame, in [m]."""
+    at_border: BoolArray
+    """(n,) True near the picture's edge."""
+    eye: FloatArray
+    """(3,) place of the camera in the base frame, in [m]."""
+    spacing: float
+    """Angle between neighbouring pixels, in [rad]."""
+
+
+class OverSurface(NamedTuple):
+    """Points in the frame of a surface: x and y along its sides, z the height over it."""
+
+    points: FloatArray
+    """(n, 3) in [m]."""
+    at_border: BoolArray
+    """(n,)"""
+    eye: FloatArray
+    """(3,) in [m]."""
+    spacing: float
+    """Angle between neighbouring pixels, in [rad]."""
+
+
+def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform) -> DepthView:
+    """Return the points of a depth picture (h, w) in [m], NaN without a reading, taken from a pose (4, 4)."""
+    rows, columns = np.nonzero(np.isfinite(depth))
+    z = depth[rows, columns].astype(np.float64)
+    rays = camera.undistort(np.column_stack((columns, rows)).astype(np.float64))
+    height, width = depth.shape
+    inner = (rows >= BORDER_PX) & (rows < height - BORDER_PX)
+    inner &= (columns >= BORDER_PX) & (columns < width - BORDER_PX)
+    points = apply(base_T_camera, np.column_stack((rays * z[:, None], z)))
+    return DepthView(points, ~inner, base_T_camera[:3, 3].copy(), 1.0 / float(camera.K[0, 0]))
+
+
+def over_surface(view: DepthView, base_T_surface: Transform, size: tuple[float, float]) -> OverSurface | None:
+    """Return a view's points over a surface, levelled and scaled by the plane that is seen there.
+
+    Cameras err in the scale of depth, and arms in the pose of a camera. The surface is level and its height
+    is known, so both show in the plane. None if too little of the surface is seen.
+
+    Args:
+        view: the picture.
+        base_T_surface: (4, 4) of the middle of its top.
+        size: of the surface along its x and y, in [m].
+    """
+    surface_T_base = inverse(base_T_surface)
+    points, eye = apply(surface_T_base, view.points), apply(surface_T_base, view.eye[None])[0]
+    near = (np.abs(points[:, :2]) < np.array(size) / 2).all(axis=1) & (np.abs(points[:, 2]) < PLANE_BAND_M)
+    plane = _plane(points[near])
+    if plane is None or eye[2] < PLANE_BAND_M:
+        return None
+    offset, slopes = float(plane[0] + plane[1:] @ eye[:2]), plane[1:]
+    scale = (eye[2] - offset) / eye[2]  # of the measured to the true distance, straight down
+    off = (points - eye) / scale
+    off[:, 2] -= off[:, :2] @ slopes
+    return OverSurface(eye + off, view.at_border, eye, view.spacing)
+
+
+def _plane(points: FloatArray) -> FloatArray | None:
+    """Return (3,): height at the origin and slopes along x and y of the plane through most points (n, 3)."""
+    kept = points
+    found: FloatArray | None = None
+    for _ in range(PLANE_ROUNDS):
+        if len(kept) < PLANE_MIN_POINTS:
+            return None
+        A = np.column_stack([np.ones(len(kept)), kept[:, :2]])
+        found = np.asarray(np.linalg.lstsq(A, kept[:, 2], rcond=None)[0], dtype=np.float64)
+        off = points[:, 2] - found[0] - points[:, :2] @ found[1:]
+        kept = points[np.abs(off) < PLANE_OUTLIER_M]
+    return found
