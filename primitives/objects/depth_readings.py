@@ -17,7 +17,12 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.objects.depth_view import DepthView, depth_view, over_surface
-from handcart.robotics.perception.objects.known_solids import Candidate, KnownSolid, candidates
+from handcart.robotics.perception.objects.known_solids import (
+    HEIGHT_TOLERANCE_M,
+    Candidate,
+    KnownSolid,
+    candidates,
+)
 from handcart.robotics.perception.objects.standing_clusters import Cluster, standing_clusters
 
 from .object_kind import ObjectKind
@@ -28,6 +33,7 @@ MIN_LOG_RATIO = math.log(100.0)  # by which one assignment of objects must be li
 MAX_OFF_SIGMAS = 5.0  # of the only object of a kind from where it is believed to be
 CLEAR_M = 0.010  # around an object within which points are its own
 MIN_OBSTACLE_POINTS = 30
+INNER_SHARE = 0.7  # of an upper side, around its middle
 SQUARE_M = 0.001  # difference of two sides that are taken for the same
 
 
@@ -148,6 +154,37 @@ def obstacles(
             x, y, z = (high - low).tolist()
             pose = base_T_surface @ transform(((low + high) / 2).tolist())
             yield Box(np.asarray(pose), (x, y, z), f"something seen {number + 1}")
+
+
+def contradiction(
+    found: Sequence[Standing],
+    base_T_surface: Transform,
+    base_T_object: Transform,
+    kind_name: str,
+    kind: ObjectKind,
+) -> str:
+    """Return in words what stands where an object's tag was read, if it can't be of its kind; "" if it may.
+
+    Args:
+        found: all that stands on the surface.
+        base_T_surface: (4, 4) of the middle of its top.
+        base_T_object: (4, 4) of the object, by its tag.
+        kind_name: name of its kind.
+        kind: its kind.
+    """
+    place = (inverse(base_T_surface) @ base_T_object)[:2, 3]
+    inner = INNER_SHARE * min(kind.size[:2]) / 2
+    for each in found:
+        points = each.cluster.points
+        heights = points[np.hypot(*(points[:, :2] - place).T) < inner, 2]
+        if len(heights) < MIN_OBSTACLE_POINTS:
+            continue
+        if each.may_be and all(other.name != kind_name for other in each.may_be):
+            return describe(each)
+        height = float(np.median(heights))
+        if abs(height - kind.size[2]) > HEIGHT_TOLERANCE_M:
+            return f"something {1e3 * height:.0f} mm high"
+    return ""
 
 
 def describe(found: Standing) -> str:

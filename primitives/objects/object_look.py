@@ -23,7 +23,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.objects.depth_view import DepthView
 
-from .depth_readings import Belief, Standing, identify, standing, take_depth
+from .depth_readings import Belief, Standing, contradiction, identify, standing, take_depth
 from .object_kind import KnownObject
 from .object_names import name_in_world
 from .object_site import base_T_map, held_shape, kind_of, surface_of, surroundings
@@ -193,6 +193,11 @@ def conclude(
         raise Discrepancy(
             f"{name} doesn't stand upright on {surface}: {found.reason}", cause=causes.MISPLACED
         )
+    kind, top = file.objects[name].kind, base_T_top(robot, model, surface)
+    other = contradiction(look.found, top, found.base_T_object, kind, file.kinds[kind])
+    if other:
+        words = f"what has the tag of {name} is no {kind}: seen is {other}"
+        raise Discrepancy(words, cause=causes.AMBIGUOUS)
     return found
 
 

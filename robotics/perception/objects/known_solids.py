@@ -147,8 +147,11 @@ def _candidate(solid: KnownSolid, fit: OutlineFit, cluster: Cluster, is_upright:
     slope = away / max(cluster.eye[2] - cluster.top, MIN_HEIGHT_M)
     covariance[:2, :2] += HEIGHT_SIGMA_M**2 * np.outer(slope, slope)
     shift = np.zeros(2)
+    edge = 0.5 * cluster.pixel * math.hypot(1.0, float(np.linalg.norm(slope)))
+    if not solid.is_round:  # more may be missing at one end of an edge than at the other
+        covariance[2, 2] += (INSET_SIGMA_PX * edge / max(solid.size[:2])) ** 2
     if length > min(solid.size) / 2:
-        sight, edge = away / length, 0.5 * cluster.pixel * math.hypot(1.0, float(np.linalg.norm(slope)))
+        sight = away / length
         shift = INSET_PX * edge * sight
         covariance[:2, :2] += (INSET_SIGMA_PX * edge) ** 2 * np.outer(sight, sight)
     place = (fit.x + float(shift[0]), fit.y + float(shift[1]), 0.0)

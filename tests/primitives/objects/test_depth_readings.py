@@ -12,7 +12,7 @@ import pytest
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.driving.move_to import MoveTo
-from handcart.primitives.objects.depth_readings import Belief, Standing, identify
+from handcart.primitives.objects.depth_readings import Belief, Standing, contradiction, identify
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.object_kind import ObjectKind
 from handcart.primitives.objects.objects import Objects
@@ -110,6 +110,24 @@ def test_parcel_without_tag_is_found_and_picked(tmp_path: Path) -> None:
     assert (seen.pose.x, seen.pose.y) == pytest.approx(true[:2, 3], abs=0.012)
     assert isinstance(rig.do(Pick(object="parcel_1")), Success)
     assert scene_of(rig).held is thing(rig)
+
+
+@pytest.mark.parametrize(
+    ("names", "height", "words"),
+    [
+        (("parcel",), 0.08, ""),
+        ((), 0.081, ""),
+        (("tin", "parcel"), 0.08, ""),
+        (("tin",), 0.08, "a tin"),
+        ((), 0.076, "something 76 mm high"),
+    ],
+)
+def test_tag_on_another_solid_is_noticed(names: tuple[str, ...], height: float, words: str) -> None:
+    found = seen_at(0.5, 0.1, *names)
+    points = np.tile([[0.5, 0.1, height]], (40, 1))
+    found = found._replace(cluster=found.cluster._replace(points=points, top=height))
+    place = transform((0.5, 0.1, 0.0))
+    assert contradiction([found], np.eye(4), place, "parcel", PARCEL) == words
 
 
 @pytest.mark.slow
