@@ -19,11 +19,11 @@ from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.objects.depth_view import DepthView, depth_view, over_surface
 from handcart.robotics.perception.objects.known_solids import (
     HEIGHT_TOLERANCE_M,
-    Candidate,
     KnownSolid,
+    SolidCandidate,
     candidates,
 )
-from handcart.robotics.perception.objects.standing_clusters import Cluster, standing_clusters
+from handcart.robotics.perception.objects.standing_clusters import PointCluster, standing_clusters
 
 from .object_kind import ObjectKind
 from .surface import ObjectSurface
@@ -37,7 +37,7 @@ INNER_SHARE = 0.7  # of an upper side, around its middle
 SQUARE_M = 0.001  # difference of two sides that are taken for the same
 
 
-class Belief(NamedTuple):
+class ObjectBelief(NamedTuple):
     """Where an object of a kind is believed to be, in the base frame."""
 
     object: str
@@ -52,8 +52,8 @@ class Belief(NamedTuple):
 class Standing(NamedTuple):
     """Something that stands on a surface, and all that it may be."""
 
-    cluster: Cluster
-    may_be: tuple[Candidate, ...]
+    cluster: PointCluster
+    may_be: tuple[SolidCandidate, ...]
 
 
 def take_depth(robot: Robot) -> DepthView | None:
@@ -90,7 +90,7 @@ def identify(
     kind_name: str,
     kind: ObjectKind,
     found: Sequence[Standing],
-    beliefs: Sequence[Belief],
+    beliefs: Sequence[ObjectBelief],
     base_T_surface: Transform,
     views: int,
 ) -> Located:
@@ -195,19 +195,19 @@ def describe(found: Standing) -> str:
     return f"something {x:.0f} x {y:.0f} mm, {1e3 * found.cluster.top:.0f} mm high"
 
 
-def _is(candidate: Candidate, kind_name: str) -> bool:
+def _is(candidate: SolidCandidate, kind_name: str) -> bool:
     return candidate.name == kind_name and candidate.is_upright
 
 
-def _in_words(candidate: Candidate) -> str:
+def _in_words(candidate: SolidCandidate) -> str:
     return f"a {candidate.name}" if candidate.is_upright else f"a fallen {candidate.name}"
 
 
-def _candidate(found: Standing, kind_name: str) -> Candidate:
+def _candidate(found: Standing, kind_name: str) -> SolidCandidate:
     return next(each for each in found.may_be if _is(each, kind_name))
 
 
-def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[Belief]) -> int:
+def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[ObjectBelief]) -> int:
     """Return which of the places (n, 2), in [m] in the base frame, is that of an object.
 
     All places are assigned to objects of the kind. The best assignment has to be far likelier than all in
@@ -249,7 +249,7 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[B
     return chosen
 
 
-def _log_density(place: FloatArray, belief: Belief) -> float:
+def _log_density(place: FloatArray, belief: ObjectBelief) -> float:
     if belief.place is None:
         return 0.0  # anywhere on about a square metre
     off = math.hypot(place[0] - belief.place[0], place[1] - belief.place[1]) / belief.sigma
@@ -257,7 +257,7 @@ def _log_density(place: FloatArray, belief: Belief) -> float:
 
 
 def _located(
-    found: Candidate, kind: ObjectKind, heading: float, base_T_surface: Transform, eye: FloatArray
+    found: SolidCandidate, kind: ObjectKind, heading: float, base_T_surface: Transform, eye: FloatArray
 ) -> Located:
     """Return a candidate in the base frame; of headings that look the same, the one next to that expected."""
     pose = np.asarray(base_T_surface @ found.surface_T_solid)

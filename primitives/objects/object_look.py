@@ -23,7 +23,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.objects.depth_view import DepthView
 
-from .depth_readings import Belief, Standing, contradiction, identify, standing, take_depth
+from .depth_readings import ObjectBelief, Standing, contradiction, identify, standing, take_depth
 from .object_kind import KnownObject
 from .object_names import name_in_world
 from .object_site import base_T_map, held_shape, kind_of, surface_of, surroundings
@@ -209,7 +209,7 @@ def base_T_top(robot: Robot, model: ModelView, surface: str) -> Transform:
 
 def _beliefs(
     robot: Robot, model: ModelView, name: str, surface: str, expected: Transform | None
-) -> list[Belief]:
+) -> list[ObjectBelief]:
     """Return where all objects of an object's kind on a surface are believed to be, that one first."""
     objects = model.of(Objects)
     file, held = objects.objects, objects.held_object
@@ -225,21 +225,21 @@ def _beliefs(
         if other == name and expected is not None:
             x, y = expected[:2, 3].tolist()
             heading = math.atan2(expected[1, 0], expected[0, 0])
-            found.append(Belief(other, (x, y), SEEN_SIGMA_M, heading))
+            found.append(ObjectBelief(other, (x, y), SEEN_SIGMA_M, heading))
         elif seen is not None and seen.surface == surface:
             here = robot.pose.inverse().compose(seen.pose)
-            found.append(Belief(other, (here.x, here.y), SEEN_SIGMA_M, here.theta))
+            found.append(ObjectBelief(other, (here.x, here.y), SEEN_SIGMA_M, here.theta))
         else:
             found.append(_of_file(robot, other, known, surface))
     return sorted(found, key=lambda each: each.object != name)
 
 
-def _of_file(robot: Robot, name: str, known: KnownObject, surface: str) -> Belief:
+def _of_file(robot: Robot, name: str, known: KnownObject, surface: str) -> ObjectBelief:
     heading = math.radians(known.heading_deg) - robot.pose.theta
     if known.x_m is None or known.y_m is None or known.on != surface:
-        return Belief(name, None, 1.0, heading)
+        return ObjectBelief(name, None, 1.0, heading)
     here = robot.pose.inverse().compose(Pose2(known.x_m, known.y_m, 0.0))
-    return Belief(name, (here.x, here.y), max(known.sigma_mm / 1e3, SEEN_SIGMA_M), heading)
+    return ObjectBelief(name, (here.x, here.y), max(known.sigma_mm / 1e3, SEEN_SIGMA_M), heading)
 
 
 def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:

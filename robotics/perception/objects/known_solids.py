@@ -14,7 +14,7 @@ from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .outline_fit import INSET_PX, INSET_SIGMA_PX, OutlineFit, distances, fit_outline
-from .standing_clusters import MIN_HEIGHT_M, Cluster
+from .standing_clusters import MIN_HEIGHT_M, PointCluster
 
 HEIGHT_SIGMA_M = 0.001  # of an upper side over the plane that was seen
 HEIGHT_TOLERANCE_M = 0.0035  # of an upper side
@@ -43,7 +43,7 @@ class KnownSolid(NamedTuple):
     is_round: bool = False
 
 
-class Candidate(NamedTuple):
+class SolidCandidate(NamedTuple):
     """A solid that a group of points may be."""
 
     name: str
@@ -56,7 +56,7 @@ class Candidate(NamedTuple):
     """Root mean square of the residuals, in [m]."""
 
 
-def candidates(cluster: Cluster, known: Sequence[KnownSolid]) -> list[Candidate]:
+def candidates(cluster: PointCluster, known: Sequence[KnownSolid]) -> list[SolidCandidate]:
     """Return all known solids that a group of points may be, upright or fallen, each at most once.
 
     A solid fits if its upper side has the height and the outline that were measured, and nothing of the
@@ -71,7 +71,7 @@ def candidates(cluster: Cluster, known: Sequence[KnownSolid]) -> list[Candidate]
     return found
 
 
-def _boxed(cluster: Cluster, solid: KnownSolid) -> Iterator[Candidate]:
+def _boxed(cluster: PointCluster, solid: KnownSolid) -> Iterator[SolidCandidate]:
     """Yield the box on each of its different sides, upright first."""
     x, y, z = solid.size
     tried: list[tuple[float, tuple[float, float]]] = []
@@ -88,7 +88,7 @@ def _boxed(cluster: Cluster, solid: KnownSolid) -> Iterator[Candidate]:
             yield _candidate(solid, fit, cluster, len(tried) == 1)
 
 
-def _round(cluster: Cluster, solid: KnownSolid) -> Iterator[Candidate]:
+def _round(cluster: PointCluster, solid: KnownSolid) -> Iterator[SolidCandidate]:
     """Yield the cylinder upright, and lying."""
     diameter, _, height = solid.size
     if abs(cluster.top - height) <= HEIGHT_TOLERANCE_M:
@@ -98,10 +98,10 @@ def _round(cluster: Cluster, solid: KnownSolid) -> Iterator[Candidate]:
     if abs(cluster.top - diameter) <= LYING_HEIGHT_TOLERANCE_M:
         lying = _lying(cluster, diameter / 2, height)
         if lying is not None:
-            yield Candidate(solid.name, *lying[:2], False, lying[2])
+            yield SolidCandidate(solid.name, *lying[:2], False, lying[2])
 
 
-def _fitting(cluster: Cluster, sides: tuple[float, float] | float) -> OutlineFit | None:
+def _fitting(cluster: PointCluster, sides: tuple[float, float] | float) -> OutlineFit | None:
     """Return the pose of an upper side; None if it isn't one of that size."""
     fit = fit_outline(cluster.outline, sides, cluster.cell, cluster.pixel)
     if fit is None or fit.rms > MAX_RMS_CELLS * cluster.cell + MAX_RMS_M or fit.coverage < MIN_COVERAGE:
@@ -134,7 +134,7 @@ def _sag(points: FloatArray, fit: OutlineFit) -> float:
     return float(np.abs(found[3:]).max())
 
 
-def _candidate(solid: KnownSolid, fit: OutlineFit, cluster: Cluster, is_upright: bool) -> Candidate:
+def _candidate(solid: KnownSolid, fit: OutlineFit, cluster: PointCluster, is_upright: bool) -> SolidCandidate:
     """Return a fit as a candidate, with what is unsure along the line of sight.
 
     In a slanted view readings are missing at the far edge, which is a step in depth, and not at the near
@@ -156,10 +156,10 @@ def _candidate(solid: KnownSolid, fit: OutlineFit, cluster: Cluster, is_upright:
         covariance[:2, :2] += (INSET_SIGMA_PX * edge) ** 2 * np.outer(sight, sight)
     place = (fit.x + float(shift[0]), fit.y + float(shift[1]), 0.0)
     pose = transform(place, (0.0, 0.0, fit.heading))
-    return Candidate(solid.name, pose, covariance, is_upright, fit.rms)
+    return SolidCandidate(solid.name, pose, covariance, is_upright, fit.rms)
 
 
-def _lying(cluster: Cluster, radius: float, length: float) -> tuple[Transform, FloatArray, float] | None:
+def _lying(cluster: PointCluster, radius: float, length: float) -> tuple[Transform, FloatArray, float] | None:
     """Return pose (4, 4), covariance (3, 3) and residual of a lying cylinder; None if it isn't one.
 
     The distances of the points from the axis are fitted; those of its ends are outliers.

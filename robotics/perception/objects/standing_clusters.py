@@ -25,7 +25,7 @@ CELL_SPACINGS = 1.3  # of an outline's grid, in distances of neighbouring points
 BORDER_CELLS = 2.5  # from a point at the picture's edge within which an outline isn't true
 
 
-class Cluster(NamedTuple):
+class PointCluster(NamedTuple):
     """Something that stands on a surface; in the frame of `OverSurface`."""
 
     points: FloatArray
@@ -44,7 +44,7 @@ class Cluster(NamedTuple):
     """True if some of it is at the edge of a picture."""
 
 
-def standing_clusters(views: Sequence[OverSurface], size: tuple[float, float]) -> list[Cluster]:
+def standing_clusters(views: Sequence[OverSurface], size: tuple[float, float]) -> list[PointCluster]:
     """Return what stands on a surface, by the points of all views together, the largest first.
 
     Args:
@@ -84,7 +84,7 @@ def _labels(points: FloatArray) -> FloatArray:
     return np.asarray(labels[cells[:, 0], cells[:, 1]], dtype=np.float64)
 
 
-def _cluster(points: FloatArray, border: BoolArray, views: Sequence[OverSurface]) -> Cluster | None:
+def _cluster(points: FloatArray, border: BoolArray, views: Sequence[OverSurface]) -> PointCluster | None:
     highest = float(np.percentile(points[:, 2], TOP_PERCENTILE))
     level = float(np.median(points[points[:, 2] > highest - TOP_BAND_M, 2]))
     upper = np.abs(points[:, 2] - level) < LEVEL_BAND_M
@@ -99,7 +99,7 @@ def _cluster(points: FloatArray, border: BoolArray, views: Sequence[OverSurface]
     if len(cut):
         away = cKDTree(cut[:, :2]).query(outline)[0]
         outline = outline[away > BORDER_CELLS * cell]
-    return Cluster(points, float(np.median(top[:, 2])), outline, cell, pixel, eye, bool(len(cut)))
+    return PointCluster(points, float(np.median(top[:, 2])), outline, cell, pixel, eye, bool(len(cut)))
 
 
 def outline_of(points: FloatArray, cell: float) -> FloatArray | None:

@@ -12,7 +12,7 @@ import pytest
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.driving.move_to import MoveTo
-from handcart.primitives.objects.depth_readings import Belief, Standing, contradiction, identify
+from handcart.primitives.objects.depth_readings import ObjectBelief, Standing, contradiction, identify
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.object_kind import ObjectKind
 from handcart.primitives.objects.objects import Objects
@@ -20,8 +20,8 @@ from handcart.primitives.objects.pick import Pick
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.geometry.transform import transform
-from handcart.robotics.perception.objects.known_solids import Candidate
-from handcart.robotics.perception.objects.standing_clusters import Cluster
+from handcart.robotics.perception.objects.known_solids import SolidCandidate
+from handcart.robotics.perception.objects.standing_clusters import PointCluster
 
 from .fetching import changed, rig_with, scene_of
 
@@ -33,20 +33,22 @@ PARCEL = ObjectKind(size_mm=(60, 90, 80))
 def seen_at(x: float, y: float, *names: str, is_upright: bool = True) -> Standing:
     """Return something that may be one of these kinds."""
     points = np.array([[x, y, 0.08]])
-    cluster = Cluster(points, 0.08, points[:, :2], 0.002, 0.0015, np.array([0.0, 0.0, 0.5]), False)
+    cluster = PointCluster(points, 0.08, points[:, :2], 0.002, 0.0015, np.array([0.0, 0.0, 0.5]), False)
     pose = transform((x, y, 0.0))
-    return Standing(cluster, tuple(Candidate(n, pose, 1e-6 * np.eye(3), is_upright, 1e-3) for n in names))
+    return Standing(
+        cluster, tuple(SolidCandidate(n, pose, 1e-6 * np.eye(3), is_upright, 1e-3) for n in names)
+    )
 
 
-def told(found: list[Standing], *beliefs: Belief) -> tuple[float, float]:
+def told(found: list[Standing], *beliefs: ObjectBelief) -> tuple[float, float]:
     """Return where `mine` is."""
-    every = (Belief("mine", (0.5, 0.0), 0.04, 0.0), *beliefs)
+    every = (ObjectBelief("mine", (0.5, 0.0), 0.04, 0.0), *beliefs)
     place = identify("mine", "parcel", PARCEL, found, every, np.eye(4), 2)
     x, y = place.base_T_object[:2, 3].tolist()
     return x, y
 
 
-def cause_of(found: list[Standing], *beliefs: Belief) -> str:
+def cause_of(found: list[Standing], *beliefs: ObjectBelief) -> str:
     with pytest.raises(Discrepancy) as caught:
         told(found, *beliefs)
     return str(caught.value.cause)
@@ -66,13 +68,13 @@ def test_two_like_one_known_object_are_ambiguous() -> None:
 
 def test_two_known_objects_of_one_kind_are_told_by_belief() -> None:
     pair = [seen_at(0.72, 0.0, "parcel"), seen_at(0.48, 0.0, "parcel")]
-    assert told(pair, Belief("other", (0.7, 0.0), 0.04, 0.0)) == pytest.approx((0.48, 0.0))
+    assert told(pair, ObjectBelief("other", (0.7, 0.0), 0.04, 0.0)) == pytest.approx((0.48, 0.0))
     near = [seen_at(0.52, 0.0, "parcel"), seen_at(0.53, 0.05, "parcel")]
-    assert "ambiguous" in cause_of(near, Belief("other", (0.55, 0.0), 0.04, 0.0))
+    assert "ambiguous" in cause_of(near, ObjectBelief("other", (0.55, 0.0), 0.04, 0.0))
 
 
 def test_other_object_of_the_kind_is_not_taken_for_it() -> None:
-    assert "not_seen" in cause_of([seen_at(0.9, 0.0, "parcel")], Belief("other", (0.9, 0.0), 0.04, 0.0))
+    assert "not_seen" in cause_of([seen_at(0.9, 0.0, "parcel")], ObjectBelief("other", (0.9, 0.0), 0.04, 0.0))
 
 
 def test_only_one_of_its_kind_far_from_belief_is_ambiguous() -> None:

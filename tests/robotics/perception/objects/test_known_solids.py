@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.shapes import Box, Solid
 from handcart.robotics.kinematics.shapes import Cylinder as Rod
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
 from handcart.robotics.perception.objects.depth_view import depth_view, over_surface
-from handcart.robotics.perception.objects.known_solids import Candidate, KnownSolid, candidates
+from handcart.robotics.perception.objects.known_solids import KnownSolid, SolidCandidate, candidates
 from handcart.robotics.perception.objects.standing_clusters import standing_clusters
 
 PARCEL = KnownSolid("parcel", (0.06, 0.09, 0.08))
@@ -38,7 +38,7 @@ def standing_at(solid: KnownSolid, y: float = 0.0, turn: float = 0.3, x: float =
 
 def looked_at(
     *bodies: Solid, views: Sequence[float] = VIEWS_RAD, seed: int = 0, aside: float = 0.0, **errors: float
-) -> list[list[Candidate]]:
+) -> list[list[SolidCandidate]]:
     """Return what each thing on the table may be, largest first."""
     spec = DepthCameraSpec(width_px=240, height_px=180, focal_px=280, errors=DepthErrors(**errors))  # type: ignore[arg-type]
     table = Box(transform((0.8, 0.0, TABLE_M - 0.05)), (*SIZE_M, 0.1))
