@@ -36,6 +36,7 @@ OWN_COMMANDS = {
     "export": ("past_runs.export", "export", "Write a task, a run or a campaign for other programs."),
     "import": ("commands.import_task", "import_task", "Read a behaviour tree or a state machine as a task."),
     "console": ("console.console", "console", "See all runs in the browser, and command them."),
+    "node": ("node.node", "node", "Start runs from ROS 2, by services."),
     "view": ("past_runs.view", "view", "Show a run in three dimensions, in the browser."),
     "runs": ("past_runs.runs", "runs", "List the runs of a folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),

@@ -30,6 +30,9 @@ class RosCamera(TopicSensor, PlacedCamera):
     """Pictures of one camera, turned to grey."""
 
     KIND = "sensor_msgs/Image"
+    _message: Any = None
+    _image: ByteArray | None = None
+    """Picture of the last message, decoded once it is asked for; None: not yet."""
 
     def fit(self, mounted: MountedCamera) -> None:
         """Set the camera as it was calibrated, before the first picture."""
@@ -39,6 +42,8 @@ class RosCamera(TopicSensor, PlacedCamera):
     def image(self) -> ByteArray:
         """See `Camera`; raises `StaleSensor`."""
         self.check_fresh()
+        if self._image is None:
+            self._image = grey_picture(self._message)
         return self._image
 
     @override
@@ -56,7 +61,7 @@ class RosCamera(TopicSensor, PlacedCamera):
 
     @override
     def _read(self, messages: list[Any]) -> None:
-        self._image = grey_picture(messages[-1])
+        self._message, self._image = messages[-1], None
 
 
 def grey_picture(message: Any) -> ByteArray:

@@ -49,6 +49,7 @@ NOT_RUN = {
     "README.md": "its commands are what .ci/run begins with",
     "docs/index.md": "its command is the first one of .ci/run",
     "handcart console": "a server: tests/tools/console",
+    "handcart node": "rclpy: tests/tools/node",
     "handcart view": "a server: tests/evaluation/viewing/view",
     "handcart bench": "a server: tests/tools/hardware/test_bench.py",
     "handcart run tasks/stack_blocks/task.yaml --view": "a server: tests/evaluation/viewing/view",

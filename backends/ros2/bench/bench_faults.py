@@ -60,6 +60,11 @@ class BenchFaults:
         self._planned, self._periods = planned, max(1, round(DELAY_S / period))
         self._kept: dict[TopicFault, list[Any]] = {}
 
+    @property
+    def any_planned(self) -> bool:
+        """True if a message may be changed or kept."""
+        return bool(self._planned)
+
     def add(self, fault: TopicFault) -> None:
         """Plan one more."""
         self._planned = (*self._planned, fault)

@@ -69,15 +69,37 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
     return message
 
 
-def image_message(link: Link, now: float, robot: Backend) -> Any:
-    """Return the picture of a simulated camera as an `Image`."""
+class LatePicture:
+    """Pixels of a picture that is rendered when they are read: within the period in which it is sent."""
+
+    def __init__(self, camera: Camera) -> None:
+        """Read `camera`."""
+        self._camera = camera
+        self._size = camera.model.width * camera.model.height
+
+    def __len__(self) -> int:
+        return self._size
+
+    def __bytes__(self) -> bytes:
+        return np.ascontiguousarray(self._camera.image()).tobytes()
+
+
+def image_message(link: Link, now: float, robot: Backend, late: bool = False) -> Any:
+    """Return the picture of a simulated camera as an `Image`.
+
+    Args:
+        link: makes it.
+        now: time of ROS, in [s].
+        robot: has the camera.
+        late: True to render it only if it is read, which has to happen before the robot's next step.
+    """
     camera = robot.get(Camera)  # type: ignore[type-abstract]
     assert camera is not None, "its file says so"
-    picture = camera.image()
     message = _stamped(link, "sensor_msgs/Image", now, "camera")
-    message.height, message.width = map(int, picture.shape)
-    message.encoding, message.step = "mono8", int(picture.shape[1])
-    message.data = array("B", np.ascontiguousarray(picture).tobytes())
+    message.height, message.width = camera.model.height, camera.model.width
+    message.encoding, message.step = "mono8", camera.model.width
+    picture = LatePicture(camera)
+    message.data = picture if late else array("B", bytes(picture))
     return message
 
 

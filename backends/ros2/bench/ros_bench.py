@@ -33,6 +33,7 @@ from .bench_messages import (
     scan_message,
     state_message,
 )
+from .local_air import LocalLink
 from .robot_differences import RobotDifferences
 from .wheel_odometry import WheelOdometry
 
@@ -221,7 +222,8 @@ class RosBench:
         if robot.imu is not None:
             found[spec.imu.topic] = imu_message(link, now, self.inner, self._true.factor("imu"))
         if robot.camera is not None and link.subscribers(spec.camera.topic):
-            found[spec.camera.topic] = image_message(link, now, self.inner)
+            late = isinstance(link, LocalLink) and not self._faults.any_planned
+            found[spec.camera.topic] = image_message(link, now, self.inner, late)
         if robot.camera is not None and link.subscribers(spec.camera.info_topic):
             found[spec.camera.info_topic] = camera_info_message(link, now, camera_model(robot.camera))
         return found

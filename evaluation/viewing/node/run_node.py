@@ -224,8 +224,8 @@ def check_alone(link: ServingLink, seconds: float, sleep: Callable[[float], None
     step = 0.1
     for _ in range(max(1, round(seconds / step))):
         if link.servers(f"{PREFIX}/stop"):
-            where = "another one: --node-namespace"
-            raise SecondNode(f"another node offers {PREFIX}/stop in this namespace; allowed: {where}")
+            allowed = "another namespace (--node-namespace); a killed program's node stays for half a minute"
+            raise SecondNode(f"another node offers {PREFIX}/stop in this namespace; allowed: {allowed}")
         sleep(step)
 
 

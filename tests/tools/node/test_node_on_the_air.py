@@ -43,6 +43,19 @@ def client(alone: None) -> Iterator[Client]:
     found.close()
 
 
+def test_a_requested_run_begins_and_a_second_one_is_refused(client: Client, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "handcart", "node", "drive_map", "--robot", "cart"]
+    words += ["--backend", "kinematic", "--runs", str(tmp_path)]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as desk:
+        first = client.call("handcart/run/drive_map", 90.0)
+        assert first.success, first.message
+        again = client.call("handcart/run/drive_map")
+        assert not again.success and "one at a time" in again.message
+        assert client.call("handcart/stop", 30.0).success
+        desk.terminate()
+        assert desk.wait(timeout=15.0) == 143
+
+
 def test_a_kinematic_run_is_watched_and_stopped(client: Client, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "handcart", *RUN, "--runs", str(tmp_path)]
     status: list[Any] = []

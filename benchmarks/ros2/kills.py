@@ -1,0 +1,106 @@
+"""Kill program or bench while the base drives, through the middleware: `python -m benchmarks.ros2.kills`.
+
+The program is killed (SIGKILL) at a random instant: the base has to rest within its own time-out. The bench
+is killed: the program has to end with a fault that names a topic. Needs rclpy. Status 1 if either failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import time
+
+import numpy as np
+
+from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
+
+from .wire_rig import Ended, Process, Rest, drive_circles, on_the_air, serve_bench
+
+PERIODS_S = 0.1
+"""[s] of two periods, beyond the base's time-out."""
+MAX_PERIODS = round((COMMAND_TIMEOUT_S + PERIODS_S) / 0.05)
+"""Periods of the bench in which the base may still move: a busy machine stretches seconds, not these."""
+REPORT_TIMEOUT_S = 1.5
+
+
+def main() -> None:
+    """Print both rows."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--count", type=int, default=20, help="kills of each of both")
+    words.add_argument("--seed", type=int, default=0, help="of the instants")
+    asked = words.parse_args()
+    rng = random.Random(asked.seed)
+    failed, most_periods = 0, 0
+    for name, kill in (("program", kill_program), ("bench", kill_bench)):
+        times, wrong = [], []
+        for trial in range(asked.count):
+            print(f"\r{name} killed: {trial} of {asked.count}", end="", file=sys.stderr, flush=True)
+            with on_the_air(trial):
+                seconds, periods, finding = kill(rng.uniform(0.0, 0.5))
+            times.append(seconds)
+            most_periods = max(most_periods, periods)
+            wrong += [finding] if finding else []
+        print(file=sys.stderr)
+        what = "base at rest" if name == "program" else "reported with a topic"
+        middle, most = np.percentile(times, 50.0), np.max(times)
+        good = asked.count - len(wrong)
+        print(
+            f"{name} killed {asked.count} times: {what} {good}, median {middle:.2f} s, at most {most:.2f} s"
+        )
+        if name == "program":
+            print(
+                f"    the base moved for at most {most_periods} periods of the bench afterwards", flush=True
+            )
+        for each in dict.fromkeys(wrong):
+            print(f"    {each}", flush=True)
+        failed += len(wrong)
+    sys.exit(1 if failed else 0)
+
+
+def kill_program(after_s: float) -> tuple[float, int, str]:
+    """Kill the program; return the time until the base rests in [s] and in periods, and what is wrong."""
+    bench, driver = Process(serve_bench), None
+    try:
+        bench.answer()
+        driver = Process(drive_circles, 60.0)
+        driver.answer()
+        time.sleep(after_s)
+        killed = driver.kill()
+        time.sleep(COMMAND_TIMEOUT_S + 5.0 * PERIODS_S)
+        bench.pipe.send(killed)
+        rest: Rest = bench.answer()
+    except TimeoutError as error:
+        return 0.0, 0, str(error)
+    finally:
+        for each in (driver, bench):
+            if each is not None:
+                each.kill()
+    wrong = "" if rest.periods <= MAX_PERIODS else f"the base drove for {rest.periods} periods"
+    return rest.seconds, rest.periods, wrong
+
+
+def kill_bench(after_s: float) -> tuple[float, int, str]:
+    """Kill the bench; return the time until the program reports it in [s], 0, and what is wrong."""
+    bench, driver = Process(serve_bench), None
+    try:
+        bench.answer()
+        driver = Process(drive_circles, 60.0)
+        driver.answer()
+        time.sleep(after_s)
+        killed = bench.kill()
+        ended: Ended = driver.answer(20.0)
+    except TimeoutError as error:
+        return 0.0, 0, str(error)
+    finally:
+        for each in (driver, bench):
+            if each is not None:
+                each.kill()
+    after = ended.time - killed
+    if "(odom)" not in ended.words:
+        return after, 0, f"not named: {ended.words}"
+    return after, 0, "" if after <= REPORT_TIMEOUT_S else f"reported after {after:.2f} s"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""Processes on both sides of the middleware: a bench with the cart, and a program that drives circles."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from typing import Any, NamedTuple
+
+from handcart.backends.backend import RobotFault
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.registry import make_backend
+from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
+from handcart.backends.ros2.bench.ros_bench import RosBench
+from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.wire.ros_link import RosLink, node_name
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+from handcart.files.errors import HandcartError
+
+FORK = multiprocessing.get_context("fork")
+DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S = 0.1, 0.5
+ANSWER_S = 60.0
+"""[s] in which a process has to answer; the machine may be busy."""
+FIRST_DOMAIN, DOMAINS = 30, 60
+Pipe = Any
+
+
+class Ended(NamedTuple):
+    """How the driving program ended."""
+
+    time: float
+    """Of the monotonic clock, in [s]."""
+    words: str
+    figures: dict[str, Any]
+
+
+class Rest(NamedTuple):
+    """When the base of the bench came to rest after an instant."""
+
+    seconds: float
+    """By the wall clock."""
+    periods: int
+    """Number of periods of the bench in which it still moved; a busy machine stretches periods, not this."""
+
+
+class Process:
+    """A forked process with a pipe to it."""
+
+    def __init__(self, work: Callable[..., None], *words: Any) -> None:
+        """Run `work` with a pipe and `words`."""
+        self.pipe, other = FORK.Pipe()
+        self._process = FORK.Process(target=work, args=(other, *words), daemon=True)
+        self._process.start()
+        other.close()
+
+    def kill(self) -> float:
+        """Kill it (SIGKILL); return the time in [s]."""
+        self._process.kill()
+        now = time.monotonic()
+        self._process.join()
+        return now
+
+    def answer(self, seconds: float = ANSWER_S) -> Any:
+        """Return its next message.
+
+        Raises:
+            TimeoutError: none has come.
+        """
+        if not self.pipe.poll(seconds):
+            raise TimeoutError(f"no answer within {seconds:g} s")
+        return self.pipe.recv()
+
+
+@contextmanager
+def on_the_air(trial: int) -> Iterator[None]:
+    """Give the processes that are forked inside a ROS domain of their own on this machine."""
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    os.environ["ROS_DOMAIN_ID"] = str(FIRST_DOMAIN + trial % DOMAINS)
+    yield
+
+
+def cart(max_late_ms: float, first_message_s: float = 30.0) -> RobotFile:
+    """Return the cart with topics of the usual names; times in [ms] and [s]."""
+    robot = load_robot("cart")
+    spec = RosSpec(first_message_s=first_message_s, max_late_ms=max_late_ms)
+    return robot.model_copy(update={"ros2": spec}).read_in(robot.folder)
+
+
+def serve_bench(pipe: Connection) -> None:
+    """Serve the cart's topics until killed.
+
+    A received `TopicFault` begins at once. A received time, in [s] of the monotonic clock, is answered by
+    the `Rest` of the base after it.
+    """
+    robot = cart(1000.0)
+    assert robot.ros2 is not None
+    inner = make_backend("kinematic", robot, LIBRARY_FOLDER / "world.yaml", 0)
+    faults = BenchFaults(robot.period_s)
+    bench = RosBench(robot, robot.ros2, inner, RosLink(node_name("bench")), faults)
+    moved: list[tuple[float, bool]] = []
+    due = time.monotonic()
+    pipe.send("ready")
+    while True:
+        bench.step()
+        speeds = bench.speeds
+        moved.append((time.monotonic(), bool(speeds.speed or speeds.turn_rate)))
+        while pipe.poll():
+            asked = pipe.recv()
+            if isinstance(asked, TopicFault):
+                faults.add(asked)
+            else:
+                late = [at for at, moves in moved if moves and at > asked]
+                pipe.send(Rest(max(late, default=asked) - asked, len(late)))
+        due = max(due + robot.period_s, time.monotonic() - robot.period_s)
+        time.sleep(max(0.0, due - time.monotonic()))
+
+
+def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.0) -> None:
+    """Drive in circles and read the lidar each period; send "drives", then how it ended."""
+    words, figures = "drove to its end", {}
+    try:
+        with RosBackend(cart(1000.0, first_message_s)) as backend:
+            base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
+            assert base is not None and lidar is not None
+            for period in range(round(seconds / backend.period)):
+                base.drive(DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S)
+                backend.step()
+                lidar.scan()
+                base.wheel_travel()
+                figures = dict(backend.figures())
+                if period == 10:
+                    pipe.send("drives")
+    except (RobotFault, HandcartError) as error:
+        words = str(error)
+    pipe.send(Ended(time.monotonic(), words, figures))

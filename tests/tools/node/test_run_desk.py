@@ -1,0 +1,118 @@
+"""Runs are requested one at a time, and acknowledged once their reason could be read."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import IO, Any
+
+import pytest
+
+from handcart.networks.journal.journal import Journal
+from handcart.networks.run_files.run_folder import read_run_journal
+from handcart.networks.run_files.socket_path import CONTROL_SOCKET
+from handcart.tools.node.run_desk import RunDesk, service_names
+from tests.evaluation.viewing.node.noted_link import NotedLink
+
+HEADER = {"simulated": False, "task_path": "/t/task.yaml", "seed": 0, "backend": "ros2"}
+GAVE_UP = {"n": 1, "outcome": "GiveUp", "reason": "it squeaks", "residuals": {}}
+PYTHON = (sys.executable, "-S", "-c")
+
+
+class Robot:
+    """Starts runs that exist on paper: a folder with a journal that is held open."""
+
+    def __init__(self, runs: Path) -> None:
+        self.runs, self.asked = runs, list[Sequence[str]]()
+        self.refusal = ""
+        self._journal: Journal | None = None
+        self._children: list[subprocess.Popen[bytes]] = []
+
+    def start(self, words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:
+        self.asked.append(words)
+        if self.refusal:
+            code = f"print({self.refusal!r}); raise SystemExit(2)"
+        else:
+            code = "import sys; sys.stdin.read()"
+            folder = self.runs / f"run-{len(self.asked)}"
+            folder.mkdir(parents=True)
+            self._journal = Journal(folder / "journal.jsonl")
+            self._journal.append("RUN", 0.0, HEADER, {"wall": {"unix_s": float(len(self.asked))}})
+            (folder / CONTROL_SOCKET).touch()
+        child = subprocess.Popen((*PYTHON, code), stdin=subprocess.PIPE, stdout=said, stderr=said)
+        self._children.append(child)
+        return child
+
+    def end(self, **result: Any) -> None:
+        """Let the run end, with a RESULT."""
+        assert self._journal is not None
+        if result:
+            self._journal.append("RESULT", 1.0, result)
+        self._journal.__exit__(None, None, None)
+        self._journal = None
+        self._children[-1].communicate()
+
+    def close(self) -> None:
+        if self._journal is not None:
+            self.end()
+        for child in self._children:
+            child.communicate()
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[Robot]:
+    found = Robot(tmp_path / "runs")
+    yield found
+    found.close()
+
+
+def test_a_second_run_is_refused_while_one_is_running(robot: Robot) -> None:
+    options, link = ("--backend", "ros2"), NotedLink()
+    desk = RunDesk({"tour": Path("/t/tour.yaml")}, robot.runs, options, robot.start)
+    desk.offer(link)
+    request = link.services["handcart/run/tour"]
+    first = request()
+    assert first == (True, f"tour runs in {robot.runs / 'run-1'}")
+    words = ("run", "/t/tour.yaml", "--node", "--runs", str(robot.runs), "--backend", "ros2")
+    assert tuple(robot.asked[0][-len(words) :]) == words
+    again = request()
+    assert not again.success and "is running; allowed: one at a time" in again.message
+    assert desk.state()["running"] == str(robot.runs / "run-1")
+    robot.end()
+    assert desk.state()["running"] is None
+    assert request().success
+
+
+def test_a_run_of_another_program_counts_too(robot: Robot) -> None:
+    RunDesk({"tour": Path("tour.yaml")}, robot.runs, (), robot.start).request("tour")
+    other = RunDesk({"tour": Path("tour.yaml")}, robot.runs, (), robot.start)
+    assert not other.request("tour").success
+    assert len(robot.asked) == 1
+
+
+def test_the_answer_is_the_refusal_of_the_run_itself(robot: Robot) -> None:
+    robot.refusal = "the robot ros2-a is in another run: /r; allowed: one at a time"
+    desk = RunDesk({"tour": Path("tour.yaml")}, robot.runs, (), robot.start)
+    assert desk.request("tour") == (False, robot.refusal)
+
+
+def test_a_giveup_is_acknowledged_once_it_was_published(robot: Robot) -> None:
+    now = [0.0]
+    desk = RunDesk({"tour": Path("tour.yaml")}, robot.runs, (), robot.start, lambda: now[0])
+    assert desk.acknowledge() == (False, "no run waits for a person")
+    desk.request("tour")
+    robot.end(**GAVE_UP)
+    assert desk.acknowledge() == (False, "no run waits for a person")
+    assert desk.state()["waits"]["reason"] == "it squeaks"
+    assert "is new; read it" in desk.acknowledge().message
+    now[0] = 1.5
+    assert desk.acknowledge() == (True, "it squeaks")
+    assert desk.state()["waits"] is None
+    assert read_run_journal(robot.runs / "run-1").records[-1]["kind"] == "ACK"
+
+
+def test_services_get_names_that_ros_accepts() -> None:
+    tasks = ("/a/drive_map/task.yaml", "/b/my-tour.yaml", "/c/my-tour.yaml", "/d/2nd.yaml")
+    assert list(service_names(list(map(Path, tasks)))) == ["drive_map", "my_tour", "my_tour_2", "task_2nd"]
