@@ -50,11 +50,15 @@ class Client(RosLink):
             assert time.monotonic() < end, f"not within {seconds:g} s"
             self._executor.spin_once(timeout_sec=0.05)
 
-    def call(self, service: str, seconds: float = 15.0) -> Any:
-        """Call a Trigger service, and return its answer."""
+    def send(self, service: str, seconds: float = 15.0) -> Any:
+        """Call a Trigger service, and return its answer to come."""
         trigger = import_module("std_srvs.srv").Trigger
         client = self._node.create_client(trigger, service)
         self.wait(client.service_is_ready, seconds)
-        answer = client.call_async(trigger.Request())
+        return client.call_async(trigger.Request())
+
+    def call(self, service: str, seconds: float = 15.0) -> Any:
+        """Call a Trigger service, and return its answer."""
+        answer = self.send(service, seconds)
         self.wait(answer.done, seconds)
         return answer.result()

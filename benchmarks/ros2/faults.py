@@ -53,7 +53,7 @@ def main() -> None:
     missed, trial = 0, 0
     for kind in asked.kinds:
         for topic in ("cmd_vel",) if kind == OTHERS[0] else ("odom",) if kind in OTHERS else asked.topics:
-            found = []
+            found: list[Noticed] = []
             for _ in range(asked.count):
                 print(
                     f"\r{kind} on {topic}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True

@@ -77,9 +77,6 @@ class RosLink(Link):
     drivers with default settings would not be heard at all.
     """
 
-    EXECUTOR = "SingleThreadedExecutor"
-    """Name of the class in `rclpy.executors` that spins the node."""
-
     def __init__(self, name: str, namespace: str = "", domain: int | None = None) -> None:
         """Start a node.
 
@@ -100,9 +97,13 @@ class RosLink(Link):
             raise NoRos(missing) from None
         rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = rclpy.create_node(name, namespace=namespace or None, context=self._context)
-        self._executor = getattr(executors, self.EXECUTOR)(context=self._context)
+        self._executor = self._new_executor(executors)
         self._executor.add_node(self._node)
         self._came, self._closed = 0, False
+
+    def _new_executor(self, executors: Any) -> Any:
+        """Return an executor of the module `rclpy.executors`."""
+        return executors.SingleThreadedExecutor(context=self._context)
 
     @override
     def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:

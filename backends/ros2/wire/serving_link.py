@@ -12,6 +12,8 @@ from .ros_errors import NoRos
 from .ros_link import RosLink, Take
 
 DIAGNOSTICS_TOPIC = "/diagnostics"
+THREADS = 4
+"""Threads that answer services."""
 
 
 class Answer(NamedTuple):
@@ -49,7 +51,10 @@ class ServingLink(Protocol):
 class RosServingLink(RosLink, ServingLink):
     """A node of rclpy whose services are answered by threads of their own."""
 
-    EXECUTOR = "MultiThreadedExecutor"
+    @override
+    def _new_executor(self, executors: Any) -> Any:
+        # By default it has a thread for each core: with one core a stop would wait behind another answer.
+        return executors.MultiThreadedExecutor(THREADS, context=self._context)
 
     @override
     def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:

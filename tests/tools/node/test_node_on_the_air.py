@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -13,6 +15,9 @@ from typing import Any
 
 import orjson
 import pytest
+
+from handcart.backends.ros2.wire.ros_link import node_name
+from handcart.backends.ros2.wire.serving_link import Answer, RosServingLink
 
 pytest.importorskip(
     "rclpy", reason="rclpy is not installed; needed: the extra ros2, apart", exc_type=ImportError
@@ -41,6 +46,26 @@ def client(alone: None) -> Iterator[Client]:
     found = Client()
     yield found
     found.close()
+
+
+def test_a_stop_is_answered_while_another_answer_takes_long(
+    client: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(multiprocessing, "cpu_count", lambda: 1)
+    link, over = RosServingLink(node_name("busy")), threading.Event()
+    link.serve("busy", lambda: Answer(over.wait(20.0), "late"))
+    link.serve("stop", lambda: Answer(True, "stopped"), apart=True)
+    spinning = threading.Thread(target=lambda: [link.spin(0.05) for _ in iter(over.is_set, True)])
+    spinning.start()
+    try:
+        waits = client.send("busy")
+        begun = time.monotonic()
+        assert client.call("stop").message == "stopped"
+        assert time.monotonic() - begun < 8.0 and not waits.done()
+    finally:
+        over.set()
+        spinning.join()
+        link.close()
 
 
 def test_a_requested_run_begins_and_a_second_one_is_refused(client: Client, tmp_path: Path) -> None:

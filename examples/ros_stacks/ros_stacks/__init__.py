@@ -1,0 +1,1 @@
+"""Nav2 and MoveIt as primitives of handcart."""
