@@ -31,7 +31,7 @@ READ_S = 1.0
 Starter = Callable[[Sequence[str], IO[bytes]], "subprocess.Popen[bytes]"]
 
 
-class Waiting(NamedTuple):
+class WaitingRecord(NamedTuple):
     """A record of a run that waits for a person."""
 
     run: Path
@@ -72,7 +72,7 @@ class RunDesk:
         self._tasks, self._runs, self._options = tasks, runs, tuple(options)
         self._start, self._clock = start, clock
         self._child: subprocess.Popen[bytes] | None = None
-        self._read: tuple[Waiting | None, float] = (None, 0.0)
+        self._read: tuple[WaitingRecord | None, float] = (None, 0.0)
 
     def offer(self, link: ServingLink) -> None:
         """Offer all services."""
@@ -132,7 +132,7 @@ class RunDesk:
                 continue
         return None
 
-    def _waits(self) -> Waiting | None:
+    def _waits(self) -> WaitingRecord | None:
         """Return what waits in the newest run that is not alive."""
         listed = list_runs(self._runs) if self._runs.is_dir() else []
         for each in listed[:1]:
@@ -143,7 +143,7 @@ class RunDesk:
             except (HandcartError, OSError):
                 return None
             for record, reason in waiting(contents).items():
-                return Waiting(each.folder, record, str(cause_of(contents, record)["h"]), reason)
+                return WaitingRecord(each.folder, record, str(cause_of(contents, record)["h"]), reason)
         return None
 
 
