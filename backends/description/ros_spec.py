@@ -25,7 +25,8 @@ class RosTopicSpec(FileModel):
     topic: Topic
     """Name of the topic, relative to the namespace of the program."""
     frame: str | None = None
-    """Expected `header.frame_id`; a message from another frame is refused (default: not checked)."""
+    """Expected `header.frame_id`; a message from another frame is refused (default: the frame of the
+    first message; not checked for joints)."""
     stale_ms: StaleTime = 300.0
     """Age of the last message, by its arrival and by its stamp, beyond which it is no longer one of now."""
 

@@ -19,6 +19,7 @@ class JointStates(TopicSensor):
     """Positions and efforts of joints; several publishers may each send some of them."""
 
     KIND = "sensor_msgs/JointState"
+    KEEPS_FRAME = False  # several publishers may send joints
 
     def expect(self, names: Sequence[str], signs: Sequence[float]) -> None:
         """Set the joints that are needed, before the first message.

@@ -26,6 +26,8 @@ class TopicSensor(LiveSensor):
 
     KIND: str
     """Type of its messages, such as `sensor_msgs/LaserScan`."""
+    KEEPS_FRAME = True
+    """Whether all messages have the frame of the first one, if the robot's file names none."""
 
     def __init__(
         self,
@@ -47,6 +49,7 @@ class TopicSensor(LiveSensor):
         self._stamps = stamps
         self._arrived: list[Any] = []
         self._last_stamp: float | None = None
+        self._first_frame: str | None = None
 
     def heard(self, message: Any) -> None:
         """Keep a message for the next period."""
@@ -76,8 +79,9 @@ class TopicSensor(LiveSensor):
 
     def _wrong_header(self, message: Any) -> str:
         header = message.header
-        if self.source.frame is not None and header.frame_id != self.source.frame:
-            return f"its frame is {header.frame_id!r}; allowed: {self.source.frame!r}"
+        wanted = self.source.frame if self.source.frame is not None else self._first_frame
+        if wanted is not None and header.frame_id != wanted:
+            return f"its frame is {header.frame_id!r}; allowed: {wanted!r}"
         stamp = header.stamp.sec + header.stamp.nanosec / 1e9
         age = 0.0 if self._stamps is None else self._stamps() - stamp
         if abs(age) > self._stale:
@@ -86,11 +90,14 @@ class TopicSensor(LiveSensor):
         if self._last_stamp is not None and stamp <= self._last_stamp:
             return f"its stamp is {self._last_stamp - stamp:.3g} s before that of the message before"
         self._last_stamp = stamp
+        if self.KEEPS_FRAME:
+            self._first_frame = header.frame_id
         return ""
 
     def forget(self) -> None:
         """Forget all messages: the next one begins anew."""
         self._arrived, self._last_stamp, self._came, self.doubt = [], None, None, ""
+        self._first_frame = None
 
     @override
     def close(self) -> None:

@@ -147,7 +147,13 @@ def test_a_topic_that_lies_stops_the_robot(make: Make, fault: str, topic: str) -
             backend.step()
 
 
-@pytest.mark.parametrize("fault", ["silent", "frozen", "delayed", "old-stamps", "nan"])
+def test_odometry_that_changes_its_frame_under_way_stops_the_robot(make: Make) -> None:
+    told = pytest.raises(RobotFault, match=r"\(odom\).*its frame is 'nowhere'; allowed: 'odom'")
+    with make(faults=("wrong-frame@odom@0.5",)) as backend, told:
+        drive(backend, 3.0)
+
+
+@pytest.mark.parametrize("fault", ["silent", "frozen", "delayed", "old-stamps", "nan", "wrong-frame"])
 def test_a_lidar_that_lies_gives_no_scan(make: Make, fault: str) -> None:
     with make(faults=(f"{fault}@scan@0.5",)) as backend:
         drive(backend, 2.0)
