@@ -28,11 +28,14 @@ def main() -> None:
     """Print both rows."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--count", type=int, default=20, help="kills of each of both")
+    words.add_argument("--which", nargs="+", default=["program", "bench"], help="what is killed")
     words.add_argument("--seed", type=int, default=0, help="of the instants")
     asked = words.parse_args()
     rng = random.Random(asked.seed)
     failed, most_periods = 0, 0
     for name, kill in (("program", kill_program), ("bench", kill_bench)):
+        if name not in asked.which:
+            continue
         times, wrong = [], []
         for trial in range(asked.count):
             print(f"\r{name} killed: {trial} of {asked.count}", end="", file=sys.stderr, flush=True)

@@ -75,7 +75,11 @@ class Process:
         """
         if not self.pipe.poll(seconds):
             raise TimeoutError(f"no answer within {seconds:g} s")
-        return self.pipe.recv()
+        try:
+            return self.pipe.recv()
+        except EOFError:
+            self._process.join()
+            raise TimeoutError(f"the process died with status {self._process.exitcode}") from None
 
 
 @contextmanager
