@@ -21,7 +21,7 @@ from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS, TopicFault
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 from handcart.backends.ros2.wire.ros_link import RosLink
 
-from .wire_rig import Ended, Process, Rest, drive_circles, on_the_air, serve_bench
+from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench
 
 GOES_ON = ("doubled", "swapped")
 OTHERS = ("second master", "wrong type", "late bench")
@@ -81,7 +81,7 @@ def spoiled(kind: str, topic: str) -> Noticed:
     try:
         bench.answer()
         driver = Process(drive_circles, 4.0 if kind in GOES_ON else 30.0)
-        driver.answer()
+        await_driving(driver)
         bench.pipe.send(TopicFault(kind, topic, 0.0))
         return _judged(kind, topic, bench, driver, time.monotonic())
     except TimeoutError as error:
@@ -97,7 +97,7 @@ def mastered(kind: str, topic: str) -> Noticed:
     bench = Process(serve_bench)
     bench.answer()
     driver = Process(drive_circles, 30.0)
-    driver.answer()
+    await_driving(driver)
     begun = time.monotonic()
     other = Process(_rival, "Twist", topic)
     try:

@@ -15,7 +15,7 @@ import numpy as np
 
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 
-from .wire_rig import Ended, Process, Rest, drive_circles, on_the_air, serve_bench
+from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench
 
 PERIODS_S = 0.1
 """[s] of two periods, beyond the base's time-out."""
@@ -67,7 +67,7 @@ def kill_program(after_s: float) -> tuple[float, int, str]:
     try:
         bench.answer()
         driver = Process(drive_circles, 60.0)
-        driver.answer()
+        await_driving(driver)
         time.sleep(after_s)
         killed = driver.kill()
         time.sleep(COMMAND_TIMEOUT_S + 5.0 * PERIODS_S)
@@ -89,7 +89,7 @@ def kill_bench(after_s: float) -> tuple[float, int, str]:
     try:
         bench.answer()
         driver = Process(drive_circles, 60.0)
-        driver.answer()
+        await_driving(driver)
         time.sleep(after_s)
         killed = bench.kill()
         ended: Ended = driver.answer(20.0)

@@ -82,6 +82,17 @@ class Process:
             raise TimeoutError(f"the process died with status {self._process.exitcode}") from None
 
 
+def await_driving(driver: Process) -> None:
+    """Wait until a program of `drive_circles` drives.
+
+    Raises:
+        TimeoutError: it does not, or has ended before.
+    """
+    said = driver.answer()
+    if isinstance(said, Ended):
+        raise TimeoutError(f"it ended before anything went wrong: {said.words}")
+
+
 @contextmanager
 def on_the_air(trial: int) -> Iterator[None]:
     """Give the processes that are forked inside a ROS domain of their own on this machine."""
