@@ -64,6 +64,46 @@ def test_least_cost_is_found_where_many_fails_count(family: str, seed: int) -> N
     assert found.low * (1.0 - 1e-9) <= price <= found.cost * (1.0 + 1e-4)
 
 
+@pytest.mark.parametrize(
+    ("rows", "person_s", "cost"),
+    [
+        pytest.param(
+            [("a", "b", 10, 20, 0.9, 0.0, "z"), ("b", "a", 10, 20, 0.9, 0.0, "z")],
+            600.0,
+            100.0,
+            id="a circle that one step in ten leaves (storm 1061)",
+        ),
+        pytest.param(
+            [
+                ("a", "trap", 1, 1, 0.99, 0.0, None),
+                ("a", "b", 5, 3, 1.0, 0.0, None),
+                ("trap", "other", 1, 1, 1.0, 0.0, None),
+                ("other", "trap", 1, 1, 1.0, 0.0, None),
+                ("b", "z", 5, 3, 1.0, 0.0, "a"),
+            ],
+            600.0,
+            10.0,
+            id="a trap that circles for ever (storm 555)",
+        ),
+        pytest.param(
+            [
+                ("a", "b", 1, 1, 1.0, 0.0, None),
+                ("b", "a", 1, 1, 1.0, 0.0, None),
+                ("b", "z", 500, 1, 0.5, 0.0, None),
+            ],
+            1000.0,
+            1000.0,
+            id="certain steps in a circle cost more than a person",
+        ),
+    ],
+)
+def test_least_cost_in_circles_is_exact(rows: list[Row], person_s: float, cost: float) -> None:
+    """The circles of reports to other solvers, whose iterations ended early or never."""
+    decision = best_of(built(*rows), person_s).decision(State("a", ()))
+    assert decision.low == pytest.approx(decision.cost, rel=1e-8)
+    assert decision.cost == pytest.approx(cost, rel=1e-8)
+
+
 @given(task=networks)
 @settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 def test_rule_figures_equal_those_of_an_independent_solver(task: Drawn) -> None:
