@@ -15,6 +15,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Hull
 from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.kinematics.urdf_pruning import without_joints
 
 ROBOT = """\
 format: handcart-robot/1
@@ -213,3 +214,12 @@ def test_missing_package_comes_with_the_command_that_installs_it(robot: Path) ->
         words = error_of(robot)
     assert words.startswith(f"{robot}:2:7: there is no package 'example-robot-data'")
     assert words.endswith("pip install 'handcart[robots]'")
+
+
+def test_all_links_behind_a_joint_are_left_out() -> None:
+    links = "".join(f'<link name="{name}"/>' for name in "abcd")
+    joints = "".join(
+        f'<joint name="{a}{b}" type="fixed"><parent link="{a}"/><child link="{b}"/></joint>'
+        for a, b in ("cd", "bc", "ab")
+    )
+    assert link_names(without_joints(f"<robot name='chain'>{links}{joints}</robot>", ["ab"])) == ["a"]

@@ -57,13 +57,16 @@ def test_head_turns_to_a_point_and_the_arm_keeps_its_posture(rig: Rig) -> None:
 
 
 def test_view_that_the_held_object_hides_is_not_taken(rig: Rig) -> None:
-    robot = rig.robot
-    hand = robot.base_T("hand")
-    below = hand[:3, 3] + 0.9 * (hand[:3, 3] - robot.base_T("camera")[:3, 3])
-    board = Box(transform(), (0.3, 0.3, 0.3), "board")
-    free, loaded = CollisionModel(robot.arm_model), CollisionModel(robot.arm_model, held=board)
-    assert aimed_joints(robot, free, np.array([0.6, 0.5, 0.5]), []) is not None
-    assert aimed_joints(robot, loaded, below, []) is None
+    robot, point, here = rig.robot, np.array([0.6, 0.5, 0.5]), rig.robot.arm.command()
+    middle = 0.4 * robot.base_T("camera")[:3, 3] + 0.6 * point
+    pose = np.asarray(inverse(robot.base_T("hand")) @ transform(middle.tolist()))
+    board = Box(pose, (0.1, 0.1, 0.02), "board")
+    loaded = CollisionModel(robot.arm_model, held=board)
+    assert not loaded.in_collision(here)
+    free = aimed_joints(robot, CollisionModel(robot.arm_model), point, [])
+    assert free is not None and np.array_equal(free[0][2:], here[2:])
+    past = aimed_joints(robot, loaded, point, [])
+    assert past is None or not np.array_equal(past[0][2:], here[2:])
 
 
 def test_inverse_kinematics_keep_the_head_where_it_is(rig: Rig) -> None:

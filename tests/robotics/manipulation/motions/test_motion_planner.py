@@ -136,3 +136,12 @@ def test_straight_motion_that_cannot_be(arm: ArmModel) -> None:
     assert plan_straight(arm, READY, transform((2.0, 0.0, 0.8))) is None
     row = CollisionModel(arm, CLUTTER[:2])
     assert plan_straight(arm, READY, transform((0.35, 0.0, 0.79)), collision=row) is None
+
+
+def test_start_at_a_limit_may_be_beyond_it_by_rounding(arm: ArmModel) -> None:
+    start = READY.copy()
+    start[0] = arm.lower[0] - 1e-9
+    path = plan_motion(arm, CollisionModel(arm), start, READY)
+    assert path is not None and arm.within(path[0])
+    start[0] = arm.lower[0] - 1e-3
+    assert plan_motion(arm, CollisionModel(arm), start, READY) is None
