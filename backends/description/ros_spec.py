@@ -6,6 +6,7 @@ ros2_control and Nav2.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
@@ -29,6 +30,31 @@ class RosTopicSpec(FileModel):
     first message; not checked for joints)."""
     stale_ms: StaleTime = 300.0
     """Age of the last message, by its arrival and by its stamp, beyond which it is no longer one of now."""
+
+
+class RosOdometrySpec(RosTopicSpec):
+    """Topic of the wheels' odometry, and how far it may go between two messages."""
+
+    topic: Topic = "odom"
+    jump_factor: Annotated[float, Field(ge=1.0, le=100.0)] = 3.0
+    """Motion between two messages that is a jump, relative to that at the base's top speed."""
+    jump_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.1
+    """Distance added to that."""
+    jump_deg: Annotated[float, Field(ge=0.0, le=180.0)] = math.degrees(0.2)
+    """Angle added to that."""
+
+
+class RosGpsSpec(RosTopicSpec):
+    """Topic of a satellite receiver, and the task's origin on Earth."""
+
+    topic: Topic = "fix"
+    stale_ms: StaleTime = 2000.0
+    origin_lat_deg: Annotated[float, Field(ge=-89.0, le=89.0)]
+    """Latitude of the task's origin, north positive (WGS 84)."""
+    origin_lon_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
+    """East positive."""
+    sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
+    """Sigma of a fix on each axis, where its message tells none."""
 
 
 class RosCameraSpec(RosTopicSpec):
@@ -87,6 +113,12 @@ class RosGripperSpec(FileModel):
     """Position of each joint, in [rad] or [m], at which the fingers meet."""
     open: float | None = None
     """Position of each joint, in [rad] or [m], at the full opening (default: half of the opening)."""
+    press_mm: Annotated[float, Field(gt=0.0, le=50.0)] = 1.0
+    """Opening beyond the commanded one from which something is between resting fingers."""
+    rest_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 20.0
+    """Share of the gripper's speed below which the fingers rest."""
+    rest_ms: Annotated[float, Field(ge=0.0, le=5000.0)] = 150.0
+    """Time of rest after which fingers away from their command press."""
 
 
 class RosSpec(FileModel):
@@ -97,7 +129,7 @@ class RosSpec(FileModel):
     namespace: Annotated[str, Field(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)*$")] = ""
     """Namespace of the topics."""
     velocity: RosVelocitySpec = RosVelocitySpec()
-    odometry: RosTopicSpec = RosTopicSpec(topic="odom")
+    odometry: RosOdometrySpec = RosOdometrySpec()
     """Odometry of the wheels (`nav_msgs/Odometry`)."""
     joint_states: RosTopicSpec = RosTopicSpec(topic="joint_states")
     names: dict[JointName, JointName] = Field(default_factory=dict)
@@ -111,6 +143,8 @@ class RosSpec(FileModel):
     lidar: RosTopicSpec = RosTopicSpec(topic="scan")
     camera: RosCameraSpec = RosCameraSpec()
     imu: RosTopicSpec = RosTopicSpec(topic="imu")
+    gps: RosGpsSpec | None = None
+    """Satellite receiver (`sensor_msgs/NavSatFix`); needed if the robot has one."""
     same_clock: bool = True
     """Whether the robot's clock is in step with this machine's: then a message is also refused whose stamp
     is older than its `stale_ms`, or as far in the future.
@@ -119,6 +153,8 @@ class RosSpec(FileModel):
     """Time by which a period of this program may end late before the robot is stopped. For that long, and
     a period more, the base keeps its last speeds.
     """
+    max_missed_periods: Annotated[int, Field(ge=1, le=100)] = 3
+    """Number of late periods in a row at which the robot is stopped."""
     first_message_s: Annotated[float, Field(gt=0.0, le=120.0)] = 10.0
     """Time in which the first message of each topic has to arrive."""
 

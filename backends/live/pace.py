@@ -35,6 +35,7 @@ class Pace:
         sleep: Callable[[float], None] = time.sleep,
         asleep: Callable[[], float] = suspended,
         max_excess: float = MAX_PERIOD_EXCESS_S,
+        max_missed: int | None = None,
     ) -> None:
         """Begin.
 
@@ -44,9 +45,11 @@ class Pace:
             sleep: waits so many seconds.
             asleep: gives for how long the machine has been suspended, in [s].
             max_excess: time in [s] by which no period may be longer than it should.
+            max_missed: periods that may not be missed one after another; None: `MAX_MISSED_PERIODS`.
         """
         self._period, self._clock, self._sleep, self._asleep = period, clock, sleep, asleep
         self._slept, self._max_excess = asleep(), max_excess
+        self._max_missed = MAX_MISSED_PERIODS if max_missed is None else max_missed
         self._end = clock() + period
         self._lateness = array("f")
         self._in_a_row, self._longest = 0, 0.0
@@ -97,7 +100,7 @@ class Pace:
             return f"the machine was suspended for {slept:.3g} s"
         if lateness > self._max_excess:
             return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * self._max_excess:.0f} ms"
-        if self._in_a_row >= MAX_MISSED_PERIODS:
-            finding = f"{MAX_MISSED_PERIODS} periods of {1e3 * self._period:g} ms in a row were missed"
-            return f"{finding}; allowed: {MAX_MISSED_PERIODS - 1}"
+        if self._in_a_row >= self._max_missed:
+            finding = f"{self._max_missed} periods of {1e3 * self._period:g} ms in a row were missed"
+            return f"{finding}; allowed: {self._max_missed - 1}"
         return ""

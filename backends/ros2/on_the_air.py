@@ -97,6 +97,6 @@ def silence(sensor: TopicSensor, link: Link) -> str:
         return f"{sensor.name}: its type is not {kind}: {', '.join(nodes)}"
     if nodes:
         return f"{sensor.name}: {', '.join(nodes)} publishes it, but no message arrives"
-    others = link.topics_of(kind)
+    others = [each for each in link.topics_of(kind) if link.publishers(each)]
     hint = f"; there are {', '.join(others)}" if others else f"; no topic has the type {kind}"
     return f"{sensor.name}: nobody publishes it{hint}"

@@ -78,7 +78,11 @@ class RosBackend(Backend):
             self._link = bench.link
         else:
             self._link = RosLink(node_name("robot"), spec.namespace, spec.domain)
-        self._pace = None if bench else Pace(self.period, max_excess=spec.max_late_ms / 1e3)
+        self._pace = (
+            None
+            if bench
+            else Pace(self.period, max_excess=spec.max_late_ms / 1e3, max_missed=spec.max_missed_periods)
+        )
         self._looked = self._link.clock()
         try:
             self._topics = RosTopics(robot, spec, self._link)

@@ -9,15 +9,12 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
 from handcart.backends.description.robot_file import Drive
+from handcart.backends.description.ros_spec import RosOdometrySpec
 from handcart.backends.limits import checked_command
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .topic_sensor import TopicSensor
-
-JUMP_FACTOR = 3.0
-"""Motion between two messages beyond what the base can do, from which the odometry jumps."""
-MIN_JUMP_M, MIN_JUMP_RAD = 0.1, 0.2
 
 
 class OdometryTopic(TopicSensor):
@@ -33,9 +30,9 @@ class OdometryTopic(TopicSensor):
     jumped = ""
     """How far the odometry jumped; "" if it didn't."""
 
-    def fit(self, drive: Drive) -> None:
-        """Set what the base is, before the first message."""
-        self._drive = drive
+    def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
+        """Set what the base is, and what a jump is, before the first message."""
+        self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None
 
     @override
@@ -59,12 +56,14 @@ class OdometryTopic(TopicSensor):
     def _moved(self, step: Pose2, seconds: float) -> None:
         """Add a step of the base, in the frame of the pose before, to the travel of its sides."""
         drive = self._drive
-        most = JUMP_FACTOR * drive.top_speed_m_s * seconds + MIN_JUMP_M
-        most_turn = JUMP_FACTOR * math.radians(drive.top_turn_deg_s) * seconds + MIN_JUMP_RAD
+        limits = self._limits
+        most = limits.jump_factor * drive.top_speed_m_s * seconds + limits.jump_m
+        most_turn = math.radians(limits.jump_factor * drive.top_turn_deg_s * seconds + limits.jump_deg)
         if math.hypot(step.x, step.y) > most or abs(step.theta) > most_turn:
             self.jumped = (
                 f"the odometry ({self.source.topic}) jumps by {math.hypot(step.x, step.y):.2f} m and"
-                f" {math.degrees(step.theta):.0f} deg in {seconds:.3g} s; allowed: {most:.2f} m"
+                f" {math.degrees(step.theta):.0f} deg in {seconds:.3g} s; allowed: {most:.2f} m,"
+                f" {math.degrees(most_turn):.0f} deg"
             )
         half = 0.5 * step.theta
         cos, sin = math.cos(half), math.sin(half)
@@ -79,11 +78,11 @@ class OdometryTopic(TopicSensor):
 class _TopicWheels:
     """What both kinds of bases share: the command of a period, and the odometry."""
 
-    def __init__(self, drive: Drive, odometry: OdometryTopic) -> None:
-        """Take over its odometry."""
+    def __init__(self, drive: Drive, odometry: OdometryTopic, limits: RosOdometrySpec) -> None:
+        """Take over its odometry; `limits` say what a jump of it is."""
         self._drive, self._odometry = drive, odometry
         self._command = DriveCommand()
-        odometry.fit(drive)
+        odometry.fit(drive, limits)
 
     def wheel_travel(self) -> WheelTravel:
         """Return the travel of the wheels; raises `StaleSensor` without a fresh message."""

@@ -16,13 +16,6 @@ from handcart.backends.plain_values import Kinds
 
 from .joint_states import JointStates
 
-AWAY_M = 1e-3
-"""[m] between fingers and their command from which something is between them."""
-REST_SPEED = 0.2
-"""Share of the gripper's speed below which the fingers are at rest."""
-REST_S = 0.15
-"""[s] of rest after which fingers away from their command press."""
-
 
 class RosGripper(CommandedGripper):
     """Fingers whose controller moves them to a position, and presses on what is between them.
@@ -53,6 +46,8 @@ class RosGripper(CommandedGripper):
         opening = spec.opening_mm / 1e3
         fully_open = 0.5 * opening if topic.open is None else topic.open
         self._zero, self._per_m = topic.closed, (fully_open - topic.closed) / opening
+        self._away, self._rest = topic.press_mm / 1e3, topic.rest_ms / 1e3
+        self._rest_speed = topic.rest_percent / 100.0 * spec.speed_mm_s / 1e3
         self._command = self._sent = self._width = 0.0
         self._still_s = 0.0
 
@@ -64,7 +59,7 @@ class RosGripper(CommandedGripper):
     def advance(self) -> None:
         """Read the width of this period."""
         now = self._measured()
-        moving = abs(now - self._width) > REST_SPEED * self._spec.speed_mm_s / 1e3 * self._period
+        moving = abs(now - self._width) > self._rest_speed * self._period
         self._still_s = 0.0 if moving else self._still_s + self._period
         self._width = now
 
@@ -96,8 +91,8 @@ class RosGripper(CommandedGripper):
 
     def _presses(self) -> bool:
         """Return whether the fingers rest on something: wider open than commanded, or on each other."""
-        closed = self._sent <= AWAY_M and self._width <= 2.0 * AWAY_M
-        return self._still_s >= REST_S and (closed or self._width - self._sent > AWAY_M)
+        closed = self._sent <= self._away and self._width <= 2.0 * self._away
+        return self._still_s >= self._rest and (closed or self._width - self._sent > self._away)
 
     def _measured(self) -> float:
         position = float(np.mean(self._states.positions(self._names)))

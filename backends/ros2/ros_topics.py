@@ -9,6 +9,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, HolonomicBase
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -26,6 +27,7 @@ from .joint_states import JointStates
 from .ros_arm import RosArm
 from .ros_base import OdometryTopic, RosBase, RosHolonomicBase
 from .ros_camera import RosCamera
+from .ros_gps import RosGps
 from .ros_gripper import RosGripper
 from .ros_imu import RosImu
 from .ros_lidar import RosLidar
@@ -54,7 +56,7 @@ class RosTopics:
         odometry = self._heard(OdometryTopic, "the odometry", spec.odometry)
         self.odometry = odometry
         kind = RosHolonomicBase if robot.drive.kind == "holonomic" else RosBase
-        self.base = kind(robot.drive, odometry)
+        self.base = kind(robot.drive, odometry, spec.odometry)
         self._publish(f"geometry_msgs/{spec.velocity.type}", spec.velocity.topic)
         self.states = self._joint_states()
         self.arm, self.gripper = self._made_arm(), self._made_gripper()
@@ -188,6 +190,10 @@ class RosTopics:
             yield camera
         if robot.imu is not None:
             yield self._heard(RosImu, "the inertial unit", spec.imu)
+        if robot.gps is not None and spec.gps is not None:
+            receiver = self._heard(RosGps, "the satellite receiver", spec.gps)
+            receiver.fit(spec.gps)
+            yield receiver
 
     def _heard(self, kind: type[SensorT], name: str, source: RosTopicSpec) -> SensorT:
         link = self._link
@@ -216,6 +222,8 @@ def check_joints(robot: RobotFile, spec: RosSpec) -> None:
         count = driven.count(joint)
         if count != 1:
             wrong.append(f"ros2: arm: controllers: {count} of them have the joint {joint!r}; needed: one")
+    if robot.gps is not None and spec.gps is None:
+        wrong.append("ros2: gps: the robot has a receiver; needed: origin_lat_deg and origin_lon_deg")
     if wrong:
         raise UnknownJoints(wrong)
 
@@ -229,5 +237,6 @@ def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
         RangeSensor: robot.range_sensor,
         Camera: robot.camera,
         Imu: robot.imu,
+        Gps: robot.gps,
     }
     return tuple(kind for kind, what in there.items() if what is not None)

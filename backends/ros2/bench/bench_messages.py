@@ -12,11 +12,14 @@ import numpy as np
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.ros_spec import RosGpsSpec
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.ros2.wire.messages import set_stamp
 from handcart.backends.ros2.wire.ros_link import Link
+from handcart.robotics.geometry.earth_frame import EarthFrame
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
@@ -66,6 +69,17 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
         (message.linear_acceleration, factor * unit.accelerations()),
     ):
         vector.x, vector.y, vector.z = map(float, values)
+    return message
+
+
+def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
+    """Return a fix of a simulated receiver as a `NavSatFix`."""
+    message = _stamped(link, "sensor_msgs/NavSatFix", now, "gps")
+    frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
+    message.latitude, message.longitude = frame.to_earth(*map(float, fix.position))
+    variance = float(fix.sigma) ** 2
+    message.position_covariance = [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, 4.0 * variance]
+    message.position_covariance_type = 2  # its diagonal is known
     return message
 
 

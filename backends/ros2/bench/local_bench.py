@@ -38,6 +38,7 @@ class LocalBench:
             differences: how the simulated robot differs from the file; None: it doesn't.
         """
         self.air = LocalAir()
+        self._has_receiver = robot.gps is not None
         self.inner = inner
         """The simulated robot."""
         self.link = LocalLink(self.air, "handcart")
@@ -45,7 +46,13 @@ class LocalBench:
         self._drivers = RosBench(robot, spec, inner, LocalLink(self.air, "bench"), faults, differences)
 
     def wait(self, seconds: float) -> None:
-        """Publish what the sensors read at rest, and let the time of the topics pass, in [s]."""
+        """Publish what the sensors read at rest, and let the time of the topics pass, in [s].
+
+        The time of the robot passes only for a satellite receiver, which has a fix now and then.
+        """
+        if self._has_receiver:
+            self.step()
+            return
         self.air.time += seconds
         self._drivers.announce()
 

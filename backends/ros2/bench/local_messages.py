@@ -43,6 +43,17 @@ def _image() -> SimpleNamespace:
     return SimpleNamespace(header=_header(), height=0, width=0, encoding="", step=0, data=b"")
 
 
+def _fix() -> SimpleNamespace:
+    place = {"latitude": 0.0, "longitude": 0.0, "altitude": 0.0}
+    return SimpleNamespace(
+        header=_header(),
+        status=SimpleNamespace(status=0, service=0),
+        **place,
+        position_covariance=[0.0] * 9,
+        position_covariance_type=0,
+    )
+
+
 def _camera_info() -> SimpleNamespace:
     lens = {"distortion_model": "", "d": [], "k": [0.0] * 9, "r": [0.0] * 9, "p": [0.0] * 12}
     return SimpleNamespace(header=_header(), height=0, width=0, **lens)
@@ -57,6 +68,7 @@ _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
     "Image": _image,
     "String": lambda: SimpleNamespace(data=""),
     "CameraInfo": _camera_info,
+    "NavSatFix": _fix,
     "Imu": lambda: SimpleNamespace(
         header=_header(), angular_velocity=_vector(), linear_acceleration=_vector()
     ),

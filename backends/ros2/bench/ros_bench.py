@@ -11,6 +11,7 @@ import numpy as np
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
+from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
@@ -27,6 +28,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .bench_faults import BenchFaults
 from .bench_messages import (
     camera_info_message,
+    fix_message,
     image_message,
     imu_message,
     odometry_message,
@@ -221,6 +223,9 @@ class RosBench:
             found[spec.lidar.topic] = scan
         if robot.imu is not None:
             found[spec.imu.topic] = imu_message(link, now, self.inner, self._true.factor("imu"))
+        receiver = self.inner.get(Gps)  # type: ignore[type-abstract]
+        if spec.gps is not None and receiver is not None and (fix := receiver.fix()) is not None:
+            found[spec.gps.topic] = fix_message(link, now, spec.gps, fix)
         if robot.camera is not None and link.subscribers(spec.camera.topic):
             late = isinstance(link, LocalLink) and not self._faults.any_planned
             found[spec.camera.topic] = image_message(link, now, self.inner, late)
@@ -278,5 +283,6 @@ class RosBench:
             spec.imu.topic: "sensor_msgs/Imu",
             spec.camera.topic: "sensor_msgs/Image",
             spec.camera.info_topic: "sensor_msgs/CameraInfo",
+            **({} if spec.gps is None else {spec.gps.topic: "sensor_msgs/NavSatFix"}),
         }
         return {topic: link.publisher(kind, topic) for topic, kind in kinds.items()}

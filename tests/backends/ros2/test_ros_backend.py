@@ -244,3 +244,28 @@ def test_a_joint_read_beyond_its_limits_is_refused(monkeypatch: pytest.MonkeyPat
 def test_no_senseless_speed_is_sent(make: Make, speed: float) -> None:
     with make() as backend, pytest.raises(CommandError):
         backend.get(Base).drive(speed, 0.0)  # type: ignore[type-abstract,union-attr]
+
+
+@pytest.mark.parametrize(("limits", "jumps"), [({}, True), ({"jump_m": 1.0}, False)])
+def test_a_jump_is_what_the_file_says(make: Make, limits: dict[str, object], jumps: bool) -> None:
+    with make("cart", odometry={"topic": "odom", **limits}) as backend:
+        drive(backend, 0.2)
+        odometry = backend._topics.odometry
+        stamp, pose = odometry._last  # type: ignore[misc]
+        odometry._last = stamp, pose._replace(x=pose.x - 0.5)
+        if jumps:
+            with pytest.raises(RosFault, match=r"jumps by 0\.5. m"):
+                drive(backend, 0.1)
+        else:
+            drive(backend, 0.1)
+
+
+@pytest.mark.parametrize(("key", "presses"), [({}, True), ({"rest_ms": 3000.0}, False)])
+def test_fingers_press_by_the_rule_of_the_file(make: Make, key: dict[str, object], presses: bool) -> None:
+    with make(gripper=key) as backend:
+        gripper = backend.get(Gripper)  # type: ignore[type-abstract]
+        assert gripper is not None
+        gripper.move(0.0)
+        for _ in range(40):
+            backend.step()
+        assert gripper.closed_on_something() is presses

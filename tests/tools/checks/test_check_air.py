@@ -38,7 +38,11 @@ def test_a_difference_is_told_with_its_place(handcart: Callable[..., Said], tmp_
     assert found["robot"]["topics"][0]["topic"] == "odom"
 
 
-def test_a_robot_without_topics_is_refused(handcart: Callable[..., Said]) -> None:
-    said = handcart("check", "xarm_cart", "--ros2", "--bench", "kinematic")
+def test_a_robot_without_topics_is_refused(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    folder = tmp_path / "cart"
+    shutil.copytree(robot_path("cart").parent, folder)
+    file = folder / "robot.yaml"
+    file.write_text(file.read_text(encoding="utf-8").replace("ros2: {}", ""), encoding="utf-8")
+    said = handcart("check", str(file), "--ros2", "--bench", "kinematic")
     assert said.status == 2
     assert "no section 'ros2'" in said.err

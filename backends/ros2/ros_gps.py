@@ -1,0 +1,62 @@
+"""A satellite receiver, by `sensor_msgs/NavSatFix`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from typing_extensions import override
+
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.description.ros_spec import RosGpsSpec
+from handcart.robotics.geometry.earth_frame import EarthFrame
+
+from .topic_sensor import TopicSensor
+
+NO_FIX = -1
+"""`status.status` of a message without a fix."""
+UNKNOWN_COVARIANCE = 0
+
+
+class RosGps(TopicSensor, Gps):
+    """Fixes in a plane at the task's origin; a fix counts in the period in which it arrived."""
+
+    KIND = "sensor_msgs/NavSatFix"
+
+    def fit(self, spec: RosGpsSpec) -> None:
+        """Set the origin of the task, before the first fix."""
+        self._frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
+        self._usual_sigma = spec.sigma_m
+        self._fix: Fix | None = None
+
+    @override
+    def fix(self) -> Fix | None:
+        return self._fix
+
+    @override
+    def _take_in(self) -> None:
+        self._fix = None
+        super()._take_in()
+
+    @override
+    def _wrong(self, message: Any) -> str:
+        if message.status.status <= NO_FIX:
+            return "the receiver has no fix"
+        if not (abs(message.latitude) <= 90.0 and abs(message.longitude) <= 180.0):  # also NaN
+            return f"its place is {message.latitude:g}, {message.longitude:g} deg"
+        sigma = self._sigma(message)
+        return "" if 0.0 < sigma < math.inf else f"its sigma is {sigma:g} m; allowed: above 0"
+
+    @override
+    def _read(self, messages: list[Any]) -> None:
+        last = messages[-1]
+        place = self._frame.to_field(float(last.latitude), float(last.longitude))
+        self._fix = Fix(np.array(place), self._sigma(last))
+
+    def _sigma(self, message: Any) -> float:
+        """Return the receiver's sigma of the worse axis in [m], or the usual one if it tells none."""
+        if message.position_covariance_type == UNKNOWN_COVARIANCE:
+            return self._usual_sigma
+        worst = max(float(message.position_covariance[0]), float(message.position_covariance[4]))
+        return math.sqrt(worst) if worst >= 0.0 else math.nan

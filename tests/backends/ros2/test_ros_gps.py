@@ -1,0 +1,102 @@
+"""A satellite receiver by `NavSatFix`."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.description.ros_spec import RosGpsSpec, RosSpec
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.ros2.bench.bench_messages import fix_message
+from handcart.backends.ros2.bench.local_air import LocalAir, LocalLink
+from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.ros_gps import RosGps
+from handcart.backends.ros2.ros_topics import check_joints
+from handcart.backends.ros2.wire.ros_errors import UnknownJoints
+from handcart.tasks.task_names import task_path
+
+SPEC = RosGpsSpec(origin_lat_deg=36.11, origin_lon_deg=140.1)
+
+
+def receiver() -> RosGps:
+    gps = RosGps("the satellite receiver", SPEC, None, lambda: 100.0)
+    gps.fit(SPEC)
+    return gps
+
+
+def message(**changed: Any) -> Any:
+    """Return a fix 300 m east and 20 m south of the origin, with some fields changed."""
+    link = LocalLink(LocalAir(), "test")
+    fix = fix_message(link, 100.0, SPEC, Fix(np.array([300.0, -20.0]), 0.5))
+    for name, value in changed.items():
+        setattr(fix, name, value)
+    return fix
+
+
+def test_a_fix_is_metres_from_the_origin_and_counts_once() -> None:
+    gps = receiver()
+    gps.heard(message())
+    gps.advance()
+    fix = gps.fix()
+    assert fix is not None
+    assert fix.position == pytest.approx([300.0, -20.0], abs=1e-3)
+    assert fix.sigma == pytest.approx(0.5)
+    gps.advance()
+    assert gps.fix() is None
+
+
+def test_a_fix_without_covariance_has_the_usual_sigma() -> None:
+    gps = receiver()
+    gps.heard(message(position_covariance_type=0, position_covariance=[0.0] * 9))
+    gps.advance()
+    fix = gps.fix()
+    assert fix is not None
+    assert fix.sigma == 2.5
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"status": SimpleNamespace(status=-1)}, "no fix"),
+        ({"latitude": math.nan}, "its place is nan"),
+        ({"longitude": 200.0}, "its place is"),
+        ({"position_covariance": [0.0] * 9}, "its sigma is 0 m"),
+        ({"position_covariance": [math.nan] * 9}, "its sigma is nan m"),
+    ],
+)
+def test_a_message_that_is_no_fix_is_dropped(changed: dict[str, Any], words: str) -> None:
+    gps = receiver()
+    gps.heard(message(**changed))
+    gps.advance()
+    assert gps.fix() is None
+    assert gps.rejected == 1
+    assert words in gps.doubt
+
+
+def test_a_receiver_without_an_origin_is_refused() -> None:
+    with pytest.raises(UnknownJoints, match="needed: origin_lat_deg and origin_lon_deg"):
+        check_joints(load_robot("el_verde"), RosSpec())
+
+
+def test_fixes_of_an_outdoor_robot_come_by_topic() -> None:
+    robot = load_robot("el_verde")
+    world = task_path("deploy_straight").parent / "world.yaml"
+    with RosBackend.build_on_bench(robot, world, 0, KinematicBackend) as backend:
+        own, inner = backend.get(Gps), backend.inner.get(Gps)  # type: ignore[type-abstract,union-attr]
+        assert isinstance(own, RosGps)
+        assert inner is not None
+        seen = 0
+        for _ in range(round(2.0 / backend.period)):
+            backend.step()
+            true, read = inner.fix(), own.fix()
+            assert (true is None) == (read is None)
+            if true is not None and read is not None:
+                seen += 1
+                assert read.position == pytest.approx(true.position, abs=1e-3)
+        assert seen == 2
