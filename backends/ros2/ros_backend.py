@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from handcart.backends.ros2.wire.ros_errors import NoTopics, RosFault
 from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.numerics.arrays import ByteArray
+from handcart.robotics.numerics.compiled import hearing_of_compiling
 
 from .bench.local_bench import LocalBench
 from .on_the_air import await_robot, other_masters, unheard
@@ -84,10 +86,14 @@ class RosBackend(Backend):
             else Pace(self.period, max_excess=spec.max_late_ms / 1e3, max_missed=spec.max_missed_periods)
         )
         self._looked = self._link.clock()
+        self._thread, self._is_late, self._compiled = threading.get_ident(), False, 0
+        self._ears = ExitStack()
         try:
             self._topics = RosTopics(robot, spec, self._link)
             await_robot(self._topics, self._link, spec.first_message_s, bench.wait if bench else time.sleep)
             self._topics.begin()
+            if bench is None:
+                self._ears.enter_context(hearing_of_compiling(self._hear_compiling))
         except BaseException:
             self._begun = False
             self.close()
@@ -151,6 +157,10 @@ class RosBackend(Backend):
             self._begun = True
             if self._pace is not None:
                 self._pace.begin()
+        if self._is_late and self._pace is not None:
+            self._is_late = False
+            self._topics.base.taken()  # it was computed from readings of before
+            self._pace.begin()
         try:
             if send:
                 self._topics.send()
@@ -189,6 +199,7 @@ class RosBackend(Backend):
             with suppress(Exception):  # the robot's own time-out has to stop it then
                 self.stop()
         self._closed = True
+        self._ears.close()
         self._link.close()
         if self.bench is not None:
             self.bench.close()
@@ -215,7 +226,21 @@ class RosBackend(Backend):
     def figures(self) -> Mapping[str, Any]:
         rejected = {each.source.topic: each.rejected for each in self._topics.sensors if each.rejected}
         loop = {} if self._pace is None else {"loop": self._pace.figures()}
-        return {**loop, **({"rejected_messages": rejected} if rejected else {})}
+        compiled = {"compiled_in_loop": self._compiled} if self._compiled else {}
+        return {**loop, **compiled, **({"rejected_messages": rejected} if rejected else {})}
+
+    def _hear_compiling(self, begins: bool) -> None:
+        """Stop the base before a function is compiled in the control loop, which may take seconds.
+
+        Nothing is read meanwhile; afterwards the loop continues, and isn't late.
+        """
+        if not self._begun or self._closed or threading.get_ident() != self._thread:
+            return
+        if begins:
+            self._topics.stop_base()
+        else:
+            self._is_late = True
+            self._compiled += 1
 
     def _check(self) -> None:
         """Raise what stops the robot."""

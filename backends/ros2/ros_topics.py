@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.base import Base, HolonomicBase
+from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gps import Gps
@@ -120,6 +120,11 @@ class RosTopics:
         for each in (self.arm, self.gripper):
             if each is not None:
                 each.halt()
+
+    def stop_base(self) -> None:
+        """Publish a speed of zero now, between two periods."""
+        velocity = self._spec.velocity
+        self._publishers[velocity.topic](velocity_message(self._link, velocity, DriveCommand()))
 
     def send(self) -> None:
         """Publish the commands of a period; the base's always, so that it hears that we are there."""

@@ -26,6 +26,7 @@ from handcart.primitives.registry import primitive_class
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.keepout import with_keepout
+from handcart.robotics.numerics.compiling_before import compile_before
 
 from .named_files import SPEED_MASK_KEYS
 from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
@@ -128,6 +129,8 @@ def _built(
         start = task.knowledge.start
         if not task.knowledge.is_start_known:
             start = drawn_pose(known[0].map, spec.footprint_radius_m, seed)
+        if bench is None and backend_class(name).has_drives:
+            compile_before()  # a real robot would be late, and blind meanwhile
         made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window, bench))
     findings.raise_all()
     assert made is not None

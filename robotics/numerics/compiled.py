@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property, update_wrapper
 from typing import Any, NamedTuple, TypeVar, cast
+from weakref import WeakSet
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -44,6 +45,7 @@ class Kernel:
         """Prepare a function for numba without compiling it; `options` are numba's."""
         update_wrapper(self, function)
         self._function, self._options = function, dict(options or {})
+        KERNELS.add(self)
 
     @cached_property
     def dispatcher(self) -> Any:
@@ -73,6 +75,10 @@ class Kernel:
         """Pickle like a function: by its name, if it has one in its module."""
         name = self._function.__qualname__
         return (Kernel, (self._function, self._options)) if "<locals>" in name else name
+
+
+KERNELS: WeakSet[Kernel] = WeakSet()
+"""All functions that are compiled on their first call, of the modules imported so far."""
 
 
 def compiled(function: Function) -> Function:

@@ -164,3 +164,21 @@ def test_a_robot_on_the_air_describes_itself(bench: subprocess.Popen[str]) -> No
     assert told.topics["nav_msgs/Odometry"] == ("/odom",)
     assert told.messages["/scan"].angle_increment > 0.0
     assert joints == ["joint_1", "joint_2"]
+
+
+def test_the_base_is_stopped_while_something_is_compiled(bench: subprocess.Popen[str]) -> None:
+    with patient_backend() as backend:
+        base = backend.get(Base)  # type: ignore[type-abstract]
+        assert base is not None
+        for _ in range(20):
+            base.drive(0.2, 0.0)
+            backend.step()
+        backend._hear_compiling(True)
+        time.sleep(2.0)
+        backend._hear_compiling(False)
+        before = base.wheel_travel()
+        base.drive(0.2, 0.0)
+        backend.step()  # not late, and the command from before is dropped
+        assert base.wheel_travel().left - before.left < 0.2 * 0.6
+        backend.step()
+        assert backend.figures()["compiled_in_loop"] == 1
