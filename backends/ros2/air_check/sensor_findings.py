@@ -34,6 +34,11 @@ def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
         words = "" if sensor.age is None or last is None else _wrong_content(heard, sensor, last, not moved)
         if words:
             yield AirFinding(("ros2", key), f"{sensor.name}: {words}")
+        if isinstance(sensor, RosLidar) and last is not None and not np.isfinite(last.ranges).any():
+            silent = (
+                f"{sensor.name}: no beam of its last scan returns; is something before it, or all far away?"
+            )
+            yield AirFinding(("ros2", key), silent, is_fault=False)
     if heard.robot.camera is not None:
         info = heard.last(heard.spec.camera.info_topic)
         yield from camera_info_findings(heard.robot, heard.spec.camera, info)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -129,6 +130,20 @@ def test_several_differences_are_found_at_once(hear: Any) -> None:
         {"velocity": {"type": "TwistStamped"}, "lidar": {"topic": "scann"}, "names": {"joint_1": "j1"}}
     ).faults
     assert {each.key[1] for each in faults} == {"velocity", "lidar", "joint_states"}
+
+
+def test_a_scan_without_returns_is_remarked(robot: RobotFile, inner: Backend) -> None:
+    bench = LocalBench(robot, RosSpec(), inner)
+    send = bench._drivers._send["scan"]
+
+    def blind(message: Any) -> None:
+        message.ranges = [math.inf] * len(message.ranges)
+        send(message)
+
+    bench._drivers._send["scan"] = blind  # type: ignore[index]
+    report = listen(robot, RosSpec(), bench.link, bench.step, SECONDS)
+    assert report.faults == ()
+    assert [each.words for each in report.remarks if "no beam of its last scan returns" in each.words]
 
 
 def test_a_check_is_no_second_master(robot: RobotFile, inner: Backend) -> None:
