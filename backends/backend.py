@@ -135,7 +135,7 @@ class Backend(ABC):
 
     @property
     def inner(self) -> Backend | None:
-        """Wrapped backend, for a backend in front of another one."""
+        """Wrapped backend of a backend that is in front of another one."""
         return None
 
     def ground_truth(self) -> GroundTruth | None:

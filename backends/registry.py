@@ -117,7 +117,7 @@ def bench_class(name: str, drives: str) -> type[Backend]:
     """Return the class of a simulated backend that can run behind the drives of the backend `drives`.
 
     Raises:
-        NoBench: no backend has that name, it simulates no robot, or there are no drives.
+        NoBench: no backend has that name, it simulates no robot, or the robot has no drives.
     """
     if not backend_class(drives).has_drives:
         raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can or ros2")

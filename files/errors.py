@@ -5,7 +5,7 @@
         ├── FileError                all findings in a file at once
         └── UnsafePath               a path in a file leads out of its root
 
-Other layers derive their own classes from `HandcartError` (or `InputError`, for bad input).
+Other layers derive their own classes from `HandcartError` (or from `InputError` if input is bad).
 """
 
 from collections.abc import Iterable

@@ -159,7 +159,7 @@ def _entry_points_text(path: str) -> str:
 
 @lru_cache(maxsize=1024)
 def _text(path: str, changed: int, size: int) -> str:
-    """Return the text of a file; `changed` in [ns] and `size` in [bytes] tell versions of it apart."""
+    """Return the text of a file; `changed` in [ns] and `size` in [bytes] distinguish its versions."""
     try:
         return Path(path).read_text(encoding="utf-8", errors="replace")
     except OSError:

@@ -1,4 +1,4 @@
-"""Which test covers which row of docs/reference/faults.md: `python scripts/fault_rows.py`.
+"""Tests that cover each row of docs/reference/faults.md: `python scripts/fault_rows.py`.
 
 A test names its rows in its docstring (`N9: ...`) or in its name (`test_t03_...`).
 """

@@ -59,7 +59,7 @@ PICTURED_MOMENTS = {
 
 
 class Taken(Exception):
-    """The picture is there: the run, which needn't go on, ends with an error."""
+    """The picture is there: the run, which is not needed any more, ends with an error."""
 
 
 class Photo(RunObserver):

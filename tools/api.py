@@ -215,7 +215,7 @@ def campaign(
         learned_from: folders of those.
         rare: outcome whose probability is estimated: each trial is a population of runs, for
             `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate`.
-        importance: what its levels count.
+        importance: quantity that its levels count.
         population: number of runs of a population.
         report: True to write `report.html` into the folder.
         runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has

@@ -37,7 +37,7 @@ _LISTENED = 2.0  # periods of a master, its SYNC or its heartbeat
 
 
 class CanBackend(Backend):
-    """Backend with CiA 402 drives, as in the robot's file, for wheels, joints and gripper.
+    """Backend with CiA 402 drives, as in the robot's file: wheels, joints and gripper.
 
     The constructor writes all settings of all drives and reads them back; no drive has torque. The first
     step enables them. A step sends our heartbeat and the commands by PDO, waits for the end of the period,

@@ -47,7 +47,7 @@ class GpsSource(FileModel):
     """Minimum quality of a fix. From worst to best: 1 single, 3 PPS, 2 differential, 5 RTK float, 4 RTK
     fixed.
 
-    Dead reckoning (6), manual input (7) and simulation (8) are never fixes.
+    Estimated positions (6), manual input (7) and simulation (8) are never fixes.
     """
 
 

@@ -71,7 +71,7 @@ class OutlinedFile(FileModel):
     load. (default: that of `footprint`)
     """
     footprint: FootprintSpec | None = None
-    """The same outline as a rectangle, a polygon or a disc; instead of `footprint_radius_m`."""
+    """Equivalent outline as a rectangle, a polygon or a disc; instead of `footprint_radius_m`."""
 
     @model_validator(mode="after")
     def _one_footprint(self) -> Self:

@@ -14,7 +14,7 @@ class JointUnits(NamedTuple):
     slides: tuple[bool, ...]
     """True for each prismatic joint."""
     endless: tuple[bool, ...]
-    """True for each continuous joint, for which a full turn makes no difference."""
+    """True for each continuous joint: a full turn makes no difference to it."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
         """Return joint values in [rad] and [m] from those in a file, in [deg] and [mm]; continuous joints

@@ -52,7 +52,7 @@ class PrintedTag(FileModel):
 
     @property
     def key(self) -> tuple[TagFamily, int]:
-        """Family and number: what a reader of tags returns."""
+        """Family and number, as a tag detector returns them."""
         return self.family, self.id
 
     @property

@@ -146,9 +146,9 @@ class RobotFile(SensorTable, OutlinedFile):
     srdf: UrdfPlace | None = None
     """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
     without: tuple[str, ...] = ()
-    """Joints of `urdf` that are left out with everything that they carry."""
+    """Joints of `urdf` that are removed with everything that they carry."""
     still: dict[str, float] = Field(default_factory=dict)
-    """Joints that nobody moves, such as those of a second arm: where they are, in [deg], if they slide
+    """Joints that are never moved, such as those of a second arm: where they are, in [deg], if they slide
     [mm]."""
     links: dict[Role, str] = Field(default_factory=dict)
     """Links of the URDF by their expected names: `hand: tool0`."""

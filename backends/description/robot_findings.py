@@ -98,7 +98,7 @@ def _how(key: KeyPath) -> str:
 
 
 def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Return findings about fingers, and about a tray if there is one, whose size is missing."""
+    """Return findings for fingers without a size, and for a tray without one."""
     found = []
     try:
         if robot.gripper is not None and robot.arm is not None:

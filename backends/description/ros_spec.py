@@ -95,7 +95,7 @@ class RosArmSpec(FileModel):
     type: Literal["JointTrajectory", "Float64MultiArray"] = "JointTrajectory"
     """`JointTrajectory` for a trajectory controller, `Float64MultiArray` for a forward command controller."""
     latency_ms: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
-    """Time by which the points of a trajectory are set later, for controllers that refuse past ones."""
+    """Time by which the points of a trajectory are set later, because some controllers refuse past ones."""
 
     def joints_by_topic(self, joints: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
         """Return the joints of each controller by its topic, where the arm has `joints`."""
@@ -146,7 +146,7 @@ class RosSpec(FileModel):
     gps: RosGpsSpec | None = None
     """Satellite receiver (`sensor_msgs/NavSatFix`); needed if the robot has one."""
     same_clock: bool = True
-    """Whether the robot's clock is in step with this machine's: then a message is also refused whose stamp
+    """True if the robot's clock is in step with this machine's: then a message is also refused whose stamp
     is older than its `stale_ms`, or as far in the future.
     """
     max_late_ms: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0

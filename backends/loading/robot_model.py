@@ -24,7 +24,7 @@ def model_for(document: Document) -> type[RobotFile]:
 
 
 def robot_model() -> type[RobotFile]:
-    """Return the model of a robot's file in which a sensor's `kind` decides about its other keys.
+    """Return the model of a robot's file in which a sensor's `kind` determines its other keys.
 
     Raises:
         BrokenPlugin: a kind of another package cannot be used.

@@ -63,7 +63,7 @@ class GuardedBase(HolonomicBase):
             scan: returns the lidar's current points without the robot itself, (n, 2) in [m], in the base
                 frame.
             unseen: ground that the lidar does not see; None without a lidar.
-            restart_scan: called when the base starts anew, before `scan`: averages begin there.
+            restart_scan: called when the base starts again, before `scan`: averages begin there.
             is_located: returns whether the pose is on the map; the map is not used while it is not.
             is_blind: returns whether the lidar repeats an old scan; the base comes to rest meanwhile.
         """

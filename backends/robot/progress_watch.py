@@ -1,4 +1,4 @@
-"""Whether a base gets on as it is driven, by all its sensors."""
+"""Watch over the progress of a driven base, by all its sensors."""
 
 from __future__ import annotations
 

@@ -74,14 +74,14 @@ class Robot:
             spec: the robot's file.
             start: map_T_base as the task states it, known to about 50 mm and 2 degrees; None if unknown.
             grid: map that scans are compared with; without it, or a lidar, the pose comes from the wheels.
-            is_start_exact: whether the start defines the frame, because there is no map.
+            is_start_exact: whether the start defines the frame, because a map is missing.
 
         Raises:
             UnknownStart: the start is unknown, and the robot cannot find its pose by scans.
         """
         self.backend, self.spec = backend, spec
         self.own_start = start if is_start_exact else None
-        """Pose that is given to the start because there is no map; None with a map."""
+        """Pose that the start has by definition if a map is missing; None with a map."""
         self.period, self.time = backend.period, 0.0
         self._known: dict[type[Capability], Capability] = {}
         sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
@@ -117,7 +117,7 @@ class Robot:
         self.localization = localization_of(backend, spec, where, grid, self.lidar, is_start_exact)
         """Estimate of the base's pose, from the sensors that the robot has."""
         self.progress = ProgressWatch(spec, self.period, self.localization)
-        """Whether the base gets on as it is driven."""
+        """Watch over the progress of the driven base."""
         if start is None:
             if not self.localization.can_relocate:
                 raise UnknownStart(spec)
@@ -255,7 +255,7 @@ class Robot:
     def surroundings(self) -> FloatArray:
         """Return the obstacles (n, 2) in this period's scan in the base frame, in [m]; empty without a lidar.
 
-        Lone readings are left out and, outdoors, a lowered hand.
+        Lone readings are removed and, outdoors, a lowered hand.
         """
         if self.lidar is None:
             return NO_STANDS

@@ -1,4 +1,4 @@
-"""Errors of a robot: what it lacks, and readings that are not new.
+"""Errors of a robot: missing capabilities, and readings that are not new.
 
 HandcartError
 ├── MissingCapability (ValueError)

@@ -48,7 +48,7 @@ class JointStates(TopicSensor):
         return np.array([self._positions[name] for name in names])
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
-        """Return efforts (n,) in [Nm] or [N]; NaN for a joint that tells none."""
+        """Return efforts (n,) in [Nm] or [N]; NaN for a joint without one."""
         self.check_fresh()
         return np.array([self._efforts.get(name, math.nan) for name in names])
 

@@ -1,4 +1,4 @@
-"""What is on the air, held against the robot's file."""
+"""Comparison of the topics on the air with the robot's file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def await_robot(topics: RosTopics, link: Link, seconds: float, sleep: Callable[[
         sleep: waits so many seconds.
 
     Raises:
-        NotOnTheAir: what is missing or different, all at once. Nothing has been sent.
+        NotOnTheAir: topics are missing or different; names all at once. Nothing has been sent.
     """
     end = link.clock() + seconds
     while True:
@@ -40,7 +40,7 @@ def await_robot(topics: RosTopics, link: Link, seconds: float, sleep: Callable[[
 
 
 def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
-    """Yield a finding for each topic of commands that somebody else publishes, too."""
+    """Yield a finding for each topic of commands that another program publishes, too."""
     for topic in topics.commands:
         nodes = link.publishers(topic)
         if len(nodes) > 1:
@@ -53,7 +53,7 @@ def _silent(topics: RosTopics) -> list[TopicSensor]:
 
 
 def _deaf(topics: RosTopics, link: Link) -> list[str]:
-    """Return the topics of commands that nobody listens to; joints that no message names count, too."""
+    """Return the topics of commands without a subscriber; joints that no message names count, too."""
     unknown = [] if topics.states is None or not topics.states.missing else [topics.states.missing]
     return [*unheard(topics, link), *unknown]
 

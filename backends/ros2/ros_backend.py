@@ -192,7 +192,7 @@ class RosBackend(Backend):
             self._topics.send()
 
     def close(self) -> None:
-        """See `Backend`; the base is told to stop."""
+        """See `Backend`; the base receives the command to stop."""
         if self._closed:
             return
         if self._begun:

@@ -28,7 +28,7 @@ class OdometryTopic(TopicSensor):
     travel = WheelTravel(0.0, 0.0)
     """Travel since the first message."""
     jumped = ""
-    """How far the odometry jumped; "" if it didn't."""
+    """Distance by which the odometry jumped, as text; "" if it did not."""
 
     def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
         """Set what the base is, and what a jump is, before the first message."""
@@ -76,7 +76,7 @@ class OdometryTopic(TopicSensor):
 
 
 class _TopicWheels:
-    """What both kinds of bases share: the command of a period, and the odometry."""
+    """Common part of both kinds of bases: the command of a period, and the odometry."""
 
     def __init__(self, drive: Drive, odometry: OdometryTopic, limits: RosOdometrySpec) -> None:
         """Take over its odometry; `limits` say what a jump of it is."""

@@ -39,7 +39,7 @@ SensorT = TypeVar("SensorT", bound=TopicSensor)
 
 
 class RosTopics:
-    """What a robot's file says that the robot has, each with its topic."""
+    """Parts that a robot has by its file, each with its topic."""
 
     def __init__(self, robot: RobotFile, spec: RosSpec, link: Link) -> None:
         """Subscribe to all readings, and announce all commands.

@@ -1,4 +1,4 @@
-"""What all readings by topic have in common: freshness, stamps, frames."""
+"""Base class of all readings by topic: freshness, stamps, frames."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class TopicSensor(LiveSensor):
         return ""
 
     def forget(self) -> None:
-        """Forget all messages: the next one begins anew."""
+        """Forget all messages: the next one counts as the first."""
         self._arrived, self._last_stamp, self._came, self.doubt = [], None, None, ""
         self._first_frame = None
 

@@ -39,7 +39,7 @@ class DepthErrors(FileModel):
     edge_step_percent: Positive = 5.0
     """Difference between neighbouring depths that is a step, relative to the nearer one."""
     grazing_deg: Annotated[float, Field(gt=0.0, le=90.0)] = 75.0
-    """Angle between a pixel's ray and the surface's normal beyond which there is no reading."""
+    """Angle between a pixel's ray and the surface's normal beyond which a pixel has no reading."""
 
     @classmethod
     def exact(cls) -> Self:

@@ -62,7 +62,7 @@ def sensor_kind(name: str) -> SensorKind:
     """Return the kind with a name; other kinds of other packages may be broken.
 
     Raises:
-        KeyError: there is no such kind.
+        KeyError: the kind is unknown.
         BrokenPlugin: as `sensor_kinds`.
     """
     points = [each for each in entry_points_of(GROUP) if each.name == name]

@@ -101,7 +101,7 @@ class SimulatedBackend(Backend):
         Args:
             settled: False to build those that may be built before everything has come to rest, True for the
                 others.
-            engine: what sensors of this simulation are given next to the scene.
+            engine: object that sensors of this simulation receive next to the scene.
         """
         for name, make in make_sensors(self._robot, self.SIMULATIONS, self.name).items():
             if make.settled_first is settled:
@@ -141,7 +141,7 @@ class SimulatedBackend(Backend):
         return Pose2(kidnap.to.x_m, kidnap.to.y_m, math.radians(kidnap.to.heading_deg))
 
     def _begin_period(self) -> None:
-        """Advance the scene's time, its props, and the passers, who walk for the period that ends then."""
+        """Advance the scene's time, its props, and the passers by the period that ends then."""
         scene = self.scene
         self._periods += 1
         scene.time = self._periods * self.period

@@ -59,7 +59,7 @@ class PartSpec(FileModel):
     srdf: UrdfPlace | None = None
     """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
     without: tuple[str, ...] = ()
-    """Joints that are left out with everything that they carry: the fingers of a maker's hand, say."""
+    """Joints that are removed with everything that they carry: the fingers of a maker's hand, say."""
     onto: str
     """The link that carries its root link."""
     xyz_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -93,7 +93,7 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
     Args:
         urdf: as in a robot's file.
         folder: where that lies.
-        without: joints that are left out with everything that they carry.
+        without: joints that are removed with everything that they carry.
 
     Raises:
         FileError: something is wrong in it, or with a link's mesh.

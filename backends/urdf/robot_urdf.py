@@ -74,7 +74,7 @@ def robot_urdf(
         roles: of links, with the names that the URDFs have for them.
         joints: that the file names: where, the URDFs' name, and the name that is expected of it.
         allowed: pairs of links that may touch, by the robot's file.
-        still: joints that nobody moves, and their positions in [deg] or [mm], by their names in the URDF.
+        still: joints that are never moved, and their positions in [deg] or [mm], by their names in the URDF.
 
     Raises:
         FileError: what is wrong in a URDF or SRDF.

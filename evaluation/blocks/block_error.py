@@ -23,7 +23,7 @@ class BlockError(NamedTuple):
     yaw_mrad: float
     """Turn of the base from the fixation to the release of the block."""
     lean_mrad: float
-    """Tilt of the base about its x in that time: the paper's pitch."""
+    """Tilt of the base around its x axis in that time: the paper's pitch."""
 
     @property
     def size(self) -> float:

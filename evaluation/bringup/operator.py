@@ -20,7 +20,7 @@ class UnansweredQuestion(InputError):
 
 
 class Operator(ABC):
-    """Person, or script, who is informed and answers questions; each answer is recorded under the question's
+    """Person, or script, that is informed and answers questions; each answer is recorded under the question's
     key.
     """
 
@@ -80,7 +80,7 @@ class BenchOperator(Operator):
 
 
 class ScriptedOperator(BenchOperator):
-    """Operator that answers from a file by key, for tests; an unknown key is an error."""
+    """Test operator that answers from a file by key; an unknown key is an error."""
 
     def __init__(self, answers: Mapping[str, Any], say: Callable[[str], None] = lambda _: None) -> None:
         """Take the answers: true or false, or numbers."""

@@ -35,7 +35,7 @@ TAPE_ACCURACY_M = 0.002
 """Accuracy of a tape measure, in [m]."""
 PROTRACTOR_ACCURACY_RAD = math.radians(1.0)
 WAY, TURNS = 1.0, 1
-"""Of the base, in [m] and whole turns."""
+"""Motions of the base, in [m] and whole turns."""
 SCAN_COUNT = 100
 RETURNS_SHARE = 0.8  # of them, in which a beam returns, to be measured
 _SETTLE = 1.0  # [s]

@@ -33,7 +33,7 @@ OTHER_INSTANTS = (10, 1)
 """Numbers of fault instants in each primitive's run: full mode, quick mode."""
 MAX_INSTANTS_PER_JOB = 10  # instants of an action that one process sees to at a time, at most
 SEEDS, SEEDS_QUICK = 50, 2
-"""Of each shipped task with errors: in full, and quick."""
+"""Numbers of seeds of each shipped task with errors: in full, and quick."""
 PROGRESS_PERIOD_S = 10.0  # [s] between two words of how many jobs are done, at most
 MAX_JOB_CPU_S = 600.0  # [s] of CPU time that a check or a liar gets
 
@@ -67,7 +67,7 @@ class KitSetting:
 
     @cached_property
     def _files(self) -> RigFiles:
-        """Return the files of the first task made for the robot; without a map there is no rig."""
+        """Return the files of the first task made for the robot; a robot without a map has no rig."""
         task = load_task(self.tasks[0], self._chosen) if self.tasks else None
         return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 

@@ -102,7 +102,7 @@ def _choice(named: Sequence[tuple[str, str, Any]], port: str, other: str) -> str
 
 
 def _model(parts: TaskParts) -> Iterator[str]:
-    """Yield the ports of all leaves, for editors and for checks of the tree."""
+    """Yield the ports of all leaves, which editors and checks of the tree need."""
     ports: dict[str, dict[str, None]] = {}
     for row in parts.actions:
         ports.setdefault(row["do"], {}).update(dict.fromkeys(row.get("with", {})))
@@ -124,7 +124,7 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
     """Return the task that a tree was written from.
 
     Raises:
-        LookupError, TypeError, ValueError: the tree was changed so that it is none any more.
+        LookupError, TypeError, ValueError: the tree was changed so that it is not one any more.
     """
     top = _top(root)
     assert top is not None
@@ -202,7 +202,7 @@ def _descendants(element: XmlElement) -> Iterator[XmlElement]:
 
 
 def _port(value: Any) -> str:
-    """Return a parameter as a port: what is looked up is an entry of the blackboard."""
+    """Return a parameter as a port: a looked-up value is an entry of the blackboard."""
     if isinstance(value, dict) and len(value) == 1:
         (kind, name), *_ = value.items()
         if kind in ("model", "parameter", "each") and isinstance(name, str):

@@ -21,7 +21,7 @@ QUIET_ATTRIBUTES = ("_description", "_fullpath", "_uid")
 
 
 def import_tree(path: Path | str) -> Imported:
-    """Return the task in a file of BehaviorTree.CPP; raises `FileError` for what is no tree."""
+    """Return the task in a file of BehaviorTree.CPP; raises `FileError` if it is not a tree."""
     root = read_xml_tree(path)
     if root.tag != "root":
         wrong = f"the root element is {root.tag!r}; allowed: root, as BehaviorTree.CPP has it"

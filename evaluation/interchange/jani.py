@@ -109,7 +109,7 @@ def _edges(number: int, row: Any) -> Iterator[dict[str, Any]]:
 
 
 def import_model(path: Path | str) -> Imported:
-    """Return the task in a JANI model; raises `FileError` for what is no model."""
+    """Return the task in a JANI model; raises `FileError` if it is not a model."""
     text = decode_text(read_regular_file(path, MAX_JANI_BYTES), str(path), longest_line=None)
     try:
         model = json.loads(text)

@@ -16,7 +16,7 @@ class LostConstruct(NamedTuple):
     construct: str
     """The construct as the file names it."""
     meaning: str
-    """What the task has instead."""
+    """Replacement in the task."""
 
     def finding(self, file: str) -> Finding:
         """Return it with its place in a file."""

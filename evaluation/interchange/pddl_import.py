@@ -1,7 +1,7 @@
 """Reading of PDDL domains and problems, also probabilistic ones (PPDDL 1.0), as tasks from conditions.
 
 Predicates are grounded. Those that no action changes are looked up, the others are facts; the network is
-generated from them. Actions with conditional effects, quantifiers or disjunctions are left out and reported.
+generated from them. Actions with conditional effects, quantifiers or disjunctions are skipped and reported.
 """
 
 from __future__ import annotations
@@ -303,7 +303,7 @@ def _atom(expression: Expression, bound: Mapping[str, str]) -> str:
 
 
 def _both(one: Mapping[str, bool], other: Mapping[str, bool]) -> dict[str, bool]:
-    """Return two effects together: what one makes true is true."""
+    """Return two effects together: a fact that one makes true is true."""
     return {**one, **other, **{atom: True for atom, truth in one.items() if truth and atom in other}}
 
 

@@ -40,7 +40,7 @@ class AtGoal(behaviour.Behaviour):
 
 
 class DoAction(behaviour.Behaviour):
-    """An action of the task: Failure where it does not start, otherwise Running while the task goes on."""
+    """An action of the task: Failure where it does not start, otherwise Running while the task runs."""
 
     def __init__(self, number: int, row: Mapping[str, Any], memory: TreeMemory, carry: Carried) -> None:
         super().__init__(f"{number} {row['do']}")

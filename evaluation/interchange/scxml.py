@@ -69,7 +69,7 @@ def parts_of_chart(root: XmlElement) -> TaskParts:
     """Return the task that a state chart was written from.
 
     Raises:
-        LookupError, TypeError, ValueError: the chart was changed so that it is none any more.
+        LookupError, TypeError, ValueError: the chart was changed so that it is not one any more.
     """
     head = json.loads(root.attributes[f"{SPACE}:task"])
     order = head.pop("order")

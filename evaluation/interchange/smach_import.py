@@ -16,7 +16,7 @@ from .task_draft import FAILED_NAME, GOAL_NAME, TaskDraft, primitive_name
 
 SUCCESS_WORDS = ("succeeded", "success", "successful", "done", "ok", "true", "found", "reached", "finished")
 FAIL_WORDS = ("aborted", "failed", "failure", "fail", "error", "false", "timeout", "timed_out", "preempted")
-"""Outcomes of SMACH by their meaning; the first one of a state is taken for success if none is named so."""
+"""Outcomes of SMACH by their meaning; the first one of a state counts as success if none is named so."""
 ENDING_WORDS = (*SUCCESS_WORDS, *FAIL_WORDS)
 KIND_KEYS = ("template", "type", "class", "state", "state_class", "action", "procedure", "behavior", "skill")
 """Keys that name what a state does, the first that is there."""
@@ -51,7 +51,7 @@ class _State(NamedTuple):
 
 
 def import_smach(path: Path | str) -> Imported:
-    """Return the task in a YAML file of SMACH; raises `FileError` for what is no state machine."""
+    """Return the task in a YAML file of SMACH; raises `FileError` if it is not a state machine."""
     document = read_document(path)
     return _SmachReader(document).imported()
 

@@ -60,7 +60,7 @@ class TaskDraft:
         self._same[placeholder] = situation
 
     def action(self, do: str, source: str, to: str | None, **more: Any) -> None:
-        """Add an action; keys with the value None are left out."""
+        """Add an action; keys with the value None are skipped."""
         if len(self._actions) >= MAX_DRAFT_ACTIONS:
             raise TooLargeDraft
         row = {"do": do, "from": source, "to": to, "cost_s": GUESSED_COST_S, **more}

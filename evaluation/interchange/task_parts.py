@@ -77,7 +77,7 @@ class TaskParts:
 
 
 def attempts_of(row: Row) -> Any:
-    """Return the limit on an action's Fails as it is in the file; 3 if there is none."""
+    """Return the limit on an action's Fails as it is in the file; 3 if the file has none."""
     return row.get("attempts", 3)
 
 

@@ -138,7 +138,7 @@ def _finite(
 
 
 def _mount(transforms: dict[str, list[Any]], base: str, frame: str) -> tuple[Pose2, bool, str]:
-    """Return base_T_sensor, whether the lidar is upside down, and a note about it."""
+    """Return base_T_sensor, whether the lidar is upside down, and a note on that."""
     pose, is_flipped, seen = Pose2(0.0, 0.0, 0.0), False, {frame}
     at = frame
     while at != base:

@@ -53,7 +53,7 @@ def read_carmen(path: Path) -> ScanLog:
     """Read the scans of a CARMEN log (FLASER or ROBOTLASER1), with its odometry.
 
     The odometry is that of the ODOM lines, if there are any: in corrected logs, the scans' lines have the
-    result of somebody's mapping in its place.
+    result of an earlier mapping in its place.
 
     Raises:
         FileError: the file has no scans, or lines that cannot be read; lists the first of them.

@@ -25,7 +25,7 @@ OUTLINE_MM = 10.0  # that the hand may be outside of the robot's outline
 
 
 def thing_of(survey: Survey, name: str) -> Thing | None:
-    """Return an object of the simulated world; None if there is none of that name."""
+    """Return an object of the simulated world; None if the name is unknown."""
     wanted = name_in_world(name)
     return next((each for each in survey.run.world.things() if each.name == wanted), None)
 
@@ -83,7 +83,7 @@ def _picked(survey: Survey, claim: Claim) -> list[str]:
 
 
 def _placed(survey: Survey, claim: Claim) -> list[str]:
-    """Check that the object stands on its surface, upright, near its spot, where it was seen."""
+    """Check that the object is on its surface, upright, near its spot, where it was seen."""
     objects = survey.run.model.of(Objects)
     name = claim.primitive.thing(survey.run.model.view(claim.primitive)).removeprefix(name_in_world(""))
     thing, surface = thing_of(survey, name), objects.objects.surfaces[claim.primitive.surface]

@@ -15,7 +15,7 @@ HEAVY_KG = 1.2
 
 
 def _cover_tags(world: Any) -> None:
-    """Cover all tags: what is printed on the sides can't be seen any more."""
+    """Cover all tags: the print on the sides is not visible any more."""
     for each in world.of(ObjectProps).objects.values():
         each.print_over({side: np.full_like(picture, each.grey) for side, picture in each.faces().items()})
 

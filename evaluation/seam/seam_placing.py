@@ -132,7 +132,7 @@ def _corner(grid: GridMap, spec: RobotFile) -> Pose2:
 
 
 def _start(placements: Placements, seam: ToolPath, room: StandingRoom) -> Pose2:
-    """Return a pose some distance back from the first place, or that place if there is no room."""
+    """Return a pose some distance back from the first place, or that place if the room is too small."""
     base = placements.bases[placements.segments[0].placement]
     back = base[:2] - seam.points[0, :2]
     spot = base.copy()

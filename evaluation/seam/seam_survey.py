@@ -48,7 +48,7 @@ class SeamStretch:
 
 @dataclass(frozen=True)
 class StretchNotes:
-    """A `SeamStretch` as plain data, for a checkpoint."""
+    """A `SeamStretch` as plain data, as a checkpoint keeps it."""
 
     part: dict[str, Any]
     score: float

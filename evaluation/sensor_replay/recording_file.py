@@ -39,7 +39,7 @@ def read_blocks(folder: Path) -> Iterator[Any]:
     """Yield the blocks of a run's recording, the head first.
 
     Raises:
-        NoRecording: there is none, it is of another format, or damaged.
+        NoRecording: it is missing, of another format, or damaged.
     """
     try:
         with open_regular(folder / SENSORS_FILE) as file:

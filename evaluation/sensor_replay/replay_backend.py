@@ -43,7 +43,7 @@ class RecordedPeriod:
 
     @classmethod
     def of(cls, calls: list[Call]) -> RecordedPeriod:
-        """Sort the calls of a period; raise LookupError or TypeError for data that are none."""
+        """Sort the calls of a period; raise LookupError or TypeError for other data."""
         found = cls()
         for call in calls:
             what, number, method, words = call[:4]
@@ -66,7 +66,7 @@ class ReplayBackend(Backend):
         periods: number of periods that have ended.
         commands: number of commands that equal the recorded ones, to the last bit.
         readings: number of readings that were returned.
-        difference: first difference as text; empty if there is none.
+        difference: first difference as text; empty without one.
     """
 
     simulated = True

@@ -114,7 +114,7 @@ def map_path(root: Path, name: str, *, start: Path) -> Path:
 
 
 def load_map(path: Path) -> tuple[GridMap, str | None]:
-    """Return a map, and a warning about it if one exists.
+    """Return a map, and a warning if it deserves one.
 
     Raises:
         FileError: the file or its picture is missing or wrong.

@@ -21,7 +21,7 @@ FileModelT = TypeVar("FileModelT")
 
 @dataclass(frozen=True)
 class Loaded(Generic[FileModelT]):
-    """Checked value together with its document, for checks that come later."""
+    """Checked value together with its document, which later checks need."""
 
     value: FileModelT
     document: Document
@@ -51,7 +51,7 @@ def load(
     Args:
         path: the file.
         model: type of the value.
-        overrides: unparsed values of `--set KEY=VALUE`, for keys of the file's section `parameters`;
+        overrides: unparsed values of `--set KEY=VALUE` by key of the file's section `parameters`;
             checked
             like values in the file.
         context: passed to the validators of the model (`info.context`).

@@ -23,6 +23,6 @@ class FileModel(BaseModel):
         """Yield the contradictions between parts of a whole file; asked once each part is valid.
 
         Args:
-            document: the file, for the lines of its values.
+            document: the file, which knows the lines of its values.
         """
         return iter(())

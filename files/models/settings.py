@@ -18,7 +18,7 @@ SETTINGS_SECTION: KeyPath = ("parameters",)
 
 
 def split_setting(text: str) -> tuple[str, str]:
-    """Return key and value of `KEY=VALUE`; raise `FileError` if there is no key or no `=`."""
+    """Return key and value of `KEY=VALUE`; raise `FileError` if the key or `=` is missing."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
         raise FileError([Finding(f"--set {text}", 0, 0, "no setting; allowed: KEY=VALUE")])

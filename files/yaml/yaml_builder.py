@@ -1,7 +1,7 @@
 """Builder of a tree from the events of a YAML parser, which refuses features useless in a task file.
 
 It works on events, one after the other, so that nothing is ever expanded, constructed or recursed into:
-the cost is bounded by the allowed number of values, for any file.
+the cost is bounded by the allowed number of values, whatever the file.
 """
 
 import re

@@ -128,8 +128,8 @@ def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> 
 def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
     """Return the tree by the fast parser; None where the exact one has to be asked.
 
-    Kept for the next one who reads the same text: the trials of a campaign read the same files. Nobody
-    changes a tree.
+    Kept for the next one who reads the same text: the trials of a campaign read the same files. A tree
+    is never changed.
     """
     events = fast_events(text)
     builder = TreeBuilder(file, max_nodes)

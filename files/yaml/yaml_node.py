@@ -12,7 +12,7 @@ KeyPath: TypeAlias = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Value with its line and column (from 1); for a value in a mapping also those of its key."""
+    """Value with its line and column (from 1); in a mapping also with those of its key."""
 
     content: "Scalar | list[Node] | dict[str, Node]"
     file: str

@@ -1,4 +1,4 @@
-"""Findings on a network that was generated from conditions: what never happens, and dead ends."""
+"""Findings on a network that was generated from conditions: impossible actions, and dead ends."""
 
 from __future__ import annotations
 

@@ -168,7 +168,7 @@ class Forecaster:
 
 
 def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bool) -> Chain:
-    """Return the chain of a stage: of all states, else of those that can happen, else of likely ones.
+    """Return the chain of a stage: of all states, or if they are too many, of possible or of likely ones.
 
     Raises:
         TooLarge: the budget does not suffice, and the likely ones alone were not asked for.

@@ -39,7 +39,7 @@ class NoWayLeft:
     def words(self, named: Callable[[str], str] = str) -> str:
         """Return the path for people, `PICK_UP from book_known fails 3 times`.
 
-        Each action stands where it comes first.
+        Each action is listed where it comes first.
 
         Args:
             named: function that returns the displayed name of a situation.

@@ -24,7 +24,7 @@ Chances = Sequence[Chance | None]
 
 
 def budget_of(network: ActionNetwork) -> int:
-    """Return the default budget of a question about a network, in steps."""
+    """Return the default budget of a network's analysis, in steps."""
     return DEFAULT_MAX_STEPS + STEPS_PER_ACTION * len(network.actions)
 
 

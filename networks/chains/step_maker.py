@@ -44,7 +44,7 @@ class Step(NamedTuple):
     failed_by: tuple[State | None, ...] = ()
     """States after its Fails of the causes in `Action.fail_endings`."""
     person: bool = False
-    """True if there is no action because calling a person is better."""
+    """True if the action is missing because calling a person is better."""
 
     def following(self) -> Iterator[State]:
         """Yield the states that may follow."""
@@ -74,7 +74,7 @@ class StepMaker:
             network: the network.
             for_good: whether to consider Fails that use up all attempts at once.
             effort: budget of all steps.
-            chances: probabilities by action; what has none is not followed. None: all may happen.
+            chances: probabilities by action; an action without them is not followed. None: all may happen.
         """
         effort.spend(len(network.situations) + len(network.actions))
         self._network, self._for_good, self._effort = network, for_good, effort

@@ -96,7 +96,7 @@ class BestPolicy:
     def policy(self, start: State | None = None) -> Policy:
         """Return the decisions that runs are likely to come to, from the network's start or another state.
 
-        What is too unlikely to matter is left out.
+        States that are too unlikely to matter are skipped.
         """
         begin = start or State(self.network.start, ())
         self.decision(begin)

@@ -47,7 +47,7 @@ class Process:
         for action in network.actions:
             self.out[action.source].append(action)
         self.part: dict[str, int] = {}
-        """Number of the strongly connected component of each situation; what follows comes first."""
+        """Number of the strongly connected component of each situation; successors come first."""
         self.parts: list[list[str]] = []
         """Situations of each component."""
         order = {name: number for number, name in enumerate(network.situations)}

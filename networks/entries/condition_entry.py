@@ -19,7 +19,7 @@ Conditions = dict[str, Fact | Values]
 
 
 class ConditionEnding(EndingChance):
-    """What a Success may change: facts by their names, and how probable that is."""
+    """Possible changes by a Success: facts by their names, and the probability."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Fact] = Field(init=False)
@@ -31,10 +31,10 @@ class ConditionEnding(EndingChance):
 
 
 class ConditionFail(FailChance):
-    """What a Fail of a cause changes."""
+    """Changes by a Fail of a cause."""
 
     known: Annotated[dict[str, Fact], Field(default_factory=dict)]
-    """What the robot then knows (default: nothing new)."""
+    """Facts that the robot then knows (default: nothing new)."""
 
 
 class ConditionEntry(TaskEntry):
@@ -45,7 +45,7 @@ class ConditionEntry(TaskEntry):
     then: dict[str, Fact] | Annotated[list[ConditionEnding], Field(min_length=1)]
     """Facts that hold after Success; a list if there are several possibilities, the usual one first."""
     fails: Annotated[dict[str, ConditionFail], Field(alias="on_fail", default_factory=dict)]
-    """What the robot knows after a Fail, for each cause, and for `else`."""
+    """Facts that the robot knows after a Fail, by cause, and under `else`."""
 
     @model_validator(mode="after")
     def _has_one_p(self) -> Self:
@@ -77,12 +77,12 @@ class ConditionEntry(TaskEntry):
 
     @property
     def on_fail(self) -> str | None:
-        """What a Fail of a cause that is not named makes known, in words."""
+        """Facts that become known by a Fail of a cause that is not named, in words."""
         return self._known_in_words(OTHER_CAUSES)
 
     @property
     def fail_entries(self) -> dict[str, ConditionFail]:
-        """What Fails of named causes make known."""
+        """Facts that become known by Fails of named causes."""
         return {cause: each for cause, each in self.fails.items() if cause != OTHER_CAUSES}
 
     @property

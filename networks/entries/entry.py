@@ -30,7 +30,7 @@ class AttemptsEntry(FileModel):
     fresh_after: str | list[str] = Field(default_factory=list)
     """Primitives after whose Success the Fails are forgotten, in a repeat for the same element."""
     renewals: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
-    """How often they are forgotten, at most."""
+    """Maximum number of times that they are forgotten."""
 
 
 class EndingChance(FileModel):
@@ -50,7 +50,7 @@ class FailChance(FileModel):
 
 
 class TaskEntry(FileModel):
-    """What an action does, what it costs and how often it is tried, wherever it leads."""
+    """Effect, cost and attempts of an action, wherever it leads."""
 
     do: str
     """Name of the primitive."""

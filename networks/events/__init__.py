@@ -1,1 +1,1 @@
-"""Events of a run, for its observers."""
+"""Events of a run that its observers receive."""

@@ -11,7 +11,7 @@ class Rounds:
     """Repetition of a task that ends where it began."""
 
     most: int | None = None
-    """Number of rounds; None: for ever."""
+    """Number of rounds; None: unlimited."""
     every_s: float = 0.0
     """Time between the starts of two rounds, in [s] of the robot's time; 0: one after the other."""
 

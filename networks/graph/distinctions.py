@@ -1,4 +1,4 @@
-"""What tells actions apart that do the same primitive between the same situations."""
+"""Distinctions between actions that do the same primitive between the same situations."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MAX_VALUE_LENGTH = 24
 
 
 class SiblingAction(NamedTuple):
-    """What distinguishes an action from others."""
+    """Text that distinguishes an action from others."""
 
     do: str
     source: str
@@ -21,7 +21,7 @@ class SiblingAction(NamedTuple):
 
 
 def distinctions(actions: Sequence[SiblingAction | None]) -> dict[int, str]:
-    """Return what tells each action from those like it, by its place in the sequence.
+    """Return the text that distinguishes each action from those like it, by its place in the sequence.
 
     Actions are alike that do the same primitive between the same situations. The words are the parameters in
     which they differ, such as `looks: 8`; where none differs, the cost. None is like nothing.

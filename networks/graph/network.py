@@ -169,7 +169,7 @@ class Action:
     fail_endings: tuple[FailEnding, ...] = ()
     """Situations that Fails of certain causes lead to; all others lead to `on_fail`."""
     distinction: str = ""
-    """What tells it from other actions that do the same between the same situations, such as `looks: 8`."""
+    """Distinction from other actions that do the same between the same situations, such as `looks: 8`."""
 
     @cached_property
     def allowance(self) -> Attempts:
@@ -225,7 +225,7 @@ class Action:
 
     @property
     def name(self) -> str:
-        """The primitive's name, with what tells the action from others like it."""
+        """The primitive's name, with the action's distinction from others like it."""
         return f"{self.do} with {self.distinction}" if self.distinction else self.do
 
     def __str__(self) -> str:

@@ -40,7 +40,7 @@ class PlanSearch:
     """
 
     def __init__(self, network: ActionNetwork, goal: str | None = None) -> None:
-        """Prepare the search of a network, for another goal than its own if one is given."""
+        """Prepare the search of a network; a given goal replaces its own."""
         self._network, self._actions = network, network.actions
         self._place = {name: number for number, name in enumerate(network.situations)}
         self._names = tuple(network.situations)

@@ -78,7 +78,7 @@ class Journal:
 
         Args:
             path: the journal.
-            contents: what was read of it.
+            contents: its records read so far.
             sync: when records are forced onto the disk.
             clock: source of the wall clock, in [s].
         """

@@ -53,7 +53,7 @@ def _unpack(path: Path, folder: Path) -> None:
 
 
 def _bounded(path: Path, files: Iterator[Content]) -> list[str]:
-    """Return the names of an archive's files; what follows the first one too many is not looked at."""
+    """Return the names of an archive's files; names beyond the allowed number are not read."""
     names, total = [], 0
     for name, size in files:
         names.append(name)

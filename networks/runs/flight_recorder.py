@@ -36,8 +36,8 @@ Readings = Mapping[str, NDArray[Any]]
 """Columns by name, `time_s` and so on: (n,) or (n, m).
 
 There are constants, too: `footprint_m` (), and of the lidar `angles_rad` (m,) of its beams and
-`base_T_sensor` (3,) in [m, m, rad]. In `ranges_m` infinity is no return, -infinity too close and NaN
-invalid (REP 117).
+`base_T_sensor` (3,) in [m, m, rad]. In `ranges_m` infinity is a missing return, -infinity too close
+and NaN invalid (REP 117).
 """
 
 

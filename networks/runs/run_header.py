@@ -102,7 +102,7 @@ def is_of_network(header: Mapping[str, Any], network: ActionNetwork) -> bool:
 
 
 def _by_names(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a network with actions by column name; what primitives read may change."""
+    """Return the fields of a network with actions by column name; the entries that are read may change."""
     rows = [dict(zip(fields["keys"], row, strict=True)) for row in fields["actions"]]
     for row in rows:
         row.pop("uses", None)

@@ -40,7 +40,7 @@ def goal_faults(
 def interrupt_faults(
     entries: Sequence[SituationInterrupt], situations: Mapping[str, object]
 ) -> Iterator[Fault]:
-    """Yield the interrupts whose goals are no situations of the file."""
+    """Yield the interrupts whose goals are not situations of the file."""
     for number, each in enumerate(entries):
         if situations and each.goal not in situations:
             wrong = f"unknown situation {each.goal!r}{suggest(each.goal, situations)}"
@@ -77,7 +77,7 @@ def round_faults(network: ActionNetwork) -> Iterator[Fault]:
 
 
 def battery_faults(aims: Aims) -> Iterator[Fault]:
-    """Yield the interrupts that need a battery's charge, for a robot that does not measure it."""
+    """Yield the interrupts that need a battery's charge if the robot does not measure it."""
     for number, each in enumerate(aims.interrupts):
         if each.battery_below is not None:
             wrong = "the robot measures no charge of its battery"

@@ -108,7 +108,7 @@ class TaskHead(AimsHead):
     parameters: Annotated[dict[str, Any], Field(default_factory=dict)]
     """Values that `--set KEY=VALUE` may change; `{parameter: KEY}` refers to them anywhere in the file."""
     policy: Literal["rule", "expected_cost", "goal_probability"] = "rule"
-    """How actions are chosen: the cheapest route with doubled weights, or by the probabilities `p` the least
+    """Choice of actions: the cheapest route with doubled weights, or by the probabilities `p` the least
     expected cost or the largest probability of the goal.
     """
     person_s: Annotated[float, Field(gt=0.0, le=1e6)] = 600.0

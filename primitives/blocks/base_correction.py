@@ -121,7 +121,7 @@ class FixAgain(FixOnce):
 
 
 class FixAgainModel(ByModel):
-    """As `FixAgain`, then the model from there on, fused with the earlier fixation."""
+    """Correction by `FixAgain`, then by the model from there on, fused with the earlier fixation."""
 
     views_landmark: ClassVar = True
 
@@ -137,7 +137,7 @@ class FixAgainModel(ByModel):
 
 
 class FixAgainImu(FixAgainModel):
-    """As `FixAgainModel`, with the turn by the gyros and the tilt beyond the model by the accelerometers."""
+    """Correction by `FixAgainModel`; turn by the gyros, tilt beyond the model by the accelerometers."""
 
     needs_imu: ClassVar = True
 

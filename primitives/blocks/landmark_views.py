@@ -199,7 +199,7 @@ class LandmarkViews:
         return found
 
     def _distance(self, base_T_camera: Transform, kind: Kind) -> float:
-        """Return the distance from the camera down to a landmark, in [m]; for the wanted one as planned."""
+        """Return the distance from the camera down to a landmark, in [m]; the wanted one's is as planned."""
         wanted = self._sought.mark.kind
         planned = float(self._view.camera_T_landmark[2, 3])
         return planned if kind == wanted else float(base_T_camera[2, 3]) - kind.height

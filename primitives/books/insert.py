@@ -239,6 +239,6 @@ def _yield_aside(robot: Robot) -> Generator[None, None, float]:
 
 
 def _about(edge: float, aside: float, turn: float) -> Transform:
-    """Return hand_T_hand (4, 4): moved by `aside`, and turned about a point `edge` [m] ahead."""
+    """Return hand_T_hand (4, 4): moved by `aside`, and turned around the point `edge` [m] ahead."""
     there = transform((edge, aside, 0.0), (0.0, 0.0, turn))
     return there @ transform((-edge, 0.0, 0.0))

@@ -328,5 +328,5 @@ def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> floa
 
 
 def _cause_of(gap: NoGap) -> CauseKind:
-    """Return why no gap was found: something could not be read, or there is none."""
+    """Return why no gap was found: a label could not be read, or the shelf has none."""
     return causes.NOT_SEEN if gap.is_unread else book_causes.NO_SLOT

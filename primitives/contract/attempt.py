@@ -236,7 +236,7 @@ def _restore(
     The robot holds in between. The next try begins where the last one ended: nothing is moved towards the
     goal of the motion, and nothing that was put back is touched. Where the base was stopped on its way back,
     it tries to pass again: a drive that refuses to move looks like an obstacle. A base that could move
-    neither on nor back was held by its drives: nothing is remembered to stand there.
+    neither on nor back was held by its drives: no obstacle is remembered there.
     """
     for left in range(patience.attempts - 1, -1, -1):
         back, known, place = Trace(robot), (model.bumps, model.arm_bumps), robot.localization.odometry_pose

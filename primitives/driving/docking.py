@@ -29,7 +29,7 @@ def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable
 
     Args:
         robot: the robot, near the place.
-        name: name of the place, for messages.
+        name: name of the place in messages.
         place: a place in front of an object with a straight front.
         need: required accuracy of the pose.
         report: receives the metric `dock_mm` of each measurement.

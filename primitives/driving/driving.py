@@ -41,7 +41,7 @@ TURNING_RADIUS_RATIO = 1.05  # of the turning circle that the steering allows: p
 
 
 def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) -> Way:
-    """Plan a route on the reduced generalized Voronoi graph, for the footprint with arm and load.
+    """Plan a route on the reduced generalized Voronoi graph with the footprint of arm and load.
 
     It avoids everything on the map, and what was sensed; with `cells` also what beams may clear again.
     Without a route, the result holds the reason.
@@ -84,7 +84,7 @@ def plan_tracker(
     from its current pose, past known and sensed obstacles. With `reverse` the rear leads.
 
     Raises:
-        Discrepancy: there is no route, or a car would have to reverse.
+        Discrepancy: no route was found, or a car would have to reverse.
     """
     if robot.spec.drive.kind == "ackermann":
         if reverse:
@@ -142,7 +142,7 @@ class FieldObstacleMonitor:
     def unexpected(self, robot: Robot) -> FloatArray:
         """Return the points (n, 2) of this period's scan that may be obstacles, in the field's frame, in [m].
 
-        Left out are points of the robot's own lowered hand, and points that may be the ground: those are left
+        Excluded are points of the robot's own lowered hand, and points that may be the ground: those are left
         to the guard of the base, which acts once they are near.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())

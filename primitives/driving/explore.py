@@ -51,7 +51,7 @@ class Explore(ActionPrimitive):
     The map begins empty (`map: none`), or with the given one. Scans and wheels make it, as `handcart map`
     does: chain of keyframes, loop closures, pose graph. Success means that the map has no reachable frontier
     larger than the robot; the findings say how much of the border stays unknown, and why. The map is saved
-    in the run's folder. After a Fail the base is back at its start, by a scan there; what was drawn is saved
+    in the run's folder. After a Fail the base is back at its start, by a scan there; the map so far is saved
     too.
     """
 
@@ -135,7 +135,7 @@ class Explore(ActionPrimitive):
     def _look_around(self, robot: Robot) -> Periods:
         """Turn once on the spot if the lidar does not see all around: a route begins on ground that is seen.
 
-        A base that is held back where it stands looks as far as it can turn.
+        A base that is held back at its place looks as far as it can turn.
         """
         assert robot.lidar is not None
         if float(np.ptp(robot.lidar.scan().angles)) >= ALL_AROUND_RAD:
@@ -145,7 +145,7 @@ class Explore(ActionPrimitive):
                 return
 
     def _next_target(self, robot: Robot, model: ModelView) -> Generator[None, None, FrontierGoal | None]:
-        """FrontierLook from where the base stands."""
+        """FrontierLook from the base's place."""
         assert self._scans is not None and self._look is not None
         self._scans.is_busy = True
         look = yield from robot.compute(self._look.take, self._scans.pose, None, takes=LOOK_S)
@@ -279,7 +279,7 @@ class Explore(ActionPrimitive):
         model.sensed_cells = self._cells(model.sensed_cells, robot.time)
 
     def _cells(self, before: FloatArray, now: float) -> FloatArray:
-        """Return what the map shows as rows of `sensed_cells`, for drives on the given map."""
+        """Return what the map shows as rows of `sensed_cells` that drives on the given map read."""
         assert self._last is not None
         points = self._last.grid.to_point(np.argwhere(self._last.grid.occupied))
         rows = np.column_stack([points, np.full((len(points), 2), [12.0, now])])

@@ -1,4 +1,4 @@
-"""Decision of EXPLORE: the map so far, what is left of its border, and where to drive next."""
+"""Decision of EXPLORE: the map so far, the rest of its border, and where to drive next."""
 
 from __future__ import annotations
 

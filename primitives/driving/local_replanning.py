@@ -80,12 +80,12 @@ class LocalReplanning:
 
     @property
     def holds(self) -> bool:
-        """True if the base holds: no way leads on, or somebody has to pass first."""
+        """True if the base holds: no way leads on, or a person has to pass first."""
         return self.blocked_since is not None or self.speed_limit <= 0.0
 
     @property
     def waits_since(self) -> float | None:
-        """Time since which it does not get on, for an obstacle or for people, in [s]; None if it does."""
+        """Time since which an obstacle or people stop it, in [s]; None if it gets on."""
         since = [each for each in (self.blocked_since, self.people.waits_since) if each is not None]
         return min(since, default=None)
 

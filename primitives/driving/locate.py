@@ -206,7 +206,7 @@ class Locate(ActionPrimitive):
         return Surroundings(seen.grid, robot.pose, robot.spec.footprint_radius_m, tried)
 
     def _next_view(self, around: Surroundings, poses: FloatArray, left: float, reach: float) -> View | None:
-        """Return the next place to look from; None if no place within `left`, in [m], would tell more."""
+        """Return the next place to look from; None if no place within `left`, in [m], would show more."""
         assert self._field is not None
         if left <= 0.0 or (self._hypotheses is not None and len(self._hypotheses.looks) >= MAX_LOOKS):
             return None

@@ -367,7 +367,7 @@ class MoveTo(ActionPrimitive):
 
     @property
     def _way(self) -> str:
-        """Return the name of the watched path, for messages."""
+        """Return the name of the watched path in messages."""
         return "the way back" if self._restores else f"the path to {self.place}"
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:

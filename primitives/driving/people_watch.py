@@ -35,10 +35,10 @@ class BeamOrder(NamedTuple):
 
 
 class PeopleWatch:
-    """Tracks people during one drive; keeps no distance to anybody before the first scan."""
+    """Tracks people during one drive; keeps no distance to people before the first scan."""
 
     def __init__(self, robot: Robot) -> None:
-        """Begin with nobody seen."""
+        """Begin before any person is seen."""
         self._keep, self._radius = robot.spec.drive.person_distance_m, robot.spec.footprint_radius_m
         self._tracks = MovingTracks(REACH_M)
         self._beams: BeamOrder | None = None
@@ -48,7 +48,7 @@ class PeopleWatch:
         self.people = People.of(())
         """All persons as of the last scan."""
         self.waits_since: float | None = None
-        """Time since which the base stands for somebody, in [s]; None while it does not."""
+        """Time since which the base waits for a person, in [s]; None while it does not."""
 
     def take(self, robot: Robot, scan: Scan, ranges: FloatArray, explained: BoolArray) -> TrackedScan:
         """Take in a scan; the base keeps off the people in it for this period.
@@ -82,7 +82,7 @@ class PeopleWatch:
         return TrackedScan(moving, tracked.left)
 
     def _unsettled(self, robot: Robot, moving: BoolArray) -> TrackedScan:
-        """Track nobody by a scan whose pose is in doubt: walls beside the map would count as people."""
+        """Ignore people in a scan whose pose is in doubt: walls beside the map would count as people."""
         if robot.localization.held_base.searches:
             self._tracks, self.people = MovingTracks(REACH_M), People.of(())
         robot.base.keep_off_people(self.people)
@@ -112,7 +112,7 @@ class PeopleWatch:
         return most
 
     def note_waiting(self, robot: Robot, waits: bool) -> None:
-        """Note whether the base stands for somebody in this period; short pauses between count as waiting."""
+        """Note whether the base waits for a person in this period; short pauses between count as waiting."""
         if waits or robot.base.yields:
             self._waited_at = robot.time
             if self.waits_since is None:
@@ -123,7 +123,7 @@ class PeopleWatch:
                 self.waits_since = None
 
     def blocked(self, way: str, at: tuple[float, float]) -> Discrepancy:
-        """Return that somebody is on a way, near a point on the map in [m]."""
+        """Return the message that a person is on a way, near a point on the map in [m]."""
         x, y = at
         away = np.inf
         if len(self.people.radii):
@@ -146,7 +146,7 @@ class PeopleWatch:
 
     @property
     def is_last_attempt(self) -> bool:
-        """True if routes are planned as if there were no people: nobody is there, or none leads around."""
+        """True if routes are planned as if there were no people: none seen, or no route around them."""
         return self._level > 1 or not len(self.people.radii)
 
     def try_less_room(self) -> None:
@@ -158,12 +158,12 @@ class PeopleWatch:
         self._level = 0
 
     def is_person(self, x: float, y: float) -> bool:
-        """Return whether a point on the map, in [m], is at somebody's body."""
+        """Return whether a point on the map, in [m], is at a person's body."""
         away = np.hypot(*(self.people.positions - (x, y)).T) - self.people.radii
         return bool((away < NEAR_PERSON_M).any())
 
     def without_people(self, cells: FloatArray) -> FloatArray:
-        """Return the rows (n, k) whose first two columns, x and y in [m], are at nobody's body."""
+        """Return the rows (n, k) whose first two columns, x and y in [m], are not at a person's body."""
         if not len(cells) or not len(self.people.radii):
             return cells
         off = cells[:, None, :2] - self.people.positions[None]

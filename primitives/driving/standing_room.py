@@ -1,4 +1,4 @@
-"""Free poses of base and arm around a work place, for planners that choose places."""
+"""Free poses of base and arm around a work place, from which planners choose places."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MAX_START_INTRUSION_M = 0.3  # that the base may stand too near to something, wh
 
 
 class StandingRoom:
-    """Obstacles around a work place, for one robot."""
+    """Obstacles around a work place of one robot."""
 
     def __init__(
         self,

@@ -65,7 +65,7 @@ class Deploy(TreePrimitive):
     sensor in the magazine. The arm goes through its middle state; then its tip moves on straight lines to
     above the target by resolved rates, with roll and pitch of the base included, and is corrected by fixes
     that arrive meanwhile. The sensor is lowered until it touches the ground and released in small steps,
-    which cannot be undone; if it leans on a finger, the hand gives way until it stands by itself. The
+    which cannot be undone; if it leans on a finger, the hand gives way until it is upright by itself. The
     fingers feel for its top; then the arm returns the same way. If arm and base move together, MOVE_TO has
     already brought the sensor over the target, and the next MOVE_TO brings the arm back: here it is only
     lifted, unless this was the last sensor.

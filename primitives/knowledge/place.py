@@ -22,7 +22,7 @@ from .ros_goals import GOAL_LIST_KEYS, goals_as_places
 ARRIVED_MM, ARRIVED_DEG = 40.0, 1.0  # of a place that says nothing
 DOCKED_MM = 24.0  # of one where the base docks
 CAR_ARRIVED_MM, CAR_ARRIVED_DEG = 1500.0, 20.0
-"""Of one that says nothing, where a car drives to: it can't turn on the spot, nor move sideways.
+"""Default of a place that a car drives to: it can't turn on the spot, nor move sideways.
 
 After a detour a car arrives turned by up to 9 degrees; 3 sigma of its heading are some 6 more.
 """

@@ -38,7 +38,7 @@ def stow(
 
     Args:
         robot: its arm may be anywhere.
-        around: what the arm must not touch, in the base frame.
+        around: bodies that the arm must not touch, in the base frame.
         kind: kind of the held object; None for an empty hand.
         hand_T_object: (4, 4) of it.
 
@@ -61,7 +61,7 @@ def carrying_joints(
     """Return joints (n,) that carry an object within the outline, the first with good clearance.
 
     Postures with the whole arm within the outline come first: an elbow outside of it may meet what the base
-    drives past. None if there are none.
+    drives past. None without any.
     """
     held = held_box(kind, hand_T_object)
     collision, here = collision_model(robot, held, around), robot.arm.command()

@@ -47,7 +47,7 @@ class PlannedGrasp(NamedTuple):
 
 
 class GraspChoice(NamedTuple):
-    """What was found."""
+    """The found grasp."""
 
     planned: tuple[PlannedGrasp, ...]
     """Free grasps, the best one first."""
@@ -65,7 +65,7 @@ def plan_grasps(
         robot: robot with an arm and a gripper.
         kind: kind of the object.
         base_T_object: (4, 4).
-        around: what the arm must not touch, in the base frame, without the object.
+        around: bodies that the arm must not touch, in the base frame, without the object.
         target: the object, in the base frame.
     """
     spec = robot.spec.gripper
@@ -97,7 +97,7 @@ def plan_grasps(
 
 
 def _grasps(kind: ObjectKind, opening: float, tip: float, base_T_object: Transform) -> Iterator[Grasp]:
-    """Yield the grasps that a kind allows, for fingers with an opening and a length `tip`, both in [m]."""
+    """Yield the grasps that a kind allows to fingers with an opening and a length `tip`, both in [m]."""
     faces = None if kind.grasps == "any" else kind.grasps
     if not kind.is_round:
         return box_grasps(kind.size, opening, tip, faces)

@@ -30,7 +30,7 @@ from .tag_readings import Located, locate
 from .view_plan import Direction, directions, places_and_weights
 
 VIEW_DISTANCES_M = (0.42, 0.36, 0.48)
-"""From the camera to the tops of objects."""
+"""Distances from the camera to the tops of objects."""
 COVERED_SHARE = 0.97  # of the belief that views have shown when the search ends
 SEEN_COVERED_SHARE = 0.85  # likewise, once the object was seen
 VIEW_RADIUS_M = 0.11  # on the surface that a view surely shows
@@ -51,7 +51,7 @@ class LookFor(ActionPrimitive):
     surface: SurfaceName | None = None
     """Surface to look at (default: the one that it is believed to be on)."""
     direction: Direction = "any"
-    """From where to look."""
+    """Directions to look from."""
     max_views: Annotated[int, Field(ge=1, le=30)] = 10
     """Maximum number of views."""
 
@@ -147,7 +147,7 @@ class LookFor(ActionPrimitive):
         return 1.0 - (SEEN_COVERED_SHARE if self._look.of(self.object) else COVERED_SHARE)
 
     def _others(self, robot: Robot, model: ModelView, name: str) -> dict[str, ObjectSighting]:
-        """Return the sightings of other objects that stand upright on the same surface."""
+        """Return the sightings of other objects that are upright on the same surface."""
         found: dict[str, ObjectSighting] = {}
         surface = surface_of(model, name)
         for other in model.of(Objects).objects.objects:

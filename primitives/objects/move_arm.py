@@ -18,7 +18,7 @@ from .object_site import held_shape, surroundings
 
 
 class MoveArm(ActionPrimitive):
-    """Move the arm to a named posture, clear of surfaces and seen objects; what it holds goes along."""
+    """Move the arm to a named posture, clear of surfaces and seen objects; a held object goes along."""
 
     posture: str
     """Name of a posture in the robot's file."""

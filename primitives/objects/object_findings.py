@@ -103,7 +103,7 @@ def _of_object(
 def _shared_tags(
     document: Document, kinds: Mapping[str, ObjectKind], objects: Mapping[str, KnownObject]
 ) -> Iterator[Finding]:
-    """Yield tags that are on two objects, which could not be told apart."""
+    """Yield tags that are on two objects, which would be confused."""
     owners: dict[tuple[str, int], str] = {}
     for name, known in objects.items():
         shared = kinds[known.kind].tags if known.kind in kinds else ()

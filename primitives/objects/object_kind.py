@@ -22,7 +22,7 @@ class ObjectKind(FileModel):
     """A kind of objects of one shape and size. Its frame: origin in the middle of the foot, z up."""
 
     shape: Literal["box", "cylinder"] = "box"
-    """A cylinder stands on its foot; along its x and y it has one size, its diameter."""
+    """A cylinder is upright; along its x and y it has one size, its diameter."""
     size_mm: tuple[Millimetres, Millimetres, Millimetres]
     """Along its x, y and z (upwards)."""
     mass_kg: Positive | None = None
@@ -30,7 +30,7 @@ class ObjectKind(FileModel):
     tags: tuple[PrintedTag, ...] = ()
     """Tags on all objects of this kind; tags of a single object are under `objects:`."""
     grasps: Literal["any"] | Annotated[tuple[Face, ...], Field(min_length=1)] = "any"
-    """Sides that the hand may come from; on a cylinder any but `+z` stands for all around it."""
+    """Sides that the hand may come from; on a cylinder any but `+z` means all around it."""
     upright: bool = True
     """True if it has to stay upright while it is carried."""
 
@@ -50,7 +50,7 @@ class ObjectKind(FileModel):
 
     @property
     def is_round(self) -> bool:
-        """Whether it is a cylinder."""
+        """True if it is a cylinder."""
         return self.shape == "cylinder"
 
     @property
@@ -71,7 +71,7 @@ class KnownObject(FileModel):
 
     kind: Name
     on: Name
-    """ObjectSurface that it stands on."""
+    """ObjectSurface that it is on."""
     x_m: float | None = None
     """On the map (default: anywhere on the surface)."""
     y_m: float | None = None

@@ -128,7 +128,7 @@ def look_from(
         point: (3,) in the base frame, in [m].
         towards: unit vectors (3,) from the point to the camera, the best ones first.
         distances: from the camera to the point, in [m], the best ones first.
-        also_around: what else the arm must not touch, in the base frame.
+        also_around: further bodies that the arm must not touch, in the base frame.
     """
     around, held = (*surroundings(robot, model), *also_around), held_shape(model)
     collision = collision_model(robot, held, around)
@@ -246,7 +246,7 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
     """Return what a look says on the map, with the uncertainty of the base's pose.
 
     Raises:
-        Discrepancy: the object stands beside the surface.
+        Discrepancy: the object is next to the surface.
     """
     x, y = found.base_T_object[:2, 3].tolist()
     heading = math.atan2(found.base_T_object[1, 0], found.base_T_object[0, 0])

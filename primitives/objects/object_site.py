@@ -1,4 +1,4 @@
-"""What is around the robot at its place before a surface."""
+"""Surroundings of the robot at its place before a surface."""
 
 from __future__ import annotations
 

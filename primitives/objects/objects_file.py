@@ -1,4 +1,4 @@
-"""File of objects: kinds, objects, and the surfaces that they stand on."""
+"""File of objects: kinds, objects, and the surfaces that carry them."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class Pick(ActionPrimitive):
     object: ObjectName
     """Name of the object."""
     grasp: Literal["best", "next"] = "best"
-    """Which of the free grasps: the best one, or the best one from another side or with another turn."""
+    """Choice among the free grasps: the best one, or the best one from another side or with another turn."""
     to: SurfaceName | None = None
     """Surface that it goes to: grasps with which it can be put down there come first."""
     spot: Annotated[str, Field(min_length=1)] | None = None
@@ -92,7 +92,7 @@ class Pick(ActionPrimitive):
         return "" if seen is not None else f"{self.object} wasn't seen yet; LOOK_FOR finds it"
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Measure where the object stands, in the base frame; empty if it isn't seen."""
+        """Measure the object's pose, in the base frame; empty if it isn't seen."""
         objects = model.of(Objects)
         seen = objects.seen(self.object) or next(
             (each for each in self._known if each.object == self.object), None
@@ -157,7 +157,7 @@ class Pick(ActionPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the contacts with the object, and of the object with what it stands on."""
+        """Return the contacts with the object, and of the object with its surface."""
         seen = model.of(Objects).seen(self.object)
         on = [each.surface for each in (seen, *self._known) if each is not None]
         return (
@@ -289,7 +289,7 @@ class Pick(ActionPrimitive):
             )
 
     def _check_gone(self, robot: Robot, model: ModelView, base_T_object: Transform) -> Periods:
-        """Take a picture: the object must not be seen where it stood."""
+        """Take a picture: the object must not be seen at its old place."""
         yield from settle(robot)
         yield
         look = ObjectLook()

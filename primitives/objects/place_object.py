@@ -68,7 +68,7 @@ class PlaceObject(ActionPrimitive):
     """Put the held object down at a named spot, or at a free spot that the camera finds.
 
     A picture shows whether the spot is free. The object is lowered until it touches down; the fingers let
-    it go, and the hand withdraws the way it came from. A look from nearby measures where it stands, and
+    it go, and the hand withdraws the way it came from. A look from nearby measures its pose, and
     whether other objects have moved.
     """
 
@@ -238,7 +238,7 @@ class PlaceObject(ActionPrimitive):
         yield from relax(robot)
 
     def _verify(self, robot: Robot, model: ModelView, name: str, goal: Transform) -> Periods:
-        """Measure where the object stands and whether others moved; note what was seen.
+        """Measure the object's pose and whether others moved; note what was seen.
 
         Raises:
             Discrepancy: it isn't where it should be.

@@ -65,7 +65,7 @@ def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
 def showing_tags(goals: Sequence[Transform], tags: Sequence[PrintedTag]) -> list[Transform]:
     """Return the goals base_T_object (4, 4) at which a tag faces upwards or the robot; all if none does.
 
-    Elsewhere the camera could not verify where the object stands.
+    Elsewhere the camera could not verify the object's pose.
     """
     normals = [transform(rpy=FACE_TURNS[tag.face])[:3, 2] for tag in tags]
     shown = [
@@ -91,7 +91,7 @@ def plan_placing(
         kind: kind of the object.
         hand_T_object: (4, 4).
         goals: base_T_object (4, 4) of allowed poses at the goal.
-        around: what arm and object must not touch, in the base frame.
+        around: bodies that arm and object must not touch, in the base frame.
         width: opening of the fingers then, in [m]; None: as it is now.
     """
     arm = _with_hand(robot, robot.gripper.width() if width is None else width)

@@ -1,4 +1,4 @@
-"""Surfaces that objects stand on, in a file of objects."""
+"""Surfaces that carry objects, in a file of objects."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class SurfaceSpot(FileModel):
 
 
 class ObjectSurface(LevelPose):
-    """A level surface that objects stand on: a table, a shelf's board, an area of the floor.
+    """A level surface that carries objects: a table, a shelf's board, an area of the floor.
 
     Its pose is that of the middle of its top, on the map.
     """
@@ -44,7 +44,7 @@ class ObjectSurface(LevelPose):
     clearance_m: Positive | None = None
     """Free height above it, up to the next board (default: open)."""
     kinds: Literal["any"] | tuple[Name, ...] = "any"
-    """Kinds of objects that may stand there."""
+    """Kinds of objects that may be there."""
     spots: Mapping[Name, SurfaceSpot] = Field(default_factory=dict)
     place: Name | None = None
     """Place of the base for work on it (default: computed)."""
@@ -67,5 +67,5 @@ class ObjectSurface(LevelPose):
         return min(self.size_m[0] / 2 - abs(off.x), self.size_m[1] / 2 - abs(off.y))
 
     def allows(self, kind: str) -> bool:
-        """Return whether objects of a kind may stand there."""
+        """Return whether objects of a kind may be there."""
         return self.kinds == "any" or kind in self.kinds

@@ -35,12 +35,12 @@ VIEW_DISTANCE_M = 0.35
 MAX_CANDIDATES = 40
 IK_RESTARTS = 4
 PITCHES_RAD = tuple(math.radians(each) for each in (90.0, 55.0, 30.0))
-"""Of a hand over a surface: pointing down, and slanting ahead."""
+"""Postures of a hand over a surface: pointing down, and slanting ahead."""
 TURNS_RAD = tuple(math.radians(each) for each in (0.0, 90.0, 180.0, -90.0))
 
 
 class NoStandingPlace(Exception):
-    """There is no place of the base for work on a surface; the message says why."""
+    """The base has no place to work on a surface; the message gives the reason."""
 
 
 def standing_place(
@@ -59,7 +59,7 @@ def standing_place(
         places: known places of the base; a route must lead from one of them.
 
     Raises:
-        NoStandingPlace: there is no free floor beside it, or the arm reaches nothing from there.
+        NoStandingPlace: no floor next to it is free, or the arm reaches nothing from there.
     """
     surface, arm = file.surfaces[name], robot.arm_model()
     work = _work(file, name)

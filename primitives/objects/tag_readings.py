@@ -73,7 +73,7 @@ def _likelier(poses: Sequence[TagPose], base_T_camera: Transform, object_T_tag: 
 
 
 class Located(NamedTuple):
-    """An object that stands upright on a surface."""
+    """An object that is upright on a surface."""
 
     base_T_object: Transform
     """(4, 4)."""
@@ -83,7 +83,7 @@ class Located(NamedTuple):
 
 
 class NotUpright(NamedTuple):
-    """An object that does not stand on the surface; says why."""
+    """An object that is not upright on the surface, with the reason."""
 
     reason: str
 
@@ -103,7 +103,7 @@ def locate(
     Args:
         reads: at least one, all of the same object.
         kind: its kind.
-        surface: surface that it should stand on.
+        surface: surface that should carry it.
     """
     poses = [each.base_T_object for each in reads if each.base_T_object is not None]
     views = [each.view for each in reads if each.view is not None]

@@ -20,7 +20,7 @@ from .aimed_view import aimed_joints
 from .surface import ObjectSurface
 
 Direction = Literal["any", "above", "slanted"]
-"""From where the camera looks."""
+"""Directions that the camera looks from."""
 SPACING_M = 0.04  # between places where the object may be
 ELSEWHERE_SHARE = 0.05  # of the belief that is spread over the whole surface
 IK_RESTARTS = 3
@@ -28,7 +28,7 @@ ABOVE_RAD = (0.0, math.radians(15.0))
 SLANTED_RAD = (math.radians(35.0), math.radians(50.0))
 SIDE_TAG_TILT_RAD = math.radians(55.0)
 ROBOT_AZIMUTHS_RAD = tuple(math.radians(each) for each in (180.0, 140.0, -140.0, 90.0, -90.0))
-"""From a point ahead of the robot to the camera: back towards it first."""
+"""Directions from a point ahead of the robot to the camera: back towards it first."""
 
 
 def places_and_weights(
@@ -37,7 +37,7 @@ def places_and_weights(
     """Return places (n, 2) on the map where the object may be, and their probabilities (n,).
 
     Args:
-        surface: surface that it stands on.
+        surface: surface that carries it.
         believed: x and y on the map; None for anywhere.
         sigma: standard deviation along each axis, in [m].
     """

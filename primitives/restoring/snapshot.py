@@ -138,7 +138,7 @@ def residuals(start: Snapshot, now: Snapshot, spec: RobotFile, room: float = mat
 
 def _of_joints(start: Snapshot, now: Snapshot, spec: RobotFile) -> Iterator[Residual]:
     """Yield the largest change of the rotating joints and of the sliding ones; a full turn of a continuous
-    joint is no change.
+    joint does not count.
     """
     slides, endless = (np.array(each, dtype=bool) for each in spec.joint_units[1:])
     off = np.abs(now.joints - start.joints)

@@ -65,7 +65,7 @@ class Trace:
         """Return the way that is left if a motion along this trace, backwards, was broken off.
 
         Args:
-            back: record of that motion. What it did beside this trace belongs to the way that is left.
+            back: record of that motion. Its motions off this trace belong to the way that is left.
         """
         last, begin = len(self.moments) - 1, 0
         for number, moment in enumerate(back.moments):

@@ -49,7 +49,7 @@ class Divide(ActionPrimitive):
     """Maximum number of places."""
     move_m: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
     """Required gain of one more place, in metres of seam tracked at the best instead of only just; only if
-    the base stands.
+    the base is at rest.
     """
     base: Literal["stands", "drives"] = "stands"
     """Motion of the base while the tool is on the seam; `drives`: straight on from its place, level with the

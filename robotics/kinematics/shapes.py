@@ -56,7 +56,7 @@ class Hull:
 
 
 Solid = Box | Cylinder
-"""Shapes of what stands about."""
+"""Shapes of surrounding bodies."""
 Shape = Box | Cylinder | Sphere | Hull
 
 

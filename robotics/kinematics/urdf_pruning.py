@@ -9,7 +9,7 @@ from handcart.robotics.kinematics.urdf_reading import read_urdf
 
 
 class UnknownJoint(ValueError):
-    """A joint that is to be left out is not in the URDF."""
+    """A joint that should be removed is not in the URDF."""
 
     def __init__(self, joint: str, known: Sequence[str]) -> None:
         self.joint, self.known = joint, tuple(known)

@@ -1,4 +1,4 @@
-"""Plants bugs one at a time and tells which the nearest tests miss: `python scripts/mutants --sample 20`."""
+"""Plant bugs one by one and report those that near tests miss: `python scripts/mutants --sample 20`."""
 
 from __future__ import annotations
 

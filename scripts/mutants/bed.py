@@ -56,7 +56,7 @@ def _bounded() -> None:
 class Bed:
     """A copy of the project, with its tests.
 
-    Machine code that numba keeps is kept outside the copy, and made anew for a bug in what is compiled: numba
+    Machine code that numba keeps is kept outside the copy, and made again after a bug in compiled code: numba
     doesn't see that a function that another one calls has changed.
     """
 
@@ -92,7 +92,7 @@ class Bed:
         return status != 0  # negative: it died, or never ended
 
     def run_tests(self, mutant: Plantable, patience_s: float) -> Ended:
-        """Run a mutant's tests with the bug planted, up to the first that fails, for at most this long."""
+        """Run a mutant's tests with the bug planted, up to the first that fails, within this time."""
         with self._planted(mutant) as compiled:
             code = self._machine_code.with_name("planted") if compiled else self._machine_code
             ended = self._run(mutant.tests, code, patience_s)

@@ -1,6 +1,6 @@
 """Draw mutants by a seed and report which the tests kill: `python scripts/mutation --drawn 20 --seed 1`.
 
-The mutants are made by Cosmic Ray's operators, so nobody chose them. Each is tried on a copy of the project:
+The mutants are made by Cosmic Ray's operators, not by hand. Each is tried on a copy of the project:
 with the tests that execute its line, by a recording (`--record`, then `--coverage`), or else with those
 nearest to its file. More tests could kill more of them, so the score is a lower bound.
 docs/reference/mutation.md.

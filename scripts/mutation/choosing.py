@@ -33,7 +33,7 @@ class ChosenTests(NamedTuple):
 def choose_tests(
     project: Path, recording: Recording | None, file: str, line: int, seconds: float, files: int = MAX_FILES
 ) -> ChosenTests:
-    """Return tests that execute a line, cheap and near ones first, or else the nearest files of tests.
+    """Return tests that execute a line, cheap and near ones first, or without any the nearest files.
 
     Args:
         project: folder that file names are relative to.
@@ -127,7 +127,7 @@ def _first(node: ast.stmt) -> int:
 
 
 def _bound(path: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield names that the last statement, or else the class around it, binds."""
+    """Yield names that the last statement, or otherwise the class around it, binds."""
     last = path[-1]
     targets = getattr(last, "targets", [getattr(last, "target", None)])
     for target in targets:

@@ -43,7 +43,7 @@ class WarmBed(Bed):
         self._processes: dict[Path, subprocess.Popen[str]] = {}
 
     def try_mutant(self, mutant: Plantable, tests: ChosenTests, seconds: float) -> Answer:
-        """Run tests with a mutant planted, up to the first that fails, for about this time."""
+        """Run tests with a mutant planted, up to the first that fails, within about this time."""
         with self._planted(mutant) as compiled:
             code = self._machine_code.with_name("planted") if compiled else self._machine_code
             answer = self._ask(code, tests, seconds)

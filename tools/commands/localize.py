@@ -147,7 +147,7 @@ def _noise(robot: str | None) -> FieldNoise:
 
 
 def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, columns: str | None) -> DriveLog:
-    """Return the log; for a run's folder, the log in it."""
+    """Return the log; given a run's folder, the log in it."""
     if (log / RUN_LOG).is_file():
         log = log / RUN_LOG
     if log.is_dir() or log.name.endswith((*BAG_SUFFIXES, *PACKED_BAGS)):

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class RosBenchOptions(NamedTuple):
-    """What is simulated, and for how long."""
+    """Simulated robot, and the duration."""
 
     robot: str
     """Name or path of the robot; that of the task where one is given."""
@@ -20,7 +20,7 @@ class RosBenchOptions(NamedTuple):
     """Name of the simulated backend."""
     world: Path | None
     task: Path | None
-    """A task, for its robot, world and start."""
+    """A task, which names robot, world and start."""
     seed: int
     faults: tuple[str, ...]
     """Each KIND@TOPIC@SECONDS."""

@@ -18,7 +18,7 @@ MAP_SUFFIX = ".yaml"
 
 
 def read_map(path: Path) -> GridMap:
-    """Return a map; print a warning about it if one exists."""
+    """Return a map; print a warning if it deserves one."""
     grid, warning = load_map(path)
     if warning:
         print(warning, file=sys.stderr)
@@ -50,7 +50,7 @@ def numbers(text: str, option: str, count: int | None = None) -> list[float]:
     """Return numbers with commas between.
 
     Args:
-        text: what the user wrote.
+        text: the user's text.
         option: its name.
         count: how many are needed; any even number from six on if None.
     """

@@ -104,7 +104,7 @@ def names_of(name: str) -> dict[str, str]:
         name: lower case, words joined by `_`.
 
     Raises:
-        NotAName: it is no such name, or a word that Python uses itself.
+        NotAName: it is not such a name, or a word that Python uses itself.
     """
     if not re.fullmatch(NAME_PATTERN, name) or keyword.iskeyword(name):
         raise NotAName(

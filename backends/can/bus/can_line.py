@@ -24,7 +24,7 @@ class CanLine(canopen.Network):
     """A CANopen network that takes in frames in the thread of its caller.
 
     `canopen` starts a thread for that, which ends at a fault of the interface and leaves old readings
-    behind. Here the same call raises, there is no thread to be ended, and on python-can's `virtual` the
+    behind. Here the same call raises, no thread needs to be ended, and on python-can's `virtual` the
     frames come in the same order in every run.
     """
 

@@ -1,4 +1,4 @@
-"""A simulated robot's range sensor, for a program in another process."""
+"""Server of a simulated robot's range sensor to a program in another process."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class SimulatedDrives:
 
         Args:
             nodes: node IDs.
-            period: time that a SYNC stands for [s].
+            period: duration that a SYNC represents, in [s].
             plant: load that they turn; None: only their motors.
             bus: taken over; None: a new virtual bus.
             dictionaries: objects of drives by node ID; others have those of our own EDS.
@@ -55,7 +55,7 @@ class SimulatedDrives:
         self.line.subscribe(SYNC_COB_ID, self._on_sync)
 
     def open(self) -> can.BusABC:
-        """Return another end of their virtual bus, for a client."""
+        """Return another end of their virtual bus that a client can use."""
         return VirtualBus(self._channel)
 
     def serve(self) -> None:

@@ -88,7 +88,7 @@ class WorldSpec:
         """Add a square of rough ground; see `Engine.add_tile`.
 
         Args:
-            number: number of the tile, for its name.
+            number: number of the tile, which is part of its name.
             corner: (2,) least x and y in the world, in [m].
             cell: distance of neighbouring heights, in [m].
             heights: (k, k) in [m], a row for each y.

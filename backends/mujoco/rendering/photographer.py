@@ -18,7 +18,7 @@ _MOST = 20_000  # shapes
 
 
 class Photographer:
-    """Renderer of pictures of a stage, for a camera at any pose with any intrinsics."""
+    """Renderer of pictures of a stage by a camera at any pose with any intrinsics."""
 
     def __init__(self, stage: PictureStage, size: tuple[int, int]) -> None:
         """Prepare pictures of a width and height `size` in [px].

@@ -19,7 +19,7 @@ class Style(NamedTuple):
     lit_m: float
     """Radius of the region with shadows, in [m]."""
     samples: int
-    """Samples per pixel, for smooth edges; 0 means one."""
+    """Samples per pixel, which smooth edges; 0 means one."""
     beam: tuple[float, float, float] = (0.25, -0.2, -0.947)
     """Direction of the lamp: of length 1, in the world."""
 

@@ -17,7 +17,7 @@ NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
 _ANGLES = np.linspace(0.0, math.pi, 24, endpoint=False)
 EVEN_DIRECTIONS = np.vstack([np.cos(_ANGLES), np.sin(_ANGLES)])
-"""(2, 24) unit vectors in columns: with a shift, the worst direction is none of the principal axes."""
+"""(2, 24) unit vectors in columns: with a shift, the worst direction is not a principal axis."""
 MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
 
 

@@ -203,7 +203,7 @@ class Localization(ABC):
         """Update the estimate with the readings of the period that has passed.
 
         Args:
-            driven: what the base was commanded in it.
+            driven: command of the base in it.
         """
         travel = self._base.wheel_travel()
         if not all(map(math.isfinite, travel)):

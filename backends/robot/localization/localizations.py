@@ -45,7 +45,7 @@ def localization_of(
         start: map_T_base as the task states it.
         grid: map that scans are compared with.
         lidar: lidar whose scans are compared with the map; None without one.
-        is_start_exact: whether the start defines the frame, because there is no map.
+        is_start_exact: whether the start defines the frame, because a map is missing.
     """
     known = EXACT_START if is_start_exact else START_SIGMA
     tread, positioning, errors = spec.drive.tread_m, spec.positioning, odometry_errors(spec)

@@ -11,6 +11,6 @@ class AirFinding(NamedTuple):
     key: tuple[str, ...]
     """Place in the robot's file."""
     words: str
-    """What was measured; what is allowed."""
+    """Measured value; allowed values."""
     is_fault: bool = True
     """True if the robot can't be driven so; False for a remark."""

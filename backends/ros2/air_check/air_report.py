@@ -22,7 +22,7 @@ DEFAULT_SECONDS = 5.0
 
 
 class AirReport(NamedTuple):
-    """What is on the air, and where it differs from the robot's file."""
+    """Topics on the air, and where they differ from the robot's file."""
 
     topics: tuple[MeasuredTopic, ...]
     nodes: dict[str, list[str]]

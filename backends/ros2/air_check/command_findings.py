@@ -1,4 +1,4 @@
-"""Findings about each topic of commands: a driver takes it, and nobody else sends."""
+"""Findings about each topic of commands: a driver takes it, and this program alone sends."""
 
 from __future__ import annotations
 

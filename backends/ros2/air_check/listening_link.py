@@ -18,7 +18,7 @@ class ListeningLink(Link):
     """
 
     def __init__(self, link: Link) -> None:
-        """Take a connection, owned by somebody else."""
+        """Take a connection that the caller owns."""
         self._link = link
         self.meters: dict[str, TopicMeter] = {}
         """Measurement of each topic that is heard."""

@@ -25,7 +25,7 @@ MAX_SHARE_BEYOND_REACH = 0.5
 
 
 def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
-    """Yield all findings about what the sensors read."""
+    """Yield all findings about the sensors' readings."""
     moved = _motion(heard)
     if moved:
         yield AirFinding(("ros2", "odometry"), moved)
@@ -45,7 +45,7 @@ def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
 
 
 def _motion(heard: HeardRobot) -> str:
-    """Return by how much the base moved, with words about it; "" at rest."""
+    """Return by how much the base moved, as text; "" at rest."""
     first, last = heard.first_odometry, heard.last(heard.spec.odometry.topic)
     if first is None or last is None:
         return ""

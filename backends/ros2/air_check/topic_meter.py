@@ -9,7 +9,7 @@ import numpy as np
 
 
 class MeasuredTopic(NamedTuple):
-    """What was measured of a topic."""
+    """Measurements of a topic."""
 
     topic: str
     kind: str

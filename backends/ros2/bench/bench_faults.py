@@ -1,4 +1,4 @@
-"""What goes wrong between a robot and this program, by plan."""
+"""Planned faults between a robot and this program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Topics within this process, for a bench that needs neither rclpy nor a clock."""
+"""Topics within this process: a bench on them needs neither rclpy nor a clock."""
 
 from __future__ import annotations
 

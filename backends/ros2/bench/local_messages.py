@@ -1,4 +1,4 @@
-"""Messages with the fields of ROS's, for topics within this process."""
+"""Messages with the fields of ROS's that topics within this process carry."""
 
 from __future__ import annotations
 

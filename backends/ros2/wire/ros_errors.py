@@ -1,4 +1,4 @@
-"""What can go wrong with a robot that speaks ROS 2.
+"""Errors of a robot that speaks ROS 2.
 
     HandcartError
     ├── InputError

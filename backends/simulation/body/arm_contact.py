@@ -298,7 +298,7 @@ class ArmContact:
                 self._arrays.place(number, np.array(box.size), box.pose)
 
     def _take_in(self, boxes: list[Box], things: Sequence[Thing]) -> None:
-        """Take in solids of the world, and behind them the things that stand there now."""
+        """Take in solids of the world, and behind them the things that are there now."""
         self._boxes = boxes
         sizes = np.array([box.size for box in boxes]).reshape(-1, 3)
         self._solids = [RigidBody.box(size) for size in sizes[: len(boxes) - len(things)] - _GIVE]

@@ -29,8 +29,8 @@ def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
 
 
 def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
-    """Return standard normal numbers (size,), without unit: the first ones of `keyed`, for use in every
-    period.
+    """Return standard normal numbers (size,), without unit: the first ones of `keyed`, but cheap enough
+    for every period.
     """
     rng, begun = _stream(int(seed), purpose)
     counter = begun["state"]["counter"]

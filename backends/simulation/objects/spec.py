@@ -16,10 +16,10 @@ class CarriedObjectSpec(PlacedSpec):
     """A box or a cylinder, and where a person sets it down: the middle of its foot."""
 
     shape: Literal["box", "cylinder"] = "box"
-    """A cylinder stands on its foot; along its x and y it has one size, its diameter."""
+    """A cylinder is upright; along its x and y it has one size, its diameter."""
     mass_kg: Annotated[float, Field(gt=0.0, le=50.0)] = 0.3
     friction: Annotated[float, Field(gt=0.0, le=2.0)] = 0.65
-    """Of the object; the product with that of what it touches counts."""
+    """Friction coefficient of the object; its product with that of the touched body counts."""
     tags: tuple[PrintedTag, ...] = ()
     """Tags printed on its sides."""
     sigma_mm: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0

@@ -57,7 +57,7 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
         self._now = period
 
     def _noisy(self, true: FloatArray, period: int) -> Scan:
-        """Return the scan of a period, with noise and faults, for true ranges (n,) in [m]."""
+        """Return the scan of a period, with noise and faults, given the true ranges (n,) in [m]."""
         noise = keyed_normal(self._seed, "range sensor", period, len(self._angles))
         ranges = np.maximum(true + self._spec.sigma_mm / 1e3 * noise, 0.0)
         ranges[ranges > self._spec.reach_m] = np.inf

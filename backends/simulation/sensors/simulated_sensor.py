@@ -40,7 +40,7 @@ class SensorSite(Generic[S]):
     link: str
     """Link of the URDF that it is mounted at; "" for one without a frame."""
     engine: Any = None
-    """The simulation behind the scene, for kinds of sensors that know it: with physics a
+    """The simulation behind the scene, which some kinds of sensors know: with physics a
     `handcart.backends.physics.sensors.physics_site:PhysicsSite`.
     """
 

@@ -99,7 +99,7 @@ def _round_thing(canvas: Canvas, thing: Thing) -> None:
 
 
 def round_strips(size: tuple[float, float, float]) -> list[tuple[FloatArray, FloatArray]]:
-    """Return corners (n, 3) and outward normals (3,) of a cylinder's strips and ends, about its middle."""
+    """Return corners (n, 3) and outward normals (3,) of a cylinder's strips and ends, from its middle."""
     angles = np.arange(ROUND_STRIPS) * (2.0 * np.pi / ROUND_STRIPS)
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(ROUND_STRIPS)]) * (size[0] / 2)
     up = np.array([0.0, 0.0, size[2] / 2])

@@ -61,7 +61,7 @@ class PlacedThing(Thing):
 
         Args:
             scene: scene with the robot in place; its file has the sizes of the errors.
-            spec: what is set down, and where.
+            spec: the thing, and its pose.
             seed: seed of the errors.
             others: further fields of the class.
         """

@@ -100,7 +100,7 @@ class Scene:
     start: Pose2 = field(default_factory=lambda: Pose2(0.0, 0.0, 0.0))
     """world_T_base where the robot was put at first."""
     changes: int = 0
-    """Number of times that a thing was moved, for caches of values derived from poses."""
+    """Number of times that a thing was moved; caches of values derived from poses compare it."""
     _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)
     """The last base and lean asked for, and world_T_base (4, 4): it is asked many times in a period."""
     _owners: dict[int, tuple[Thing, SceneProps]] = field(default_factory=dict, repr=False)

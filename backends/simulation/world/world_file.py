@@ -64,7 +64,7 @@ class Furniture(FloorPose):
     size_m: tuple[Length, Length, Length]
     """Along its own x, along its own y, height."""
     above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    """Height of its underside above the floor, for a piece that hangs or lies on another one."""
+    """Height of its underside above the floor, if the piece hangs or lies on another one."""
 
 
 class Surprise(Furniture):
@@ -181,7 +181,7 @@ class WorldFile(FileModel):
 
 
 def each_once(what: str, names: Iterable[str]) -> None:
-    """Raise ValueError, for a model's validator, if a name occurs twice."""
+    """Raise ValueError, as a model's validator does, if a name occurs twice."""
     twice = sorted(name for name, times in Counter(names).items() if times > 1)
     if twice:
         raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")

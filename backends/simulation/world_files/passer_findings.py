@@ -27,7 +27,7 @@ SQUEEZE_M = 0.1  # by which a body may come nearer to a solid than its radius: s
 def passer_findings(
     loaded: Loaded[WorldFile], robot: RobotFile, solids: Sequence[Solid]
 ) -> Iterator[Finding]:
-    """Yield passers who walk through something solid, or stand where the robot starts."""
+    """Yield passers who walk through something solid, or begin where the robot starts."""
     world = loaded.value
     if not world.passers:
         return

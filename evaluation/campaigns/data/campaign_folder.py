@@ -59,7 +59,7 @@ class CampaignFolder:
         """Create a campaign's folder, or open the existing folder of the same campaign.
 
         Raises:
-            NoCampaign: the folder holds something else, or it cannot be created.
+            NoCampaign: the folder holds other files, or it cannot be created.
             OtherCampaign: the folder belongs to a campaign with other arguments.
         """
         asked: Arguments = orjson.loads(orjson.dumps({"format": CAMPAIGN_FORMAT, **arguments}))

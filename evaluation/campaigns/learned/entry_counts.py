@@ -56,7 +56,7 @@ class EntryCounts:
         return low, high
 
     def words(self) -> str:
-        """Return the counts as text, for a comment beside the action."""
+        """Return the counts as text of a comment next to the action."""
         low, high = self.p_95
         causes = ", ".join(f"{name} {count}" for name, count in sorted(self.causes.items()))
         also = f"; {causes}" if causes else ""

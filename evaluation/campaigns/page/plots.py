@@ -11,7 +11,7 @@ import numpy as np
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 WIDTH, HEIGHT = 300.0, 96.0
-"""Of a histogram's bars, in [px]."""
+"""Height of a histogram's bars, in [px]."""
 MIN_BAR_PX = 1.5  # [px] that a single trial is high at least
 _MOST_BINS = 30
 _TICKS = 4

@@ -76,7 +76,7 @@ class Tally:
         self.worst: list[tuple[bool, bool, float, int]] = []
         """Trials to look at first, by rank; the last element identifies the trial."""
         self.times, self.timed = array("d"), array("q")
-        """How long trials took that succeeded, in [s], and which they are."""
+        """Durations of the successful trials, in [s], and which trials they are."""
         for at, trial in enumerate(trials):
             self._add(at, trial)
         self.worst.sort(reverse=True)

@@ -60,7 +60,7 @@ class MovesLater(Reach):
 
 
 class RelativeUndo(Reach):
-    """Mutant primitive that drives back by dead reckoning, a little too short, and takes that for its
+    """Mutant primitive that drives back by its odometry, a little too short, and takes that for its
     start.
     """
 

@@ -53,7 +53,7 @@ def mounted(log: DriveLog, base_R_imu: FloatArray) -> DriveLog:
 
 
 def axes_rotation(axes: str) -> FloatArray | None:
-    """Return the rotation base_R_imu (3, 3), without unit, for axes such as `z,-x,y`.
+    """Return the rotation base_R_imu (3, 3), without unit, given axes such as `z,-x,y`.
 
     None if they are not a right-handed frame.
     """

@@ -42,7 +42,7 @@ class Door:
         self._folder, self._ended, self._clock = folder, ended, clock
         self._question: tuple[int | None, float] = (None, 0.0)
         self.outcome = ""
-        """How the run ended, in words."""
+        """Outcome of the run, in words."""
 
     def offer(self, link: ServingLink) -> None:
         """Offer all services."""
@@ -84,7 +84,7 @@ class Door:
         return self._effect(word, reply)
 
     def _effect(self, word: str, reply: Mapping[str, Any]) -> Answer:
-        """Wait until the run has paused, or gone on; success only then."""
+        """Wait until the run has paused, or continues; success only then."""
         wanted = {"pause": True, "continue": False}.get(word)
         end = self._clock() + EFFECT_TIMEOUT_S
         while True:

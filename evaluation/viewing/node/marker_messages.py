@@ -33,7 +33,7 @@ BLUE, GREY, RED, ORANGE, GREEN = (
 
 
 class Layer(NamedTuple):
-    """How points are drawn."""
+    """Style of drawn points."""
 
     name: str
     type: int

@@ -19,7 +19,7 @@ NO_POINTS = np.empty((0, 2))
 
 @dataclass(frozen=True)
 class SeenState:
-    """What the robot believes at one time; all on its map."""
+    """Belief of the robot at one time; all on its map."""
 
     pose: Pose2
     """map_T_base."""
@@ -34,7 +34,7 @@ class SeenState:
     people: FloatArray = field(default_factory=lambda: np.empty((0, 7)))
     """(p, 7) tracked people, as `People.rows`."""
     snapshot: Pose2 | None = None
-    """map_T_base at the start of the action: what a Fail restores."""
+    """map_T_base at the start of the action, which a Fail restores."""
 
 
 def seen_state(

@@ -2,7 +2,7 @@
 
 A cell of the border between free and unknown ground counts if the middle of the robot could be there for all
 that is known: no occupied cell is nearer than its radius, and a way of such cells, known or not, leads there.
-So a gap that is narrower than the robot is no frontier.
+So a gap that is narrower than the robot does not count as a frontier.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from handcart.robotics.numerics.compiled import compiled
 TRAVEL_ROOM_M = 0.02
 """Room beside the robot's circle that its ways keep."""
 VIEW_ROOM_M = 0.06
-"""The same of the places that it looks from."""
+"""Minimum distance of the places that it looks from."""
 VIEW_M = 1.5
 """Distance along free ground from a frontier within which the robot must be able to look at it."""
 HALF_CELL = 0.5
@@ -140,7 +140,7 @@ def _connected(flags: BoolArray, row: int, column: int, within: float) -> BoolAr
 def _clusters(passable: BoolArray, border: BoolArray, least: float) -> list[IntArray]:
     """Return the passable cells (n, 2) of each connected part of the border.
 
-    Parts are left out whose bounding box has a diagonal of less than `least` cells.
+    Parts are skipped whose bounding box has a diagonal of less than `least` cells.
     """
     _, labels = cv2.connectedComponents(cv2.dilate(border.astype(np.uint8), ALL_AROUND), connectivity=8)
     cells = np.argwhere(border)

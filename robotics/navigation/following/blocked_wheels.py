@@ -27,7 +27,7 @@ class BlockedWheels:
     """Compares the commanded travel of each wheel with that of the base at the wheel, by the estimated pose.
 
     A base that is held while it should turn on the spot moves neither ahead nor back, so the distance
-    ahead does not show it. A base held at one side turns about it.
+    ahead does not show it. A base held at one side turns around that side.
     """
 
     def __init__(self, period: float, tread: float) -> None:

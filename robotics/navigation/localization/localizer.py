@@ -116,7 +116,7 @@ class Localizer(ABC):
         self._odometry.shift(pose, covariance + np.outer(off, off))
 
     def find_again(self, points: FloatArray) -> bool:
-        """Take over another pose if a scan clearly fits there; return whether it was taken over.
+        """Take over another pose if a scan clearly fits there; return whether it was accepted.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

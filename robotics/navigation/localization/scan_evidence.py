@@ -1,4 +1,4 @@
-"""Share of a scan's information about a direction that is more than the grain of the map.
+"""Share of a scan's information along a direction that is more than the grain of the map.
 
 Gauss-Newton counts the slope of the likelihood field at every point as information. Along a straight wall
 that is not parallel to the axes, the cells of the map form a staircase whose slopes say nothing: the scan
@@ -42,7 +42,7 @@ class ScanEvidence(NamedTuple):
     direction: FloatArray
     """(2,) unit vector on the map."""
     share: float
-    """Share of the information about it that the cost confirms, 0 to 1; 0 where that is too little."""
+    """Share of the information along it that the cost confirms, 0 to 1; 0 where that is too little."""
     more: float = 0.0
     """Information in [1/m²] that the slopes miss: between the two sides of a thin wall the field is flat."""
 

@@ -65,7 +65,7 @@ def _normal_equations(
     """Hessian (3, 3) and gradient (3,) of the points' robust cost, weights of Geman and McClure.
 
     The points (n, 2) are those of the map, `middle` the base on it, `origin` the map's corner, all in [m].
-    A point inside a solid that would be drawn on along its beam is left out: that way is the wall's back.
+    A point inside a solid that would be drawn on along its beam is skipped: that way is the wall's back.
     """
     hessian, gradient, slope = np.empty((3, 3)), np.empty(3), np.empty(3)
     for j in range(3):

@@ -1,7 +1,7 @@
 """Pose of a robot among things that its map does not show, by its own keyframes and the rest of the map.
 
-A scan that the map explains too little of is no reason to be lost if the robot's own keyframes explain it and
-it contradicts no wall: beams end before what the map shows, they do not pass through.
+A scan that the map explains too little of does not make the robot lost if the robot's own keyframes explain
+it and it contradicts no wall: beams end before what the map shows, they do not pass through.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Choice of the next place to look from, which separates the hypotheses about a pose.
+"""Choice of the next place to look from, which separates the hypotheses of the pose.
 
 The base stays on ground that the lidar has seen to be free. Among the places there, one is chosen from
 where the map predicts different scans for different hypotheses (Fox, Burgard and Thrun, 1998), or from

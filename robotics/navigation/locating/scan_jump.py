@@ -42,7 +42,7 @@ class ScanJump:
 
     @property
     def is_doubtful(self) -> bool:
-        """True if the last scans have changed, not yet often enough to tell that the base was lifted."""
+        """True if the last scans have changed, not yet often enough to show that the base was lifted."""
         return self._changes > 0
 
     def take(self, beams: ScanBeams, at_rest: bool) -> bool:

@@ -22,7 +22,7 @@ ANCHOR = np.diag([1e8, 1e8, 1e8])
 SCALING_CHI2 = 7.8
 """Squared error in sigmas up to which an edge has its full weight: 95 % of right ones are below."""
 GRADUATED_CHI2 = (1e4, 1e3, 1e2, SCALING_CHI2)
-"""Values of `SCALING_CHI2` that are used in turn, for initial poses far from the solution (Yang et al.,
+"""Values of `SCALING_CHI2` that are used in turn if initial poses are far from the solution (Yang et al.,
 2020).
 """
 COLUMNS_AT_ONCE = 300

@@ -185,7 +185,7 @@ class FieldKalman:
             position: (2,) position of the antenna in the field's frame, in [m].
             sigma: standard deviation along each axis by the receiver, in [m]; None: that of the noise
                 model.
-            odometry: dead reckoning by wheels and gyros alone.
+            odometry: pose by wheels and gyros alone.
         """
         variance = (self.noise.gps_white if sigma is None else sigma) ** 2
         if not odometry.levelled:

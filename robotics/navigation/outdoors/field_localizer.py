@@ -57,7 +57,7 @@ class FieldLocalizer(ABC):
 
     @property
     def odometry(self) -> GyroOdometry:
-        """Dead reckoning by wheels and gyros alone."""
+        """Odometry by wheels and gyros alone."""
         return self._odometry
 
     @property

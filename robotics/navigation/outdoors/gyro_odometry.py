@@ -1,4 +1,4 @@
-"""Dead reckoning with wheels and three gyros on ground that isn't flat.
+"""Odometry with wheels and three gyros on ground that isn't flat.
 
 Ohki et al. (2012), eqs. 1 to 3, with the turn rates that belong to the angles: on a tilted base a gyro
 turns around its own axis instead of the vertical. Frames are x forward, y left, z up, so a nose that rises
@@ -63,7 +63,7 @@ class GyroOdometry:
 
     @property
     def pose(self) -> Pose2:
-        """Dead-reckoned pose in the frame of the start."""
+        """Pose by odometry in the frame of the start."""
         return Pose2(float(self._state[0]), float(self._state[1]), wrap(float(self._state[3])))
 
     @property

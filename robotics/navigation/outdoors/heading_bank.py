@@ -128,7 +128,7 @@ class HeadingBank:
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].
             sigma: standard deviation of its white error along each axis, in [m].
-            odometry: dead reckoning by wheels and gyros alone, used for the tilt.
+            odometry: pose by wheels and gyros alone, used for the tilt.
         """
         variance = sigma**2
         if not odometry.levelled:

@@ -44,7 +44,7 @@ class ParticleErrors(NamedTuple):
 class ParticleFilter(FieldLocalizer):
     """Six phases, 1,024 particles, ten times a second.
 
-    The paper goes back to the prediction without a new average when there is no new fix; this one averages
+    The paper goes back to the prediction without a new average without a new fix; this one averages
     in every step. Headings are averaged on the circle. The paper's unusual jumps are fixes beyond five
     sigmas of their own and of the particles' (see `FixMonitor`). Beyond the paper, fixes that are off
     together are rejected too; rejected fixes that agree with each other and with the odometry restart it

@@ -230,7 +230,7 @@ class _Driven:
         return float(np.hypot(*(self.points - start[:2]).T).min())
 
     def head(self, length: float) -> FloatArray:
-        """Return the first points, for about this length in [m]; empty if too few."""
+        """Return the first points, up to about this length in [m]; empty if too few."""
         found = self.points[self._along <= length]
         return found if len(found) > 1 else np.empty((0, 2))
 

@@ -46,7 +46,7 @@ def straight_passes(
 
 
 def _blocked_near(grid: GridMap, spot: FloatArray, reach: float) -> FloatArray:
-    """Return the centres (k, 2) of blocked cells within a square about a point, in [m]."""
+    """Return the centres (k, 2) of blocked cells within a square around a point, in [m]."""
     (row, column), cells = grid.to_cell(spot[None])[0].tolist(), math.ceil(reach / grid.resolution)
     top, left = max(0, row - cells), max(0, column - cells)
     rows, columns = np.nonzero(grid.blocked[top : row + cells + 1, left : column + cells + 1])

@@ -13,7 +13,7 @@ OUTWARD_NORMALS: FloatArray = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.
 """Out of the edges at +x, +y, -x, -y: the order of edges everywhere."""
 EDGE_DIRECTIONS: FloatArray = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 AXIS, OTHER = np.array([0, 1, 0, 1]), np.array([1, 0, 1, 0])
-"""Along which axis (0: x, 1: y) the edges stand apart, and run."""
+"""Axes (0: x, 1: y) along which the edges are apart, and run."""
 _ENDS = 0.08  # of an edge at each end is left out: the blurred corners
 
 

@@ -70,7 +70,7 @@ def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> P
 def _by_far_edges(view: PlaneView, wanted: FloatArray, rough: Rectangle) -> Rectangle:
     """Return the rectangle of the wanted size at its far edges.
 
-    Below a near edge a side face is visible, whose foot may have been taken for the edge.
+    Below a near edge a side face is visible, whose foot may have been confused with the edge.
     """
     eye = view.eye(rough.pose)[:2]
     towards = np.where(np.abs(eye) > rough.half, np.sign(eye), 0.0)

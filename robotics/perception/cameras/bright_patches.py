@@ -11,7 +11,7 @@ from handcart.robotics.numerics.compiled import compiled
 class BrightPatches:
     """Pixels that are connected by their sides, patch by patch, in the order of their first pixels.
 
-    Equal to `cv2.connectedComponentsWithStats` in a tenth of its time: rows are taken in runs (Rosenfeld
+    Equal to `cv2.connectedComponentsWithStats` in a tenth of its time: rows are read in runs (Rosenfeld
     and Pfaltz, 1966), and no picture of numbers is made.
     """
 

@@ -1,4 +1,4 @@
-"""Whether a part of a level surface looks plain in a picture: nothing stands there."""
+"""Check that a part of a level surface looks plain in a picture: it is empty."""
 
 from __future__ import annotations
 
