@@ -125,7 +125,7 @@ class CameraSpec(MountedSensorSpec):
         except UnsafePath as unsafe:
             raise UnreadableFile("camera_info", str(unsafe)) from None
         if not path.is_file():
-            wrong = f"there is no file {self.camera_info!r}; allowed: one beside the robot's file"
+            wrong = f"missing file {self.camera_info!r}; allowed: one beside the robot's file"
             raise UnreadableFile("camera_info", wrong)
         return self.with_info(load_camera_info(path))
 

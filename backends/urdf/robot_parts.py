@@ -101,7 +101,7 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
     """
     path, root, shown = _found(urdf, folder)
     if not path.is_file():
-        raise UrdfError(f"there is no text file {urdf!r}; {did_you_mean(path)}allowed: a URDF")
+        raise UrdfError(f"missing text file {urdf!r}; {did_you_mean(path)}allowed: a URDF")
     try:
         text, doubts = read_urdf_file(path, shown, without)
     except UnknownJoint as error:
@@ -129,7 +129,7 @@ def read_srdf(srdf: str, folder: Path) -> str:
     """Return the text of a SRDF; arguments and errors as for `read_part`."""
     path, _, _ = _found(srdf, folder)
     if not path.is_file():
-        raise UrdfError(f"there is no text file {srdf!r}; {did_you_mean(path)}allowed: a SRDF")
+        raise UrdfError(f"missing text file {srdf!r}; {did_you_mean(path)}allowed: a SRDF")
     return read_xml_text(path)
 
 
@@ -200,7 +200,7 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     if not roots:
         source = PACKAGE_SOURCES.get(package)
         how = f"; it comes with: pip install {source}" if source else ""
-        raise UrdfError(f"there is no package {package!r}; allowed: {_PACKAGES}{how}")
+        raise UrdfError(f"missing package {package!r}; allowed: {_PACKAGES}{how}")
     root = next((root for root in roots if (root / path).is_file()), roots[0])
     return _inside(root, path), root, str(_inside(root, path))
 

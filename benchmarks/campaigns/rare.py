@@ -71,7 +71,7 @@ def report_walks(words: str, path: Path, event: RareEvent, count: int) -> bool:
     print(f"  intervals that hold it: {100 * inside / count:.1f} % ({100 * low:.1f} to {100 * high:.1f});")
     print(f"  with what could be unseen {100 * wide / count:.1f} %")
     worth = exact * (1.0 - exact) / sigma**2
-    print(f"  an estimate costs as much as {cost:,.0f} plain walks and tells as much as {worth:,.0f}:")
+    print(f"  an estimate costs as much as {cost:,.0f} plain walks and shows as much as {worth:,.0f}:")
     print(f"  {worth / cost:.0f} times; {1e3 * took / count:.0f} ms of CPU", flush=True)
     return abs(off) < 4.0
 

@@ -156,9 +156,9 @@ def main() -> None:
     """Print a line for each kind."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument(
-        "--trees", type=Path, help="a folder with trees of BehaviorTree.CPP (default: stand-ins)"
+        "--trees", type=Path, help="a folder with trees of BehaviorTree.CPP (default: samples)"
     )
-    words.add_argument("--machines", type=Path, help="a folder with SMACH in YAML (default: stand-ins)")
+    words.add_argument("--machines", type=Path, help="a folder with SMACH in YAML (default: samples)")
     words.add_argument("--hostile", type=int, default=300, help="number of hostile files")
     words.add_argument("--seed", type=int, default=0)
     wanted = words.parse_args()

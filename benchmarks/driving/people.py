@@ -110,7 +110,9 @@ def main() -> None:
     words.add_argument("--first", type=int, default=0, metavar="SEED", help="seed of the first (default: 0)")
     words.add_argument("--people", type=int, default=5, help="number of people (default: 5)")
     words.add_argument("--walk", type=float, default=1.2, help="their speed in m/s (default: 1.2)")
-    words.add_argument("--body", choices=("legs", "disc"), default="legs", help="what the lidar sees of them")
+    words.add_argument(
+        "--body", choices=("legs", "disc"), default="legs", help="parts of them that the lidar sees"
+    )
     words.add_argument("--yields", action="store_true", help="they stand before the robot")
     words.add_argument("--speed", type=float, default=1.0, help="top speed of the robot in m/s (default: 1)")
     words.add_argument("--backend", default="kinematic", help="kinematic (default), mujoco, pybullet")

@@ -174,7 +174,7 @@ def run(kills: int, tell: Callable[[str], None], seed: int = 0) -> list[Kill]:
                     continue
                 results.append(one)
                 tell(
-                    f"{len(results):4d}  {one.speed:.2f} m/s  stood after {1e3 * one.stood_after:4.0f} ms, "
+                    f"{len(results):4d}  {one.speed:.2f} m/s  at rest after {1e3 * one.stood_after:4.0f} ms, "
                     f"allowed {1e3 * one.allowed:4.0f} ms  rolled {1e3 * one.distance:4.0f} mm  "
                     f"{'' if one.held else '<- too late'}"
                 )

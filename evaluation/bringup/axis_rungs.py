@@ -190,7 +190,7 @@ def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callab
     at = jogger.position(axis)
     near = _SLIDE_NEAR if slides(jogger.robot, axis) else _NEAR
     if done.ended != "limit" or abs(at - limit.at) > near:
-        raise RungFailed(f"{axis} stands at {words(at)} ({done.ended}); its limit is {words(limit.at)}")
+        raise RungFailed(f"{axis} is at {words(at)} ({done.ended}); its limit is {words(limit.at)}")
     return at
 
 

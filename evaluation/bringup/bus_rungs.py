@@ -124,7 +124,7 @@ def _differences(name: str, axis: Any, facts: dict[str, Any]) -> list[str]:
     wrong = []
     kind = facts["device_type"]
     if kind is None or kind & 0xFFFF != _SERVO:
-        wrong.append(f"{name} (node {axis.node}) is no CiA 402 drive: its device type (1000h) is {kind}")
+        wrong.append(f"{name} (node {axis.node}) is not a CiA 402 drive: its device type (1000h) is {kind}")
     for key in ("vendor_id", "product_code"):
         expected = getattr(axis, key)
         if expected is not None and facts.get(key) != expected:

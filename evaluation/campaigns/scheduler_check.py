@@ -48,7 +48,7 @@ def check_scheduler(address: str, timeout: float) -> None:
         raise NoScheduler(address, f"no scheduler answers: {words}") from None
     kind = said.get("type") if isinstance(said, dict) else None
     if kind != "Scheduler":
-        raise NoScheduler(address, f"what answers there is no scheduler: {clipped(repr(kind or said))}")
+        raise NoScheduler(address, f"the answer is not that of a scheduler: {clipped(repr(kind or said))}")
 
 
 def _address_in(address: str) -> str:

@@ -33,7 +33,7 @@ def import_tree(path: Path | str) -> Imported:
             name = element.attributes.get("ID", "MainTree")
             trees[name] = _tree(element, lost)
         elif element.tag != "TreeNodesModel":
-            meaning = "a file that is included is not read" if element.tag == "include" else "it is left out"
+            meaning = "a file that is included is not read" if element.tag == "include" else "it is dropped"
             lost[LostConstruct(element.line, element.column, f"<{element.tag}>", meaning)] = None
     main = _main(path, root, trees)
     if len(trees) > 1 and "main_tree_to_execute" not in root.attributes:
@@ -83,7 +83,7 @@ def _losses(element: XmlElement, kind: str, ports: dict[str, str]) -> Iterator[L
     here = element.line, element.column
     for key in ports:
         if key.startswith("_") and key not in QUIET_ATTRIBUTES:
-            yield LostConstruct(*here, f"{key} of <{kind}>", "the attribute is left out")
+            yield LostConstruct(*here, f"{key} of <{kind}>", "the attribute is dropped")
     if kind in SCRIPTS:
         yield LostConstruct(
             *here, f"<{kind}>", "scripts on the blackboard are not carried out; it is an action"

@@ -162,7 +162,7 @@ class _Foreign:
         automaton = automata[0]
         for key in ("variables", "constants", "properties", "functions", "restrict-initial"):
             if self._model.get(key):
-                self._lose(key, "it is left out")
+                self._lose(key, "it is dropped")
         if automaton.get("variables"):
             self._lose(f"variables of {automaton.get('name')}", "locations alone are states")
         names = {each["name"]: self._draft.situation(each["name"]) for each in automaton["locations"]}
@@ -186,7 +186,7 @@ class _Foreign:
         for each in edge["destinations"]:
             p = each.get("probability", {}).get("exp", 1.0)
             if not isinstance(p, int | float) or isinstance(p, bool):
-                self._lose(f"probability of edge {number} ({label})", "it is no number, and is left out")
+                self._lose(f"probability of edge {number} ({label})", "it is not a number, and is dropped")
                 p = None
             if each.get("assignments"):
                 self._lose(f"assignments of edge {number} ({label})", "variables do not change")

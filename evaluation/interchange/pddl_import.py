@@ -72,7 +72,7 @@ class _Planning:
         for each in self._all(":init"):
             if each.head in ("=", "probabilistic", "not", ""):
                 if each.head != "=":
-                    self._lose(each, "it is left out at the start")
+                    self._lose(each, "it is dropped at the start")
                 continue
             self._init.add(_atom(each, {}))
 
@@ -83,7 +83,7 @@ class _Planning:
         schemas = [each for each in self._domain if each.head == ":action"]
         for each in self._domain:
             if each.head in (":durative-action", ":derived", ":functions", ":axiom", ":process", ":event"):
-                self._lose(each, "it is left out")
+                self._lose(each, "it is dropped")
         changed = {word for each in schemas for word in self._changed(each)}
         grounded = [action for each in schemas for action in self._grounded(each, changed)]
         actions = self._reachable(grounded)
@@ -149,7 +149,7 @@ class _Planning:
                 if action is not None:
                     yield action
         except _NotExpressed as lost:
-            self._lose(lost.expression, f"{lost}; the action {name} is left out")
+            self._lose(lost.expression, f"{lost}; the action {name} is dropped")
 
     def _action(
         self, name: str, schema: Expression, bound: dict[str, str], changed: set[str]

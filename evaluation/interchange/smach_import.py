@@ -98,7 +98,9 @@ class _SmachReader:
         named = self._transitions(state, following)
         for outcome, to in named.items():
             if to not in targets and to.lower() not in ENDING_WORDS and to not in self._ends:
-                self._lose(state.node, f"{outcome!r} of {state.name!r}", f"{to!r} is no state; the task ends")
+                self._lose(
+                    state.node, f"{outcome!r} of {state.name!r}", f"{to!r} is not a state; the task ends"
+                )
         transitions = {outcome: targets[to] for outcome, to in named.items()}
         if _states(state.node) and depth < MAX_SMACH_DEPTH:
             kind = self._kind(state).lower()
@@ -182,7 +184,7 @@ class _SmachReader:
         """Report the keys of a state or a container that are not read."""
         for key, part in _content(node).items():
             if key not in known | IGNORED_KEYS and key not in SHORT_TRANSITIONS:
-                self._lose(part, f"`{key}`{f' of {name!r}' if name else ''}", "it is left out")
+                self._lose(part, f"`{key}`{f' of {name!r}' if name else ''}", "it is dropped")
 
     def _lose(self, node: Node, construct: str, meaning: str) -> None:
         line, column = (node.key_line, node.key_column) if node.key_line else (node.line, node.column)

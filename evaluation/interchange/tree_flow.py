@@ -110,7 +110,7 @@ class TreeFlow:
         """
         self._depth += 1
         if self._depth > MAX_TREE_DEPTH:
-            self._lose(node, f"it is nested deeper than {MAX_TREE_DEPTH}; it is left out")
+            self._lose(node, f"it is nested deeper than {MAX_TREE_DEPTH}; it is dropped")
             self._depth -= 1
             return succ
         found = self._compiled(node, succ, fail)
@@ -215,7 +215,7 @@ class TreeFlow:
         value = plain_value(text)
         single = len(node.children) == 1 and not node.children[0].children
         if not isinstance(value, int | float) or isinstance(value, bool) or value <= 0:
-            self._lose(node, f"its time {text!r} is no number above 0; its child has no time-out")
+            self._lose(node, f"its time {text!r} is not a number above 0; its child has no time-out")
             return self._child(node, succ, fail)
         if not single or node.children[0].kind in self._trees:
             self._lose(node, "the time-out is that of each leaf in it, not of all together")
@@ -243,7 +243,7 @@ class TreeFlow:
         if node.kind == "KeepRunningUntilFailure":
             return -1
         if not isinstance(value, int) or isinstance(value, bool) or value > MAX_RETRIES:
-            self._lose(node, f"its number {text!r} is no whole number up to {MAX_RETRIES}; it counts as 1")
+            self._lose(node, f"its number {text!r} is not a whole number up to {MAX_RETRIES}; it counts as 1")
             return 1
         return value
 

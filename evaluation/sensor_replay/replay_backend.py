@@ -175,7 +175,7 @@ class ReplayBackend(Backend):
         """Raise `Parted` if the recording has more periods."""
         self.check_period_done()
         if next(self._following, None) is not None:
-            self.part_ways("it is over, and the run went on")
+            self.part_ways("it is over, but the run continued")
 
     def _advance(self) -> None:
         found = next(self._following, None)

@@ -42,13 +42,13 @@ def read_movingai(path: Path) -> Int8Array:
     rows = [line.rstrip() for line in lines[4 : 4 + height]]
     if len(rows) < height or any(line.strip() for line in lines[4 + height :]):
         raise _refused(
-            file, min(len(lines), 4 + height), f"{len(lines) - 4} rows; allowed: the {height} told"
+            file, min(len(lines), 4 + height), f"{len(lines) - 4} rows; allowed: the {height} stated"
         )
     table = np.full(128, -2, dtype=np.int8)
     table[[ord(each) for each in _MEANING]] = list(_MEANING.values())
     for number, row in enumerate(rows, start=5):
         if len(row) != width:
-            raise _refused(file, number, f"{len(row)} cells; allowed: the {width} told in line 3")
+            raise _refused(file, number, f"{len(row)} cells; allowed: the {width} stated in line 3")
         if found := re.search(f"[^{re.escape(''.join(_MEANING))}]", row):
             wrong = f"no terrain {found.group()!r}; allowed: {' '.join(_MEANING)}"
             raise _refused(file, number, wrong, found.start() + 1)
@@ -63,7 +63,7 @@ def _size(file: str, lines: list[str]) -> tuple[int, int]:
         found = re.fullmatch(pattern, line)
         if found is None:
             allowed = "type octile" if key == "type" else f"{key} and a number"
-            raise _refused(file, number, f"{line[:40]!r} is no line of a MovingAI map; allowed: {allowed}")
+            raise _refused(file, number, f"{line[:40]!r} is not a line of a MovingAI map; allowed: {allowed}")
         numbers += [int(each) for each in found.groups()]
     if len(lines) < 4 or lines[3].strip() != "map":
         raise _refused(file, 4, "the map doesn't begin; allowed: map")

@@ -32,7 +32,7 @@ def opened_run(path: Path) -> Iterator[Path]:
             _unpack(path, Path(folder))
         except (OSError, EOFError, ValueError, RuntimeError, tarfile.TarError, zipfile.BadZipFile) as error:
             wrong = str(error).partition("\n")[0].rstrip(":")
-            raise NoRun(path, f"it is no readable archive ({wrong})") from None
+            raise NoRun(path, f"the archive is not readable ({wrong})") from None
         yield Path(folder)
 
 

@@ -39,7 +39,7 @@ def resolved(document: Document, key: KeyPath) -> Path | None:
 def no_file(path: Path) -> str:
     """Return the message that a named file is missing."""
     folder = printable(str(path.parent.absolute()))
-    return f"there is no file {path.name!r} in {folder}; allowed: a file, from the task's folder"
+    return f"missing file {path.name!r} in {folder}; allowed: a file, from the task's folder"
 
 
 def with_set(document: Document, settings: dict[str, str]) -> Document:

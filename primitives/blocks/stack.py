@@ -242,7 +242,7 @@ class Stack(ActionPrimitive):
         if far > MOST_OFF:
             apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
             raise Discrepancy(
-                f"block {self.number} stands beside its goal", measured=apart, cause=causes.MISPLACED
+                f"block {self.number} is next to its goal", measured=apart, cause=causes.MISPLACED
             )
         self._placed = Placed(self.number, goal.floor, goal.height_m)
         blocks.placed = (*blocks.placed, self._placed)

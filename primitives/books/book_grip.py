@@ -73,7 +73,7 @@ def close_on(robot: Robot, book: Book) -> Periods:
         )
     if not holds(robot, book):
         raise Discrepancy(
-            f"what the fingers hold is {width:.0f} mm thick, not {book.thickness_mm:.0f}",
+            f"the held object is {width:.0f} mm thick, not {book.thickness_mm:.0f}",
             measured=opening(robot, book),
             cause=causes.NOT_HELD,
         )

@@ -121,7 +121,7 @@ def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | Non
 def goal_pose(model: ModelView, place: str) -> Pose2:
     """map_T_base of a place; raises `Discrepancy` where the model has no such place."""
     if place not in model.places:
-        raise Discrepancy(f"there is no place {place!r} on the map", permanent=True, cause=causes.NOT_KNOWN)
+        raise Discrepancy(f"unknown place {place!r} on the map", permanent=True, cause=causes.NOT_KNOWN)
     return model.places[place].pose
 
 

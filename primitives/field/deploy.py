@@ -99,7 +99,7 @@ class Deploy(TreePrimitive):
         """
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
-            return f"there is no target {self.target!r} in the field"
+            return f"unknown target {self.target!r} in the field"
         if any(laid.name == self.target for laid in work.laid):
             return f"the sensor of target {self.target!r} is laid already"
         try:
@@ -226,7 +226,7 @@ class Deploy(TreePrimitive):
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
             raise Discrepancy(
-                f"there is no target {self.target!r} in the field", permanent=True, cause=causes.NOT_KNOWN
+                f"unknown target {self.target!r} in the field", permanent=True, cause=causes.NOT_KNOWN
             )
         return work.field, work.targets[self.target]
 

@@ -283,7 +283,7 @@ class Pick(ActionPrimitive):
         if off > most:
             wrong = Measured("Arm", f"felt weight off that of {self.object}", off, most, "N")
             raise Discrepancy(
-                f"what is in the hand doesn't weigh what {self.object} does",
+                f"the held object doesn't weigh as much as {self.object}",
                 measured=wrong,
                 cause=causes.NOT_HELD,
             )

@@ -252,7 +252,7 @@ class PlaceObject(ActionPrimitive):
         self.found(off_goal_mm=round(1e3 * off, 2))
         if off > MAX_OFF_M:
             apart = Measured("Camera", "object off its goal", 1e3 * off, 1e3 * MAX_OFF_M, "mm")
-            raise Discrepancy(f"{name} stands beside its goal", measured=apart, cause=causes.MISPLACED)
+            raise Discrepancy(f"{name} is next to its goal", measured=apart, cause=causes.MISPLACED)
         self._check_others(robot, model, look)
         self._stands = found
         seen = sighting(robot, model, name, self.surface, found)
@@ -267,7 +267,7 @@ class PlaceObject(ActionPrimitive):
             found = locate(reads, kind_of(model, other.object), surface)
             expected = base_T_map(robot) @ other.pose.lift(surface.height_m)
             if not isinstance(found, Located):
-                raise NeedsPerson(f"{other.object} doesn't stand as it did", cause=causes.MISPLACED)
+                raise NeedsPerson(f"{other.object} is not in its earlier pose", cause=causes.MISPLACED)
             off = float(np.linalg.norm(found.base_T_object[:2, 3] - expected[:2, 3]))
             if off > MAX_MOVED_M:
                 moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")

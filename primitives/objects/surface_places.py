@@ -67,7 +67,7 @@ def standing_place(
     if not free:
         radius = robot.footprint_radius_m + ROOM_AT_GOAL
         raise NoStandingPlace(
-            f"the base can't stand beside the surface {name!r}: needed: {radius:.2f} m of free floor around"
+            f"the base has no room beside the surface {name!r}: needed: {radius:.2f} m of free floor around"
             " its middle, reached from a place"
         )
     best, missing = free[0], len(work) + 1

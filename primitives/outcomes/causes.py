@@ -47,7 +47,7 @@ NOT_ALONE: Final = CauseKind("not_alone", "Another primitive moves the robot at 
 # Faults of machines and code
 SENSOR_FAULT: Final = CauseKind("sensor_fault", "A sensor gives no readings, or none of use.")
 ROBOT_FAULT: Final = CauseKind("robot_fault", "The robot reports a fault, or refuses a command.")
-CODE_ERROR: Final = CauseKind("code_error", "An exception that is no outcome: an error in the code.")
+CODE_ERROR: Final = CauseKind("code_error", "An exception that is not an outcome: an error in the code.")
 TREE_FAILED: Final = CauseKind("tree_failed", "A leaf of the primitive's behaviour tree fails.")
 UNNAMED: Final = CauseKind("unnamed", "The primitive names no cause.")
 

@@ -30,7 +30,7 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
     if off > MOST_BESIDE:
         away = Measured("Base", "off its place", off, MOST_BESIDE, "m")
         raise Discrepancy(
-            f"the base doesn't stand at {place}, where its route along the seam begins",
+            f"the base isn't at {place}, where its route along the seam begins",
             measured=away,
             cause=causes.OFF_GOAL,
         )

@@ -34,7 +34,7 @@ def with_part(urdf_text: str, part: Part) -> str:
     robot, added = read_urdf(urdf_text), read_urdf(part.urdf_text)
     links = _names(robot, "link")
     if part.onto not in links:
-        raise ValueError(f"there is no link {part.onto!r} to put it onto; allowed: {', '.join(links)}")
+        raise ValueError(f"unknown link {part.onto!r} to put it onto; allowed: {', '.join(links)}")
     _prefix(added, part.prefix)
     root = root_link(added)
     for kind in ("link", "joint"):

@@ -182,7 +182,7 @@ def _end_faults(
             f"{title}: it has no {tag} link; needed: <{tag} link=...>"
         )
     elif name not in links:
-        yield end.fault(f"{title}: its {tag} {name!r} is no link{_suggested(name, links)}")
+        yield end.fault(f"{title}: its {tag} {name!r} is not a link{_suggested(name, links)}")
 
 
 def _axis_faults(title: str, axis: UrdfElement) -> Iterator[UrdfFault]:

@@ -141,14 +141,12 @@ def test_a_wrong_srdf_is_told_at_its_line(file: Path, srdf: str, words: str) -> 
 
 
 def test_a_missing_srdf_is_told(file: Path) -> None:
-    assert "robot.yaml:3:7: there is no text file 'other.srdf'" in changed(
-        file, "srdf: lifter", "srdf: other"
-    )
+    assert "robot.yaml:3:7: missing text file 'other.srdf'" in changed(file, "srdf: lifter", "srdf: other")
 
 
 def test_the_urdf_of_an_installed_package_stands_at_the_top_too(file: Path) -> None:
     wrong = changed(file, "urdf: lifter.urdf", 'urdf: "package://no_such_shop/lifter.urdf"')
-    assert "robot.yaml:2:7: there is no package 'no_such_shop'" in wrong
+    assert "robot.yaml:2:7: missing package 'no_such_shop'" in wrong
     text = ROBOT.replace(
         "urdf: lifter.urdf", 'urdf: "package://handcart/backends/robots/librarian/librarian.urdf"'
     )

@@ -87,9 +87,9 @@ def test_a_place_in_a_barred_zone_is_told(task: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("keepout: keepout.yaml", "keepout: keepot.yaml", "task.yaml:7:12: there is no file 'keepot.yaml'"),
+        ("keepout: keepout.yaml", "keepout: keepot.yaml", "task.yaml:7:12: missing file 'keepot.yaml'"),
         ("keepout: keepout.yaml", "keepout: ../../keepout.yaml", "task.yaml:7:12: the path"),
-        ("mask: speed.yaml", "mask: sped.yaml", "task.yaml:8:24: there is no file 'sped.yaml'"),
+        ("mask: speed.yaml", "mask: sped.yaml", "task.yaml:8:24: missing file 'sped.yaml'"),
         ("type: percent", "type: relative", "task.yaml:8:42:"),
         ("mask: speed.yaml", "mask: goals.yaml", "goals.yaml:"),
         ("  map: {parameter: map}\n", "", "keepout is a mask over a map; needed: the key `map`"),

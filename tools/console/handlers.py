@@ -179,7 +179,7 @@ class Handlers:
         """Answer with the page that a ticket opens."""
         ticket = self._tickets.take(request.match_info["word"])
         if ticket is None:
-            return said(403, "this address was valid once, for half a minute; the console opens it again")
+            return said(403, "this address was valid once, within half a minute; the console opens it again")
         content = await self._away(lambda: read_file(ticket.folder, ticket.name, MOST_FILE))
         if isinstance(content, web.Response):
             return content

@@ -59,7 +59,7 @@ def bench(
         bool, typer.Option("--ros2", help="simulate the topics of a robot's ROS 2 drivers instead")
     ] = False,
     task: Annotated[
-        Path | None, typer.Option(help="with --ros2: a task's file, for its robot, world and start")
+        Path | None, typer.Option(help="with --ros2: a task's file, which names robot, world and start")
     ] = None,
 ) -> None:
     """Simulate a robot's CAN drives, or its ROS 2 drivers, in real time, until Ctrl-C."""

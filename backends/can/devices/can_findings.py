@@ -146,7 +146,7 @@ def _fits(period_ms: float) -> bool:
 def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
     for place, axis in placed_axes(spec):
         if axis.eds is not None and not (robot.folder / axis.eds).is_file():
-            yield (*place, "eds"), f"there is no file {axis.eds!r}; allowed: one beside the robot's file"
+            yield (*place, "eds"), f"missing file {axis.eds!r}; allowed: one beside the robot's file"
 
 
 def placed_axes(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:

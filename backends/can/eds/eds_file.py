@@ -159,7 +159,7 @@ def _syntax(name: str, error: configparser.Error) -> list[Finding]:
         case configparser.ParsingError(errors=errors):
             allowed = "allowed: KEY=VALUE, [SECTION], a comment behind ;"
             return [
-                Finding(name, line, 1, f"is no line of an EDS: {text}; {allowed}") for line, text in errors
+                Finding(name, line, 1, f"is not a line of an EDS: {text}; {allowed}") for line, text in errors
             ]
         case configparser.DuplicateSectionError(section=section, lineno=line):
             return [Finding(name, line or 1, 1, f"[{section}] is there twice; allowed: once")]

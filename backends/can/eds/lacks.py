@@ -44,7 +44,7 @@ DEVICE_LACKS: Mapping[Without, Lack] = {
         (0x6077,),
         "torque actual value",
         "no torque is sensed: a joint adds nothing to the force that the hand feels, with none it reads 0; "
-        "fingers are told to hold something by their width alone",
+        "fingers are assumed to hold something by their width alone",
     ),
     "torque_limit": Lack((0x6072,), "max torque", "it presses with all the torque that it has", True),
     "speed_limit": Lack((0x607F,), "max profile velocity", "nothing but this program limits its speed"),

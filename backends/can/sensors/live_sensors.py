@@ -40,7 +40,7 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
             if getattr(sensors, key) is not None:
                 if getattr(robot, key) is None:
                     raise NoSensor(
-                        f"can.sensors.{key}: what it measures isn't told; needed: the section {key!r}"
+                        f"can.sensors.{key}: its measured quantity is missing; needed: the section {key!r}"
                     )
                 opened.append(_open(key, robot, sensors, clock))
     except BaseException:

@@ -128,7 +128,7 @@ class WorldBodies:
 
     def _add_tile(self, tile: tuple[int, int]) -> None:
         if self._terrain is None or max(map(abs, tile)) > MAX_TILE_INDEX:
-            raise NotAState(f"no saved state: there is no ground at the tile {tile}")
+            raise NotAState(f"no saved state: the ground is missing at the tile {tile}")
         self.names[self._terrain.add(tile)] = FLOOR_NAME
         self._made.append(tile)
 

@@ -42,7 +42,7 @@ class TopicFault(NamedTuple):
         kind, _, rest = words.partition("@")
         topic, _, at = rest.partition("@")
         if kind not in FAULT_KINDS:
-            raise InputError(f"{kind!r} is no fault of a topic{suggest(kind, list(FAULT_KINDS))}")
+            raise InputError(f"{kind!r} is not a fault of a topic{suggest(kind, list(FAULT_KINDS))}")
         try:
             at_s = float(at or "0")
         except ValueError:

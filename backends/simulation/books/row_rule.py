@@ -65,7 +65,7 @@ class RowRule(HandRule):
     @entered.setter
     def entered(self, kept: tuple[str, FreeInterval, bool] | None) -> None:
         if kept is not None and kept[0] not in self._books.shelves:
-            raise NotAState(f"no saved state: there is no shelf {kept[0]!r} in this world")
+            raise NotAState(f"no saved state: this world lacks the shelf {kept[0]!r}")
         self._row = None
         self.entry = None if kept is None else Entry(self._books.shelves[kept[0]], *kept[1:])
 

@@ -142,7 +142,7 @@ class Scene:
         """
         found = next((thing for thing in self.things() if thing.name == name), None)
         if name is not None and found is None:
-            raise NotAState(f"no saved state: there is no {name!r} in this world")
+            raise NotAState(f"no saved state: this world lacks {name!r}")
         return found
 
     # Where things are

@@ -67,7 +67,7 @@ def _map_path(loaded: Loaded[WorldFile], name: str) -> Path:
         raise loaded.refuse(("map",), str(unsafe)) from None
     if not path.is_file():
         allowed = f"allowed: a file in the world's folder, {printable(str(folder))}"
-        raise loaded.refuse(("map",), f"there is no file {name!r}; {allowed}")
+        raise loaded.refuse(("map",), f"missing file {name!r}; {allowed}")
     return path
 
 

@@ -167,7 +167,7 @@ class RunNode(RunObserver):
             self._publish(True)
             self._spin_for(LAST_WORDS_S)
         except Exception as error:
-            self._say(f"the node of ROS 2 has ended, the run goes on: {type(error).__name__}: {error}")
+            self._say(f"the node of ROS 2 has ended, the run continues: {type(error).__name__}: {error}")
 
     def _spin_for(self, seconds: float, until: threading.Event | None = None) -> None:
         end = self._now() + seconds

@@ -41,8 +41,8 @@ def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
     stops, looks = headings.shape
     if stops <= _FEWEST or looks < 2 or swings < 1:
         raise ValueError(
-            f"{stops} stops with {looks} looks and {swings} swings between can't tell the yaw; needed: more "
-            f"than {_FEWEST} stops, 2 looks, 1 swing"
+            f"{stops} stops with {looks} looks and {swings} swings between can't determine the yaw; needed: "
+            f"more than {_FEWEST} stops, 2 looks, 1 swing"
         )
     noise = float(np.sqrt(headings.var(axis=1, ddof=1).mean()))
     steps = np.diff(headings.mean(axis=1))

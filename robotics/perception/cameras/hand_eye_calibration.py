@@ -99,7 +99,7 @@ def _check(views: Sequence[HandEyeView]) -> None:
     second = float(np.linalg.svd(axes, compute_uv=False)[1]) / np.sqrt(len(views))
     if second < LEAST_TURN:
         raise ValueError(
-            f"about a second axis the hand turned by {second:.2f} rad (rms) only; {LEAST_TURN:g} are needed: "
+            f"around a second axis the hand turned by {second:.2f} rad (rms); {LEAST_TURN:g} are needed: "
             "look at the board from all sides"
         )
 

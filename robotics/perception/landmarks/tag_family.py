@@ -48,7 +48,7 @@ CORRECTING_FAMILIES: tuple[TagFamily, ...] = (
 def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
     """Return the tags of a family. Raises ValueError for none."""
     if family not in get_args(TagFamily):
-        raise ValueError(f"there is no family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
+        raise ValueError(f"unknown family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{family.upper()}"))
 
 

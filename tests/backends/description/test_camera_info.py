@@ -116,7 +116,7 @@ def test_broken_camera_info_is_refused_at_its_place(tmp_path: Path, old: str, ne
 @pytest.mark.parametrize(
     ("camera", "message"),
     [
-        ("{camera_info: head.yaml}", "there is no file 'head.yaml'; allowed: one beside the robot's file"),
+        ("{camera_info: head.yaml}", "missing file 'head.yaml'; allowed: one beside the robot's file"),
         ("{camera_info: hand.yaml, k1: 0.1}", "camera_info and k1; allowed: camera_info, which has them"),
         ("{width_px: 640, height_px: 480}", "no focal_px; needed: numbers above 0, or the key camera_info"),
         ("{camera_info: ../../hand.yaml}", "leads out of"),

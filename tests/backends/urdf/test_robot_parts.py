@@ -104,12 +104,12 @@ def test_a_urdf_without_parts_and_meshes_is_taken_as_it_is() -> None:
     ("old", "new", "wrong"),
     [
         (", prefix: upper_", "", "robot.yaml:5:5: both have a link 'stick'; allowed: a prefix"),
-        ("onto: base", "onto: bass", "robot.yaml:4:5: there is no link 'bass' to put it onto; allowed: base"),
-        ("urdf: stick", "urdf: stock", "robot.yaml:4:5: there is no text file 'stock.urdf'"),
+        ("onto: base", "onto: bass", "robot.yaml:4:5: unknown link 'bass' to put it onto; allowed: base"),
+        ("urdf: stick", "urdf: stock", "robot.yaml:4:5: missing text file 'stock.urdf'"),
         (
             "urdf: stick.urdf",
             'urdf: "package://no_such_shop/stick.urdf"',
-            "robot.yaml:4:5: there is no package 'no_such_shop'",
+            "robot.yaml:4:5: missing package 'no_such_shop'",
         ),
         ("urdf: stick.urdf", 'urdf: "package://../stick.urdf"', "names no package"),
         ("urdf: stick.urdf", "urdf: ../stick.urdf", "leads out of"),
@@ -212,7 +212,7 @@ def test_missing_package_comes_with_the_command_that_installs_it(robot: Path) ->
     robot.write_text(text, encoding="utf-8")
     with patch.object(robot_parts, "package_folders", return_value=iter(())):
         words = error_of(robot)
-    assert words.startswith(f"{robot}:2:7: there is no package 'example-robot-data'")
+    assert words.startswith(f"{robot}:2:7: missing package 'example-robot-data'")
     assert words.endswith("pip install 'handcart[robots]'")
 
 

@@ -64,7 +64,7 @@ def test_a_robot_whose_urdf_is_a_pipe_is_refused(robot: Path) -> None:
     (robot.parent / "librarian.urdf").unlink()
     os.mkfifo(robot.parent / "librarian.urdf")
     assert "robot.yaml:" in error_of(robot)
-    assert "there is no text file 'librarian.urdf'" in error_of(robot)
+    assert "missing text file 'librarian.urdf'" in error_of(robot)
 
 
 def test_a_huge_urdf_is_not_read(robot: Path) -> None:

@@ -192,9 +192,9 @@ def _answer_with(server: socket.socket, sent: bytes) -> None:
     ("said", "wrong"),
     [
         ({"type": "Scheduler", "id": "x"}, None),
-        ({"type": "Worker"}, "what answers there is no scheduler: 'Worker'; allowed"),
-        ({"id": "x"}, "what answers there is no scheduler: {'id': 'x'}; allowed"),
-        ("Scheduler", "what answers there is no scheduler: 'Scheduler'; allowed"),
+        ({"type": "Worker"}, "the answer is not that of a scheduler: 'Worker'; allowed"),
+        ({"id": "x"}, "the answer is not that of a scheduler: {'id': 'x'}; allowed"),
+        ("Scheduler", "the answer is not that of a scheduler: 'Scheduler'; allowed"),
     ],
 )
 def test_only_who_says_that_it_is_a_scheduler_is_one(

@@ -81,7 +81,7 @@ def test_what_pddl_has_and_conditions_have_not_is_named(tmp_path: Path) -> None:
     (tmp_path / "d.pddl").write_text(ROOMS + PROBLEM)
     (lost,) = import_file(tmp_path / "d.pddl").lost
     assert (lost.line, lost.construct) == (11, "(when (free) (at hall))")
-    assert "the action wave is left out" in lost.meaning
+    assert "the action wave is dropped" in lost.meaning
 
 
 def test_best_policy_of_a_probabilistic_problem_takes_the_safe_road(tmp_path: Path) -> None:

@@ -128,7 +128,7 @@ def test_everything_at_once(load: Callable[..., Task]) -> None:
         ("name: y", "name: {model: book.sehlf}", "did you mean 'shelf'?"),
         ("name: y", "name: {model: book.accession}", "book.accession is of type int; allowed: str"),
         ("name: y", "name: {each: word}", "unknown element 'word'"),
-        ("robot: librarian", "robot: librarian\nworld: none.yaml", "there is no file 'none.yaml'"),
+        ("robot: librarian", "robot: librarian\nworld: none.yaml", "missing file 'none.yaml'"),
         ("robot: librarian", "robot: librarian\nworld: ../../w.yaml", "leads out of"),
         ("robot: librarian", "robot: librarian\nworld: /etc/passwd", "is absolute"),
     ],

@@ -93,7 +93,7 @@ def test_another_thickness_is_set_down_where_it_was(with_book: Callable[..., Rig
     before = rig.scene.of(BookProps).book_pose(117).copy()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
-    assert outcome.reason == "what the fingers hold is 33 mm thick, not 25"
+    assert outcome.reason == "the held object is 33 mm thick, not 25"
     assert np.allclose(rig.scene.of(BookProps).book_pose(117)[:3, 3], before[:3, 3], atol=1e-3)
 
 

@@ -73,7 +73,7 @@ def test_an_unknown_place_is_a_fail_that_nothing_moved_for(make_rig: Callable[..
     failed = rig.run(MoveTo(place="cellar"))
     assert isinstance(failed, Fail)
     assert failed.permanent
-    assert "no place 'cellar'" in failed.reason
+    assert "unknown place 'cellar'" in failed.reason
 
 
 def test_passers_by_are_waited_for_one_by_one() -> None:

@@ -75,7 +75,7 @@ def test_cylinder_that_cannot_be_is_reported(can: str, words: str, tmp_path: Pat
         ("[60, 90, 80]", "[70, 90, 80]", 4, "no side of a parcel is narrow enough for the fingers"),
         ("table_a: {x_m: 2.0,", "table_a: {place: dokc, x_m: 2.0,", 6, "unknown place 'dokc'"),
         ("[1.2, 0.6]}", "[1.2, 1.6]}", 6, "1 of 2 points (objects and spots) are out of reach"),
-        ("table_a: {x_m: 2.0, y_m: 3.8", "table_a: {x_m: 2.0, y_m: 8.8", 6, "the base can't stand beside"),
+        ("table_a: {x_m: 2.0, y_m: 3.8", "table_a: {x_m: 2.0, y_m: 8.8", 6, "the base has no room beside"),
     ],
 )
 def test_unfit_robot_is_refused_before_a_motion(

@@ -123,7 +123,7 @@ def test_a_base_that_stands_elsewhere_does_not_set_out(make_rig: Callable[..., R
     rig.model.of(Seam).seam_work = work._replace(next=work.next._replace(pose=elsewhere))
     failed = rig.do(Track())
     assert isinstance(failed, Fail), failed
-    assert failed.reason == "the base doesn't stand at place_1, where its route along the seam begins"
+    assert failed.reason == "the base isn't at place_1, where its route along the seam begins"
 
 
 def test_a_base_that_is_known_by_its_wheels_alone_drives_no_seam(make_rig: Callable[..., Rig]) -> None:

@@ -168,7 +168,7 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Said]) -> No
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("urdf: librarian.urdf", "urdf: none.urdf", "there is no text file 'none.urdf'"),
+        ("urdf: librarian.urdf", "urdf: none.urdf", "missing text file 'none.urdf'"),
         ("urdf: librarian.urdf", "urdf: robot.yaml", "the file is not well-formed"),
         ("joint_6]", "joint_7]", "no movable joint 'joint_7'"),
         ("home: [-", "home: [0, -", "7 angles; allowed: 6"),

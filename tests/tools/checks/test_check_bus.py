@@ -95,7 +95,7 @@ def test_a_makers_file_is_read(
     own = (CART.parents[1] / "can" / "drives" / "drive.eds").read_text(encoding="utf-8")
     wheel = "{node: 1, counts_per_rev: 16384, gear_ratio: 20, sign: 1, eds: maker.eds}"
     robot = cart(left=wheel)
-    assert "there is no file 'maker.eds'" in handcart("check", robot).err
+    assert "missing file 'maker.eds'" in handcart("check", robot).err
     maker = tmp_path / "maker.eds"
     maker.write_text(own.replace("[60FF]", "[60FE]"), encoding="utf-8")
     said = handcart("check", robot)

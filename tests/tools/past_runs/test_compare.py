@@ -80,9 +80,9 @@ def test_what_holds_no_run_is_refused_in_words(
     torn = tmp_path / "torn.tar.gz"
     torn.write_bytes(packed(folder, tmp_path / "good.tar.gz").read_bytes()[:200])
     for bad, wrong in (
-        (text, "no readable archive"),
+        (text, "the archive is not readable"),
         (empty, "2 files journal.jsonl, not one"),
-        (torn, "no readable archive"),
+        (torn, "the archive is not readable"),
         (tmp_path / "nowhere", "there is no such folder"),
     ):
         said = handcart("compare", folder, bad)

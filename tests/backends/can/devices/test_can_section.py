@@ -34,7 +34,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
             "60 ms, and our heartbeat is sent once in a period of 50 ms; allowed: from twice that",
         ),
         ("period_s: 0.05", "period_s: 0.0501", "allowed: whole milliseconds up to 255"),
-        ("{node: 21,", "{node: 21, eds: gone.eds,", "there is no file 'gone.eds'"),
+        ("{node: 21,", "{node: 21, eds: gone.eds,", "missing file 'gone.eds'"),
         ("{node: 21,", "{node: 21, mode: csp,", "profile"),
         ("interface: socketcan", "interface: sockatcan", "unknown interface 'sockatcan'; did you mean"),
     ],

@@ -107,7 +107,7 @@ ParameterValue=
             "16:1: [6083sub1] belongs to no object; ",
         ),
         ("[6040]\nParameterName=Again\n", "16:1: [6040] has no AccessType"),
-        ("this is no line\n", "16:1: is no line of an EDS: 'this is no line\\n'"),
+        ("this is no line\n", "16:1: is not a line of an EDS: 'this is no line\\n'"),
     ],
 )
 def test_what_the_library_chokes_on_is_told_with_its_place(tmp_path: Path, wrong: str, message: str) -> None:

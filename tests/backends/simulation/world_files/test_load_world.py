@@ -41,7 +41,7 @@ def test_what_is_occupied_on_the_map_stands_among_the_furniture(read: Callable[.
 @pytest.mark.parametrize(
     ("world", "chart", "message"),
     [
-        ("map: nap.yaml\n", MAP, r"world\.yaml:3:6: there is no file 'nap\.yaml'; allowed"),
+        ("map: nap.yaml\n", MAP, r"world\.yaml:3:6: missing file 'nap\.yaml'; allowed"),
         ("map: ../../map.yaml\n", MAP, r"world\.yaml:3:6: .*leads out of"),
         ("map: /map.yaml\n", MAP, r"world\.yaml:3:6: .*is absolute"),
         ("map: map.yaml\n", MAP.replace("map.png", "nap.png"), r"map\.yaml:1:8: no picture"),

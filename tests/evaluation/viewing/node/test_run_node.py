@@ -130,4 +130,4 @@ def test_trouble_of_the_node_does_not_change_the_run(tmp_path: Path) -> None:
         TOUR, tmp_path, RunOptions(backend="kinematic", settings=SETTINGS, observers=(node,))
     )
     assert (summary["outcome"], status) == ("Success", 0)
-    assert said == ["the node of ROS 2 has ended, the run goes on: RuntimeError: the middleware is gone"]
+    assert said == ["the node of ROS 2 has ended, the run continues: RuntimeError: the middleware is gone"]

@@ -32,5 +32,5 @@ def test_a_base_that_stands_firm() -> None:
 
 @pytest.mark.parametrize(("stops", "looks", "swings"), [(3, 2, 2), (9, 1, 2), (9, 2, 0)])
 def test_too_little_to_tell(stops: int, looks: int, swings: int) -> None:
-    with pytest.raises(ValueError, match=r"can't tell the yaw; needed: more than 3 stops, 2 looks"):
+    with pytest.raises(ValueError, match=r"can't determine the yaw; needed: more than 3 stops, 2 looks"):
         fit_swing_yaw(np.zeros((stops, looks)), swings)
