@@ -119,22 +119,23 @@ class MoveTo(ActionPrimitive):
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        goal = goal_pose(model, self.place)
+        goal, is_car = goal_pose(model, self.place), robot.spec.drive.kind == "ackermann"
+        place, need = self._place_and_need(robot, model)
         self._monitor = make_monitor(robot, model)
-        if model.places[self.place].docks:
+        if place.docks:
             robot.base.may_stand_at(goal)
-        if self.detour and robot.spec.drive.kind != "ackermann":
+        if self.detour and not is_car:
             self._local = LocalReplanning(robot, model, self.place)
         tracker, points = yield from self._planned(robot, model, goal)
         self.evidence.points["planned"] = points
         yield from self._follow(robot, model, tracker)
-        if robot.localization.dead_reckoned and robot.spec.drive.kind != "ackermann":
+        if robot.localization.dead_reckoned and not is_car:
             yield from self._follow_again(robot, model, goal)
         self._ahead, self._blocked_since = np.empty((0, 2)), None
-        if model.places[self.place].docks:
-            yield from dock(robot, self.place, model.places[self.place], self._need(robot, model), self.found)
-        elif robot.spec.drive.kind != "ackermann":
-            yield from self._come_closer(robot, model.places[self.place], self._need(robot, model))
+        if place.docks:
+            yield from dock(robot, self.place, place, need, self.found)
+        elif not is_car:
+            yield from self._come_closer(robot, place, need)
         if self._local is not None:
             self._local.keep()
         self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
@@ -143,28 +144,25 @@ class MoveTo(ActionPrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Check that the base is at the place within its tolerance, along every direction."""
-        self._check_determined(robot, model.places[self.place], self._need(robot, model))
+        self._check_determined(robot, *self._place_and_need(robot, model))
         return True
         yield
 
-    def _need(self, robot: Robot, model: ModelView) -> PoseNeed:
-        """Return the required accuracy of this base's pose at the place."""
-        return model.places[self.place].need_of(robot.spec.drive.kind)
+    def _place_and_need(self, robot: Robot, model: ModelView) -> tuple[Place, PoseNeed]:
+        """Return the place, and the required accuracy of this base's pose there."""
+        place = model.places[self.place]
+        return place, place.need_of(robot.spec.drive.kind)
 
     def _arrived(self, robot: Robot, model: ModelView) -> PoseTolerance:
-        """Return the tolerance of the regulator; the rest of the place's tolerance is left for the
-        uncertainty.
-        """
-        need = self._need(robot, model)
+        """Return the tolerance of the regulator; it leaves half of the place's for the uncertainty."""
+        _, need = self._place_and_need(robot, model)
         return PoseTolerance(
             min(ARRIVAL_TOLERANCE.position, 0.5 * need.strictest),
             min(ARRIVAL_TOLERANCE.heading, 0.5 * need.heading),
         )
 
     def _come_closer(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
-        """Approach more exactly if the uncertainty leaves less room than the base's distance from the
-        place.
-        """
+        """Approach more exactly if the uncertainty leaves less room than the base is off the place."""
         pose, off = robot.localization.repeatability, difference(robot.pose, place.pose)
         shift = robot.localization.map_shift
         if (

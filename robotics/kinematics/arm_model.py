@@ -324,7 +324,7 @@ class ArmModel:
         """
         if self._spread is not None:
             return np.asarray(columns @ self._spread)
-        return columns.take(self._order, axis=-1)
+        return columns.T.take(self._order, axis=0).T  # faster than columns[..., order], in the same layout
 
     def _index(self, joint: str) -> int:
         return int(self._model.idx_qs[self._model.getJointId(joint)])
