@@ -12,26 +12,26 @@ class Recording(ABC):
     suffix: str
     """Suffix of the files that `keep` writes."""
     lost: str | None = None
-    """Why nothing more is kept; None while all goes well."""
+    """Reason why recording ended early; None while it works."""
 
     @abstractmethod
     def open(self, folder: Path) -> None:
-        """Record everything in a folder, including what has passed up to now."""
+        """Record all traffic into a folder, including the traffic before this call."""
 
     @abstractmethod
     def look(self, time: float) -> None:
-        """Record a period that ended at `time`, in [s] of the robot.
+        """Record the traffic of a period that ended at `time`, in [s] of the robot.
 
         The data are handed to the operating system, so that a killed process loses none of them.
         """
 
     @abstractmethod
     def mark(self) -> None:
-        """Hold the last seconds for the next `keep`."""
+        """Remember the last seconds of traffic; the next `keep` writes them, too."""
 
     @abstractmethod
     def keep(self, stem: Path) -> None:
-        """Write the last seconds, and those before the mark, into a file whose name begins with `stem`."""
+        """Write the last seconds, and those before `mark`, into a file whose name begins with `stem`."""
 
     @abstractmethod
     def close(self) -> None:

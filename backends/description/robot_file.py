@@ -229,7 +229,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return self.whole.text
 
     def mapped_joints(self) -> list[tuple[KeyPath, str, str]]:
-        """Joints that the file names: key path, name in the URDF, and the expected name."""
+        """Return the joints that the file names: key path, name in the URDF, and the expected name."""
         found: list[tuple[KeyPath, str, str]] = []
         for side in ("left", "right"):
             wheels = getattr(self.drive, side)

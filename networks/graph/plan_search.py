@@ -18,7 +18,7 @@ _SLACK = 1e-9
 
 
 class Segment(NamedTuple):
-    """First actions of a plan, up to a situation from which the plan is the one made there."""
+    """First actions of a plan, up to a situation from which its rest is planned separately."""
 
     actions: tuple[Action, ...]
     end: str

@@ -1,4 +1,4 @@
-"""Looks out for all that can be wrong on the bus."""
+"""All checks of a CAN bus together."""
 
 from __future__ import annotations
 

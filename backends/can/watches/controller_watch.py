@@ -18,7 +18,7 @@ _WARNED_FOR = 1.0  # [s] for which a warning is waited out
 
 
 class ControllerWatch(Watch):
-    """Error frames of the driver, and the interface's own state: bus-off, error-passive, a long warning."""
+    """Watch for faults of the CAN interface: error frames, bus-off, error-passive, a long warning."""
 
     def __init__(self, state: Callable[[], can.BusState]) -> None:
         """Watch; `state` is asked once a period."""

@@ -1,4 +1,4 @@
-"""Emergency messages of any node."""
+"""Watch over the emergency messages of all nodes."""
 
 from __future__ import annotations
 

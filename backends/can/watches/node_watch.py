@@ -19,7 +19,7 @@ _NODES = 0x7F
 
 
 class NodeWatch(Watch):
-    """Heartbeats, boot-up messages, and signs of two nodes with one node ID."""
+    """Watch for missing heartbeats, boot-up messages, and two nodes with one node ID."""
 
     def __init__(self, names: Mapping[int, str], allowed: float) -> None:
         """Watch nodes.

@@ -17,7 +17,7 @@ _HEARTBEAT = 0x700
 
 
 class StrangerWatch(Watch):
-    """Watch for frames that only a master sends, and that we haven't sent.
+    """Watch for frames that only a master sends, and that this program has not sent.
 
     CAN frames name no sender: a stranger's frame is detected after it has reached the drives.
     """

@@ -20,7 +20,7 @@ _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
 class ContactReader:
-    """Reads the engine's contact points. To the hand belongs all that the arm's last joint moves."""
+    """Reader of the engine's contact points. All links behind the arm's last joint count as the hand."""
 
     def __init__(self, engine: Engine, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:
         self._engine, self._body, self._world = engine, body, world

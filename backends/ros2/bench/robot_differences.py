@@ -60,13 +60,13 @@ class RobotDifferences:
         return cls(found)
 
     def factor(self, name: str) -> float:
-        """Return the factor of a name; 1 without one."""
+        """Return the factor by which the bench scales a quantity; 1 if the plan has none."""
         return self._factors.get(name, 1.0)
 
     def state_factor(self, joint: str) -> float:
-        """Return the factor of a joint's reading."""
+        """Return the factor by which the bench scales a joint's published reading."""
         return self.factor(joint) * self.factor(STATE + joint)
 
     def timeout(self, usual: float) -> float:
-        """Return the time in [s] for which the base keeps its last speeds."""
+        """Return the time in [s] for which the base keeps its last speeds without a new command."""
         return self._factors.get(TIMEOUT, usual)

@@ -161,7 +161,7 @@ class Scara(NamedTuple):
 def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
     """Return a point (3,) of the world in the frame of a base on the ground, in [m].
 
-    A slide on a base that is 2.5 degrees askew comes down 17 mm beside, 0.4 m lower: the arm has to know.
+    On a base that is tilted by 2.5 degrees, a slide that goes 0.4 m down ends 17 mm off.
 
     Args:
         pose: world_T_base on the ground.
