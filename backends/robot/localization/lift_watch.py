@@ -29,7 +29,7 @@ class LiftWatch:
             crowd: people around it: they change scans, too.
         """
         self._jump.roll(rolled.left, rolled.right, self._tread, rolled.sideways)
-        if lidar.silence or (still > 0 and still % LOOK_AGAIN != 0):
+        if (still > 0 and still % LOOK_AGAIN != 0) or lidar.silence:  # the latter takes a scan
             return None
         if not self._jump.is_doubtful:  # another place seems full of people
             self._people_before = crowd.is_near
