@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from handcart.robotics.numerics.stepwise import finish
 
 T = TypeVar("T")
+
+
+class Holding(Protocol):
+    """Robot that can hold."""
+
+    time: float
+
+    def wait(self, seconds: float) -> Generator[None, None, None]:
+        """Hold for that long, in [s]."""
 
 
 def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
@@ -34,4 +43,25 @@ def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None
         return result
     result = yield from steps
     yield
+    return result
+
+
+def at_rest(
+    steps: Generator[None, None, T], robot: Holding, simulated: bool, takes: float
+) -> Generator[None, None, T]:
+    """Compute while the robot holds, in simulation one step a period; see `Robot.compute`.
+
+    Args:
+        steps: computation.
+        robot: the robot that holds.
+        simulated: whether its backend is.
+        takes: its least simulated duration, in [s].
+    """
+    result: T
+    if not simulated:
+        result = yield from beside(finish, steps)
+        return result
+    begun = robot.time
+    result = yield from steps
+    yield from robot.wait(takes - (robot.time - begun))
     return result

@@ -8,7 +8,7 @@ from collections.abc import Generator
 import numpy as np
 
 from handcart.backends.capabilities.base import DriveCommand
-from handcart.backends.robot.beside import in_steps
+from handcart.backends.robot.beside import at_rest, in_steps
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import avoided_points
 from handcart.primitives.knowledge.place import Place
@@ -23,7 +23,6 @@ from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.centring import centred
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 from handcart.robotics.numerics.arrays import FloatArray
-from handcart.robotics.numerics.stepwise import finish
 
 from .driving import no_way, plan_drive
 from .people_watch import PeopleWatch
@@ -172,15 +171,11 @@ class LocalReplanning:
         """Return a look while the base holds, with ever less distance to people until a way leads on."""
         self.people.try_all_room()
         while True:
-            look = yield from robot.compute(
-                self._answer, robot.pose, route, self._avoided(robot), takes=takes
-            )
+            steps = self._answering(robot.pose, route, self._avoided(robot))
+            look = yield from at_rest(steps, robot, robot.backend.simulated, takes)
             if look.kind != "none" or self.people.is_last_attempt:
                 return look
             self.people.try_less_room()
-
-    def _answer(self, pose: Pose2, route: FloatArray | None, avoided: FloatArray) -> RouteLook:
-        return finish(self._answering(pose, route, avoided))
 
     def _answering(
         self,
