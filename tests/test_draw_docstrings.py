@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPT = ROOT / "scripts" / "draw_docstrings.py"
 
@@ -15,6 +17,7 @@ def drawn(*words: str) -> list[str]:
     return done.stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_draw_of_a_seed_is_always_the_same() -> None:
     one, again, other = drawn("--seed", "3"), drawn("--seed", "3"), drawn("--seed", "4")
     assert one == again

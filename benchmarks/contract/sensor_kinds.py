@@ -44,12 +44,16 @@ def _members(annotation: object) -> tuple[object, ...]:
 
 
 def named_outside(kind: str) -> list[str]:
-    """Return the modules besides a kind's own that name it or its parts."""
+    """Return the modules besides a kind's own that name it or its parts.
+
+    Primitives are left out: they read sensors, and a new kind edits none of them.
+    """
     declared = sensor_kinds()[kind]
     own, parts = own_files(declared), [path.partition(":")[2] for path in _paths(declared)]
     spellings = {kind, *(part for part in parts if part[:1].isupper() and not part.isupper())}
     pattern = re.compile("|".join(rf"(?<![a-z]){name}" for name in sorted(spellings)), re.IGNORECASE)
-    return [path for path, text in modules().items() if path not in own and pattern.search(text)]
+    others = {path: text for path, text in modules().items() if not path.startswith("primitives/")}
+    return [path for path, text in others.items() if path not in own and pattern.search(text)]
 
 
 def own_files(kind: SensorKind) -> set[str]:

@@ -19,10 +19,12 @@ def load(name: str, file: str) -> Task:
     return load_task(TASKS_FOLDER / name / file)
 
 
-def steps(task: Task) -> list[tuple[str, object, float]]:
+def steps(task: Task) -> list[tuple[str, str, str, object, float]]:
     plan = Planner(task.network).plan(task.network.start)
     assert isinstance(plan, Plan)
-    return [(str(a), a.binding.given() if a.binding else {}, a.cost_s) for a in plan.actions]
+    return [
+        (a.do, a.source, a.target, a.binding.given() if a.binding else {}, a.cost_s) for a in plan.actions
+    ]
 
 
 def choices(task: Task) -> int:

@@ -23,6 +23,7 @@ CAUSES_OF_SENSORS: Mapping[str, tuple[CauseKind, ...]] = {
     "gps": POSE_CAUSES,
     "beacons": POSE_CAUSES,
     "positioning": POSE_CAUSES,
+    "battery": (),
 }
 """Causes that wrong readings of a sensor may suggest."""
 UNSEEN_CAUSES = (causes.SENSOR_FAULT, causes.NO_EFFECT)

@@ -168,5 +168,8 @@ def test_few_files_know_all_kinds() -> None:
         "backends/description/robot_file.py",
         "backends/simulation/simulated_backend.py",
         "backends/can/can_parts.py",
+        "backends/ros2/ros_topics.py",
+        "backends/ros2/bench/ros_bench.py",
+        "backends/description/ros_spec.py",
         "backends/robot/robot.py",  # only for one that the pose is estimated from
     }

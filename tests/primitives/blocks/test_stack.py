@@ -219,7 +219,7 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
             push,
         )
     assert not isinstance(outcome, Success)
-    assert "beside its goal" in outcome.reason
+    assert "next to its goal" in outcome.reason
 
 
 def test_block_put_back_at_another_place_is_a_give_up() -> None:

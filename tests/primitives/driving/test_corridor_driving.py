@@ -19,6 +19,7 @@ PLAIN = Case(
 )
 
 
+@pytest.mark.slow
 def test_a_plain_corridor_is_no_success_and_says_why() -> None:
     first = drive(PLAIN)[0]
     assert not first.false

@@ -63,7 +63,7 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pyte
     assert isinstance(rig.do(deploy), Success)
     assert deploy.unmet_precondition(robot, model) == "the sensor of target 'here' is laid already"
     assert "doesn't reach the target" in Deploy(target="far").unmet_precondition(robot, model)
-    assert "no target 'there'" in Deploy(target="there").unmet_precondition(robot, model)
+    assert "unknown target 'there'" in Deploy(target="there").unmet_precondition(robot, model)
     (laid,) = rig.model.of(FieldWork).laid
     truly = rig.backend.scene.base.inverse().apply(lying(rig).pose[None, :2, 3])[0]  # type: ignore[attr-defined]
     assert lying(rig).rest.value == "table"

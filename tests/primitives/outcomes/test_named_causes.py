@@ -32,11 +32,12 @@ def raising(tree: ast.AST) -> Iterator[ast.Call]:
 
 
 def lacking(text: str) -> list[int]:
-    """Lines that raise without a cause that is a constant of a module."""
+    """Lines that raise without a cause that is a constant, of another module or of their own."""
     lines = []
     for call in raising(ast.parse(text)):
         cause = next((each.value for each in call.keywords if each.arg == "cause"), None)
-        constant = isinstance(cause, ast.Attribute) and cause.attr.isupper() and cause.attr != "UNNAMED"
+        name = getattr(cause, "attr", getattr(cause, "id", ""))
+        constant = name.isupper() and name != "UNNAMED"
         derived = isinstance(cause, ast.Call)  # of a function that selects one
         if not constant and not derived:
             lines.append(call.lineno)

@@ -41,7 +41,7 @@ def test_a_sound_urdf_is_without_fault() -> None:
         ('link name="fore"', "link", "7: a link has no name"),
         ('joint name="elbow"', 'joint name="shoulder"', "12: joint 'shoulder': line 8 has one of that name"),
         ('type="revolute"', 'type="Revolute"', "8: joint 'shoulder': unknown type 'Revolute'; did you mean"),
-        ('<parent link="base"/>', '<parent link="bass"/>', "9: joint 'shoulder': its parent 'bass' is no li"),
+        ('<parent link="base"/>', '<parent link="bass"/>', "9: joint 'shoulder': its parent 'bass' is not a"),
         ('<child link="upper"/>', "", "8: joint 'shoulder': it has no child link"),
         ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 0"/>', "9: joint 'shoulder': its axis has no direction"),
         ('<limit lower="-1"', '<limit lower="3"', "10: joint 'shoulder': its lower limit 3 is above its upp"),

@@ -62,6 +62,7 @@ def test_a_goal_that_only_a_fail_leads_to_can_be_reached(
     assert (done["outcome"], done["situation"]) == ("Fail", "dead")
 
 
+@pytest.mark.slow
 def test_fails_of_probability_zero_are_not_followed(
     handcart: Callable[..., Said], task: Callable[..., Path]
 ) -> None:

@@ -133,6 +133,7 @@ def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(
     assert "handcart ack" in said.err
 
 
+@pytest.mark.slow
 def test_one_primitive_alone_is_refused_too(
     run: Callable[..., Said], handcart: Callable[..., Said], task: Path
 ) -> None:

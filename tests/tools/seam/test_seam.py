@@ -57,6 +57,7 @@ def test_first_unreachable_point_is_reported_with_the_reach(
     assert "; the nearest that can be reached: (" in finding["message"]
 
 
+@pytest.mark.slow
 def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Said], folder: Path) -> None:
     head, *rows = lines(folder)
     write(folder, [head, *(raised(row, 3.0) for row in rows)])

@@ -25,6 +25,7 @@ RUNS = (  # with a Fail each where there is one
 )
 
 
+@pytest.mark.slow
 def test_shipped_pictures() -> None:
     assert SHIPPED
     with browsing(DESK) as seen:
