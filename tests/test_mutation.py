@@ -80,6 +80,7 @@ def project(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_mutants_of_a_seed_are_the_same_and_change_what_acts(parts: Any, project: Path) -> None:
     drawing = parts("drawing")
     drawn = list(drawing.draw(project, "1", ["journal"]))
@@ -116,6 +117,7 @@ def test_our_own_operator_removes_calls_as_its_examples_say(parts: Any) -> None:
     assert mutating.mutate_code("def f():\n    yield\n    a = b()\n", remover, 0) is None
 
 
+@pytest.mark.slow
 def test_the_nearest_tests_are_of_the_same_name_or_import_it(parts: Any) -> None:
     nearest = parts("choosing").nearest_tests(ROOT, "networks/journal/journal_record.py")
     importing = [each for each in nearest if "journal_record" in (ROOT / each).read_text()]

@@ -53,6 +53,7 @@ def test_the_extras_are_those_of_the_project() -> None:
     assert IMPORT_NAMES["python-fcl"] == "fcl"
 
 
+@pytest.mark.slow
 def test_a_base_drives_without_the_libraries_of_arms_and_labels(tmp_path: Path) -> None:
     said = without(
         (*ARM, *LABELS), "run", DRIVE_MAP, "--robot", "cart", "--set", "tour=[desk]", "--runs", str(tmp_path)

@@ -72,7 +72,7 @@ def beside_a_target(backend: str, seed: int, folder: Path) -> Iterator[Rig]:
         yield Rig(prepared.robot, prepared.model, prepared.backend)
 
 
-@pytest.mark.parametrize("seed", [25, pytest.param(37, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [25, 37])
 def test_sensor_stands_on_a_slope_where_a_dropped_one_falls(
     physics: type[PhysicsBackend], tmp_path: Path, seed: int
 ) -> None:

@@ -147,6 +147,7 @@ def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar:
     assert try_mutant(liar, BENCH).skipped == f"the robot has no {name}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["base", "joints", "one period", "imu", "gps"])
 def test_a_car_passes_too(name: str) -> None:
     """It turns only while it drives, and its first joint stands at its limit."""

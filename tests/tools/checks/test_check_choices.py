@@ -119,6 +119,7 @@ def test_a_goal_that_is_no_name_shows_nothing_internal(
     assert len(said.err.splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_a_file_of_three_thousand_actions_is_read(
     handcart: Callable[..., Said], task: Callable[..., Path]
 ) -> None:

@@ -41,6 +41,7 @@ def test_a_seam_that_can_be_tracked_is_told_with_its_division(handcart: Callable
     assert "seam: 5.13 m, 3 placements, score 0.6" in said.out
 
 
+@pytest.mark.slow
 def test_first_unreachable_point_is_reported_with_the_reach(
     handcart: Callable[..., Said], folder: Path
 ) -> None:
