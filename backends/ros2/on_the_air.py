@@ -10,10 +10,17 @@ from handcart.backends.ros2.wire.ros_link import Link
 from .ros_topics import RosTopics
 from .topic_sensor import TopicSensor
 
+DISCOVERY_S = 1.0  # in which nearly all nodes on a network find each other
 PAUSE_S = 0.02
 
 
-def await_robot(topics: RosTopics, link: Link, seconds: float, sleep: Callable[[float], None]) -> None:
+def await_robot(
+    topics: RosTopics,
+    link: Link,
+    seconds: float,
+    sleep: Callable[[float], None],
+    discovery_s: float = 0.0,
+) -> None:
     """Wait for the first message of each topic, and for a listener to each command.
 
     Args:
@@ -21,18 +28,19 @@ def await_robot(topics: RosTopics, link: Link, seconds: float, sleep: Callable[[
         link: connection to them.
         seconds: time in [s] until all are there.
         sleep: waits so many seconds.
+        discovery_s: time in [s] until other nodes that publish commands have been discovered.
 
     Raises:
         NotOnTheAir: topics are missing or different; names all at once. Nothing has been sent.
     """
-    end = link.clock() + seconds
+    begun = link.clock()
     while True:
         link.receive()
         topics.advance()
         missing = [*_silent(topics), *_deaf(topics, link)]
-        if not missing:
+        if not missing and link.clock() - begun >= discovery_s:
             break
-        if link.clock() > end:
+        if missing and link.clock() - begun > seconds:
             raise NotOnTheAir(list(_findings(topics, link)))
         sleep(PAUSE_S)
     if others := list(other_masters(topics, link)):

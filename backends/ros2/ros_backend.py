@@ -22,7 +22,7 @@ from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 
 from .bench.local_bench import LocalBench
-from .on_the_air import await_robot, other_masters, unheard
+from .on_the_air import DISCOVERY_S, await_robot, other_masters, unheard
 from .ros_topics import RosTopics, capabilities_of, check_joints
 
 MASTERS_PERIOD_S = 1.0
@@ -90,7 +90,8 @@ class RosBackend(Backend):
         self._ears = ExitStack()
         try:
             self._topics = RosTopics(robot, spec, self._link)
-            await_robot(self._topics, self._link, spec.first_message_s, bench.wait if bench else time.sleep)
+            waiting = (bench.wait, 0.0) if bench else (time.sleep, DISCOVERY_S)
+            await_robot(self._topics, self._link, spec.first_message_s, *waiting)
             self._topics.begin()
             if bench is None:
                 self._ears.enter_context(hearing_of_compiling(self._hear_compiling))

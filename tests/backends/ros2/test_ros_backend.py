@@ -15,6 +15,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.ros2.bench.bench_faults import BenchFaults
 from handcart.backends.ros2.bench.local_bench import LocalBench
+from handcart.backends.ros2.on_the_air import DISCOVERY_S, await_robot
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, UnknownJoints
 
@@ -188,6 +189,25 @@ def test_a_second_master_under_way_stops_the_robot(make: Make) -> None:
         LocalLink(backend.bench.air, "teleop").publisher("geometry_msgs/Twist", "cmd_vel")  # type: ignore[union-attr]
         with pytest.raises(RosFault, match=r"cmd_vel: 2 nodes publish it .*teleop"):
             drive(backend, 2.0)
+
+
+def test_a_master_discovered_late_is_named_before_anything_moves(make: Make) -> None:
+    from handcart.backends.ros2.bench.local_air import LocalLink
+
+    with make() as backend:
+        bench = backend.bench
+        assert bench is not None
+        begun, other = bench.link.clock(), list[LocalLink]()
+
+        def wait(seconds: float) -> None:
+            bench.wait(seconds)
+            if not other and bench.link.clock() - begun > 0.8 * DISCOVERY_S:
+                other.append(LocalLink(bench.air, "teleop"))
+                other[0].publisher("geometry_msgs/Twist", "cmd_vel")
+
+        await_robot(backend._topics, bench.link, 5.0, wait)  # without time, it is not seen
+        with pytest.raises(NotOnTheAir, match=r"cmd_vel: 2 nodes publish it .*teleop"):
+            await_robot(backend._topics, bench.link, 5.0, wait, DISCOVERY_S)
 
 
 def test_drivers_that_are_gone_stop_the_robot(make: Make) -> None:
