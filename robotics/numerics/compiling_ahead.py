@@ -73,6 +73,7 @@ def _tuple_of(fields: Fields) -> Any:
 
 def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     """Yield processes for modules in the order in which they were imported."""
+    modules = sorted(modules, key=_asks_for_others)
     count = min(MAX_HELPERS, _cores() - 1, len(modules))
     for number in range(count):
         # -P: nothing is imported from the current folder
@@ -81,6 +82,11 @@ def _begin(modules: list[str]) -> Iterator[subprocess.Popen[bytes]]:
         yield subprocess.Popen(
             words, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, start_new_session=True
         )
+
+
+def _asks_for_others(module: str) -> bool:
+    """Return whether a module asked for functions of other modules: it will call them soon."""
+    return any(kernel.__module__ != module for kernel, _ in COMPILED_AHEAD.get(module, ()))
 
 
 def _cores() -> int:

@@ -174,3 +174,21 @@ def _kernel() -> Any:
 def test_a_check_knows_the_domains_kernels_before_the_map_s() -> None:
     """The arm's functions take longest: another core begins with them while the map is checked here."""
     subprocess.run([sys.executable, "-c", CHECKS], cwd=ROOT, check=True, timeout=120)
+
+
+def test_functions_that_a_caller_asked_for_are_compiled_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever asks for functions of another module calls them soon; other modules may never be used."""
+    begun: list[list[str]] = []
+
+    class Started:
+        def __init__(self, words: list[str], **_: object) -> None:
+            begun.append(words)
+
+    def kernel() -> None: ...
+
+    monkeypatch.setattr(ahead, "_cores", lambda: 2)
+    monkeypatch.setattr(subprocess, "Popen", Started)
+    asked = {kernel.__module__: [(kernel, "()")], "asks": [(kernel, "()")], "imported_last": []}
+    monkeypatch.setattr(ahead, "COMPILED_AHEAD", asked)
+    list(ahead._begin(list(asked)))
+    assert begun[0][-3:] == ["asks", "imported_last", kernel.__module__]
