@@ -10,6 +10,8 @@ import argparse
 import random
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -61,44 +63,45 @@ def main() -> None:
     sys.exit(1 if failed else 0)
 
 
-def kill_program(after_s: float) -> tuple[float, int, str]:
-    """Kill the program; return the time until the base rests in [s] and in periods, and what is wrong."""
-    bench, driver = Process(serve_bench), None
+@contextmanager
+def driving_pair(after_s: float) -> Iterator[tuple[Process, Process]]:
+    """Yield a bench and a program that has driven it for `after_s` seconds; both are killed in the end."""
+    bench = Process(serve_bench)
+    driver = None
     try:
         bench.answer()
         driver = Process(drive_circles, 60.0)
         await_driving(driver)
         time.sleep(after_s)
-        killed = driver.kill()
-        time.sleep(COMMAND_TIMEOUT_S + 5.0 * PERIODS_S)
-        bench.pipe.send(killed)
-        rest: Rest = bench.answer()
-    except TimeoutError as error:
-        return 0.0, 0, str(error)
+        yield bench, driver
     finally:
         for each in (driver, bench):
             if each is not None:
                 each.kill()
+
+
+def kill_program(after_s: float) -> tuple[float, int, str]:
+    """Kill the program; return the time until the base rests in [s] and in periods, and what is wrong."""
+    try:
+        with driving_pair(after_s) as (bench, driver):
+            killed = driver.kill()
+            time.sleep(COMMAND_TIMEOUT_S + 5.0 * PERIODS_S)
+            bench.pipe.send(killed)
+            rest: Rest = bench.answer()
+    except TimeoutError as error:
+        return 0.0, 0, str(error)
     wrong = "" if rest.periods <= MAX_PERIODS else f"the base drove for {rest.periods} periods"
     return rest.seconds, rest.periods, wrong
 
 
 def kill_bench(after_s: float) -> tuple[float, int, str]:
     """Kill the bench; return the time until the program reports it in [s], 0, and what is wrong."""
-    bench, driver = Process(serve_bench), None
     try:
-        bench.answer()
-        driver = Process(drive_circles, 60.0)
-        await_driving(driver)
-        time.sleep(after_s)
-        killed = bench.kill()
-        ended: Ended = driver.answer(20.0)
+        with driving_pair(after_s) as (bench, driver):
+            killed = bench.kill()
+            ended: Ended = driver.answer(20.0)
     except TimeoutError as error:
         return 0.0, 0, str(error)
-    finally:
-        for each in (driver, bench):
-            if each is not None:
-                each.kill()
     after = ended.time - killed
     if "(odom)" not in ended.words:
         return after, 0, f"not named: {ended.words}"

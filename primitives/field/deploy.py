@@ -244,7 +244,7 @@ class Deploy(TreePrimitive):
                 break
             if robot.time - begun > self.longest_s:
                 if doubt is not None:
-                    why = f"it can't be told where the target is: {doubt.why}"
+                    why = f"the target's place is not determined: {doubt.why}"
                     raise Discrepancy(why, measured=Measured(*doubt[1:]), cause=causes.UNDETERMINED)
                 known = Measured(
                     robot.localization.source, "sigma of where the target is", 1e3 * sigma, self.sure_mm, "mm"

@@ -106,14 +106,14 @@ def identify(
         views: pictures that were taken.
 
     Raises:
-        Discrepancy: nothing of its kind is there, it has fallen over, or it can't be told from others.
+        Discrepancy: nothing of its kind is there, it has fallen over, or it may be another one.
     """
     possible = [each for each in found if any(c.name == kind_name and c.is_upright for c in each.may_be)]
     for each in possible:
         others = sorted({_in_words(other) for other in each.may_be if not _is(other, kind_name)})
         if others:
             raise Discrepancy(
-                f"{name} can't be told: what stands there may be a {kind_name} or {', '.join(others)}",
+                f"{name} is ambiguous: what stands there may be a {kind_name} or {', '.join(others)}",
                 measured=Measured("DepthCamera", "kinds that fit", float(len(others) + 1), 1.0),
                 cause=causes.AMBIGUOUS,
             )
@@ -217,7 +217,7 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[O
     if len(places) > len(beliefs):
         many = Measured("DepthCamera", f"objects like a {kind_name}", len(places), len(beliefs))
         raise Discrepancy(
-            f"{name} can't be told: {len(places)} like a {kind_name} are seen, {len(beliefs)} are known",
+            f"{name} is ambiguous: {len(places)} like a {kind_name} are seen, {len(beliefs)} are known",
             measured=many,
             cause=causes.AMBIGUOUS,
         )
@@ -231,7 +231,9 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[O
     if len(ranked) > 1 and score - ranked[1][1] < MIN_LOG_RATIO:
         likelier = Measured("DepthCamera", "likelihood over the next", math.exp(score - ranked[1][1]), 100.0)
         raise Discrepancy(
-            f"{name} can't be told from another {kind_name}", measured=likelier, cause=causes.AMBIGUOUS
+            f"{name} may be another {kind_name}",
+            measured=likelier,
+            cause=causes.AMBIGUOUS,
         )
     if chosen is None:
         raise Discrepancy(f"{name} isn't seen; seen: another {kind_name}", cause=causes.NOT_SEEN)
@@ -242,7 +244,7 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[O
         if off > most:
             away = Measured("DepthCamera", "off its place", 1e3 * off, 1e3 * most, "mm")
             raise Discrepancy(
-                f"{name} can't be told: a {kind_name} is far from where it is believed to be",
+                f"{name} is ambiguous: a {kind_name} is far from where it is believed to be",
                 measured=away,
                 cause=causes.AMBIGUOUS,
             )

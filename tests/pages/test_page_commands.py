@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -111,8 +112,9 @@ def test_page_commands_are_understood(page: str) -> None:
 @pytest.mark.parametrize("page", PREPARED)
 def test_page_works_as_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, page: str) -> None:
     monkeypatch.chdir(tmp_path)
-    for name in ("tasks", "benchmarks"):
-        (tmp_path / name).symlink_to(ROOT / name)
+    shutil.copytree(ROOT / "tasks", tmp_path / "tasks")  # a page may change a task, as `learn --write` does
+    (tmp_path / "benchmarks").symlink_to(ROOT / "benchmarks")
+    before = task_files()
     for name, text in shown_files(page):
         write_file(tmp_path, name, text)
     lines = [line for line in command_lines(page) if not reason_not_run(page, line)]
@@ -120,6 +122,12 @@ def test_page_works_as_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, p
         for more, fewer in FEWER.items():
             line = line.replace(more, fewer)
         assert carry_out(line, tmp_path, monkeypatch, [])[0] == 0, line
+    assert task_files() == before, "a command of the page changed the checkout's own files"
+
+
+def task_files() -> dict[Path, bytes]:
+    """Contents of the checkout's task files."""
+    return {path: path.read_bytes() for path in sorted((ROOT / "tasks").rglob("*.yaml"))}
 
 
 @pytest.mark.slow

@@ -88,9 +88,9 @@ def test_a_robot_with_an_arm_says_what_to_install() -> None:
     said = without(ARM, "run", DRIVE_MAP)
     file = ROOT / "backends" / "robots" / "librarian" / "robot.yaml"
     assert (said.returncode, said.stdout) == (2, "")
-    *before, told = said.stderr.splitlines(keepends=True)
-    assert told.startswith(f"{file}:")
-    assert told.endswith(f": an arm {NEEDS_ARM}")
+    *before, message = said.stderr.splitlines(keepends=True)
+    assert message.startswith(f"{file}:")
+    assert message.endswith(f": an arm {NEEDS_ARM}")
     assert all(line.startswith("loading ") for line in before)  # said after a second, on a slow machine
 
 

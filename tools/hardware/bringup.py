@@ -102,7 +102,7 @@ def _ladder(
         camera,
     )
     if bench is not None:
-        bench_class(bench, site.backend_name)  # a wrong name is told before the first rung
+        bench_class(bench, site.backend_name)  # a wrong name is refused before the first rung
     if isinstance(site, RosSite):
         site.differences = RobotDifferences.read(wrong, spec, site.spec)
     return Ladder(site, None if bench else rehearsed, ROS_RUNGS if ros2 else ALL_RUNGS)

@@ -87,9 +87,9 @@ def _wrong_gravity(x: float, y: float, z: float) -> str:
     size = math.sqrt(x * x + y * y + z * z)
     if abs(z - GRAVITY_M_S2) <= MAX_GRAVITY_ERROR_M_S2:
         return ""
-    told = f"it reads ({x:.2f}, {y:.2f}, {z:.2f}) m/s^2 at rest; needed: (0, 0, +9.81)"
+    reading = f"it reads ({x:.2f}, {y:.2f}, {z:.2f}) m/s^2 at rest; needed: (0, 0, +9.81)"
     if abs(size - 1.0) < 0.1:
-        return f"{told}: is it in g?"
+        return f"{reading}: is it in g?"
     if size < MAX_GRAVITY_ERROR_M_S2:
-        return f"{told}: gravity is taken out"
-    return f"{told}: its axes are not those of the base"
+        return f"{reading}: gravity is taken out"
+    return f"{reading}: its axes are not those of the base"

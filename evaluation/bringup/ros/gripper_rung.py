@@ -65,12 +65,13 @@ def _open_to(backend: RosBackend, width: float, held: Held) -> float:
 def _compare(wanted: float, read: float, measured: float) -> None:
     """Raise `RungFailed` unless command, reading and ruler agree, in [m]."""
     allowed = SLACK_M + MAX_ERROR * wanted
-    told = f"{1e3 * wanted:.0f} mm were commanded"
+    command = f"{1e3 * wanted:.0f} mm were commanded"
     if abs(measured - wanted) > allowed:
         raise RungFailed(
-            f"gripper: {told}, the fingers are {1e3 * measured:.1f} mm open; are `open` and `closed` right?"
+            f"gripper: {command}, the fingers are {1e3 * measured:.1f} mm open;"
+            " are `open` and `closed` right?"
         )
     if abs(read - wanted) > allowed:
         raise RungFailed(
-            f"gripper: {told}, {1e3 * read:.1f} mm are read; allowed: {1e3 * allowed:.0f} mm apart"
+            f"gripper: {command}, {1e3 * read:.1f} mm are read; allowed: {1e3 * allowed:.0f} mm apart"
         )

@@ -111,10 +111,11 @@ def _check_posture(site: RosSite, backend: RosBackend, model: ArmModel) -> Facts
     ]
     off = float(np.linalg.norm(read - seen))
     if off > MAX_HAND_ERROR_M:
-        told, shown = (", ".join(f"{1e3 * each:.0f}" for each in place) for place in (read, seen))
+        read_at, seen_at = (", ".join(f"{1e3 * each:.0f}" for each in place) for place in (read, seen))
         raise RungFailed(
-            f"{site.spec.joint_states.topic}: by the readings the hand is at ({told}) mm, it is at ({shown})"
-            f" mm; allowed: {1e3 * MAX_HAND_ERROR_M:.0f} mm; is a joint's sign, zero or unit another one?"
+            f"{site.spec.joint_states.topic}: by the readings the hand is at ({read_at}) mm, it is at"
+            f" ({seen_at}) mm; allowed: {1e3 * MAX_HAND_ERROR_M:.0f} mm;"
+            " is a joint's sign, zero or unit another one?"
         )
     return {"hand_off_mm": round(1e3 * off, 1)}
 
@@ -177,17 +178,17 @@ def _compare(
     """Raise `RungFailed` unless command, reading and the person's measurement agree."""
     unit, factor, slack = shown
     allowed = MAX_ERROR * abs(done.commanded) + slack
-    told = f"{factor * done.commanded:.3g} {unit} were commanded"
+    command = f"{factor * done.commanded:.3g} {unit} were commanded"
     if abs(measured - done.commanded) > allowed:
         hint = unit_hint(done.commanded, measured)
         if "sign" in hint:
             there = name in site.spec.reversed
             hint += f": {'take it out of' if there else 'add it to'} `reversed`"
-        raise RungFailed(f"{name}: {told}, it moved {factor * measured:.3g} {unit}; {hint}")
+        raise RungFailed(f"{name}: {command}, it moved {factor * measured:.3g} {unit}; {hint}")
     if abs(done.read - done.commanded) > allowed:
         hint = unit_hint(done.read, done.commanded)
         topic = site.spec.joint_states.topic
-        raise RungFailed(f"{name}: {told}, {topic} says {factor * done.read:.3g} {unit}; {hint}")
+        raise RungFailed(f"{name}: {command}, {topic} says {factor * done.read:.3g} {unit}; {hint}")
 
 
 def _arm_of(backend: RosBackend) -> Arm:

@@ -9,6 +9,8 @@ from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
+from .moved_scan import beam_step, moved_echoes, rolled_motion, same_ranges
+
 MAX_CHANGED_SHARE = 0.3
 """Share of beams that may differ from those of the scan before; people and doors change fewer."""
 CHANGED_M, CHANGED_RATIO = 0.15, 0.05  # of a range, from the scan before it: more is a change
@@ -35,10 +37,7 @@ class ScanJump:
 
         `tread` is in [m].
         """
-        forward, turn = 0.5 * (left + right), (right - left) / tread
-        cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)
-        step = Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
-        self._moved = self._moved.compose(step)
+        self._moved = self._moved.compose(rolled_motion(left, right, sideways, tread))
 
     @property
     def is_doubtful(self) -> bool:
@@ -85,17 +84,6 @@ class ScanJump:
 
 
 @compiled
-def same_ranges(one: FloatArray, other: FloatArray) -> bool:
-    """Return whether all ranges are the same to the last bit; NaN is the same as NaN."""
-    if len(one) != len(other):
-        return False
-    for i in range(len(one)):
-        if one[i] != other[i] and not (math.isnan(one[i]) and math.isnan(other[i])):
-            return False
-    return True
-
-
-@compiled
 def _changed_beams(
     before: tuple[FloatArray, FloatArray, FloatArray],
     moved: tuple[float, float, float],
@@ -109,21 +97,16 @@ def _changed_beams(
         before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the scan before.
         moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
         sensor: (2,) origin of the beams, in [m].
-        angles: (n,) in [rad].
+        angles: (n,) ascending in even steps, in [rad].
         ranges: (n,) in [m].
     """
-    origin, rays, reaches = before
-    cos, sin = math.cos(moved[2]), math.sin(moved[2])
-    count = len(angles)
-    step = (angles[count - 1] - angles[0]) / max(1, count - 1)
+    count, step = len(angles), beam_step(angles)
     changed, compared = 0, 0
-    for i in range(len(rays)):
-        if not math.isfinite(reaches[i]):
+    if step <= 0.0:
+        return changed, compared
+    for x, y in moved_echoes(before, moved, sensor):
+        if math.isnan(x):
             continue
-        ahead = origin[0] + reaches[i] * math.cos(rays[i])
-        left = origin[1] + reaches[i] * math.sin(rays[i])
-        x = moved[0] + cos * ahead - sin * left - sensor[0]
-        y = moved[1] + sin * ahead + cos * left - sensor[1]
         angle, away = math.atan2(y, x), math.sqrt(x * x + y * y)
         at = (angle - angles[0]) % (2.0 * math.pi)
         middle = int(at / step + 0.5)

@@ -19,7 +19,7 @@ from handcart.robotics.navigation.mapping.scan_surface import Surface, fit_surfa
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
-from .scan_jump import same_ranges
+from .moved_scan import beam_step, moved_echoes, rolled_motion, same_ranges
 
 MIN_MOTION_M, MIN_MOTION_RAD = 0.03, 0.03
 """Motion by the wheels, less of which is not compared with scans."""
@@ -264,13 +264,6 @@ def _size(motion: Pose2) -> FloatArray:
     return np.array([math.hypot(motion.x, motion.y), abs(motion.theta)])
 
 
-def rolled_motion(left: float, right: float, sideways: float, tread: float) -> Pose2:
-    """Return the motion before_T_after of a base by its wheels' travel, all in [m]."""
-    forward, turn = 0.5 * (left + right), (right - left) / tread
-    cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)
-    return Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
-
-
 @compiled
 def disagreement_of_ranges(
     before: tuple[FloatArray, FloatArray, FloatArray],
@@ -288,20 +281,13 @@ def disagreement_of_ranges(
         angles: (n,) ascending in even steps, in [rad].
         ranges: (n,) in [m].
     """
-    origin, rays, reaches = before
-    cos, sin = math.cos(moved[2]), math.sin(moved[2])
-    count = len(angles)
-    step = (angles[count - 1] - angles[0]) / max(1, count - 1)
+    count, step = len(angles), beam_step(angles)
     if step <= 0.0:
         return 0.0
     total, compared = 0.0, 0
-    for i in range(len(rays)):
-        if not math.isfinite(reaches[i]):
+    for x, y in moved_echoes(before, moved, sensor):
+        if math.isnan(x):
             continue
-        ahead = origin[0] + reaches[i] * math.cos(rays[i])
-        left = origin[1] + reaches[i] * math.sin(rays[i])
-        x = moved[0] + cos * ahead - sin * left - sensor[0]
-        y = moved[1] + sin * ahead + cos * left - sensor[1]
         away = math.sqrt(x * x + y * y)
         at = ((math.atan2(y, x) - angles[0]) % (2.0 * math.pi)) / step
         low = int(at)

@@ -106,10 +106,10 @@ def test_a_bench_that_is_killed_stops_the_run(bench: subprocess.Popen[str]) -> N
 def test_nobody_on_the_air_is_told_with_all_topics() -> None:
     robot = load_robot("cart")
     spec = RosSpec(first_message_s=1.0)
-    with pytest.raises(NotOnTheAir) as told:
+    with pytest.raises(NotOnTheAir) as refused:
         RosBackend(robot.model_copy(update={"ros2": spec}).read_in(robot.folder))
     for words in ("(odom): nobody publishes it", "(scan): nobody publishes it", "cmd_vel: nobody listens"):
-        assert words in str(told.value)
+        assert words in str(refused.value)
 
 
 def test_a_second_master_is_named_before_anything_moves(bench: subprocess.Popen[str]) -> None:
@@ -152,17 +152,17 @@ def test_a_robot_on_the_air_describes_itself(bench: subprocess.Popen[str]) -> No
     answering = threading.Thread(target=lambda: [controller.receive() for _ in iter(spinning.is_set, True)])
     answering.start()
     try:
-        told = describe_air(link, lambda: time.sleep(0.005), 6.0)
+        described = describe_air(link, lambda: time.sleep(0.005), 6.0)
         joints = link.joints_of("/arm_controller")
     finally:
         spinning.set()
         answering.join()
         controller.close()
         link.close()
-    assert "<robot" in told.urdf
-    assert told.topics["geometry_msgs/Twist"] == ("/cmd_vel",)
-    assert told.topics["nav_msgs/Odometry"] == ("/odom",)
-    assert told.messages["/scan"].angle_increment > 0.0
+    assert "<robot" in described.urdf
+    assert described.topics["geometry_msgs/Twist"] == ("/cmd_vel",)
+    assert described.topics["nav_msgs/Odometry"] == ("/odom",)
+    assert described.messages["/scan"].angle_increment > 0.0
     assert joints == ["joint_1", "joint_2"]
 
 

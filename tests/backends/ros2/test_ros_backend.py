@@ -149,8 +149,8 @@ def test_a_topic_that_lies_stops_the_robot(make: Make, fault: str, topic: str) -
 
 
 def test_odometry_that_changes_its_frame_under_way_stops_the_robot(make: Make) -> None:
-    told = pytest.raises(RobotFault, match=r"\(odom\).*its frame is 'nowhere'; allowed: 'odom'")
-    with make(faults=("wrong-frame@odom@0.5",)) as backend, told:
+    refusal = pytest.raises(RobotFault, match=r"\(odom\).*its frame is 'nowhere'; allowed: 'odom'")
+    with make(faults=("wrong-frame@odom@0.5",)) as backend, refusal:
         drive(backend, 3.0)
 
 
@@ -219,10 +219,12 @@ def test_drivers_that_are_gone_stop_the_robot(make: Make) -> None:
 
 
 def test_all_that_is_missing_is_told_at_once(make: Make) -> None:
-    with pytest.raises(NotOnTheAir) as told:
+    with pytest.raises(NotOnTheAir) as refused:
         make(faults=("silent@odom@0", "nan@scan@0"), names={"joint_4": "joint_four"}, first_message_s=0.2)
-    assert "the odometry (odom): /bench (nav_msgs/Odometry) publishes it, but no message" in str(told.value)
-    assert "its angles are not finite" in str(told.value)
+    assert "the odometry (odom): /bench (nav_msgs/Odometry) publishes it, but no message" in str(
+        refused.value
+    )
+    assert "its angles are not finite" in str(refused.value)
 
 
 def test_a_joint_that_nobody_names_is_told_with_the_nearest(make: Make) -> None:

@@ -237,7 +237,7 @@ def test_nothing_is_laid_while_the_fixes_contradict_what_is_claimed(
     monkeypatch.setattr(type(rig.robot.localization), "doubt", property(lambda self: doubt))
     failed = rig.do(Deploy(target="here", longest_s=2.0))
     assert isinstance(failed, Fail), failed
-    assert failed.reason == f"it can't be told where the target is: {doubt.why}"
+    assert failed.reason == f"the target's place is not determined: {doubt.why}"
     assert rig.model.of(FieldWork).laid == ()
 
 

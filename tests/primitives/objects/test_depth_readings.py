@@ -40,7 +40,7 @@ def seen_at(x: float, y: float, *names: str, is_upright: bool = True) -> Standin
     )
 
 
-def told(found: list[Standing], *beliefs: ObjectBelief) -> tuple[float, float]:
+def place_of(found: list[Standing], *beliefs: ObjectBelief) -> tuple[float, float]:
     """Return where `mine` is."""
     every = (ObjectBelief("mine", (0.5, 0.0), 0.04, 0.0), *beliefs)
     place = identify("mine", "parcel", PARCEL, found, every, np.eye(4), 2)
@@ -50,12 +50,12 @@ def told(found: list[Standing], *beliefs: ObjectBelief) -> tuple[float, float]:
 
 def cause_of(found: list[Standing], *beliefs: ObjectBelief) -> str:
     with pytest.raises(Discrepancy) as caught:
-        told(found, *beliefs)
+        place_of(found, *beliefs)
     return str(caught.value.cause)
 
 
 def test_only_object_of_its_kind_is_told() -> None:
-    assert told([seen_at(0.52, 0.01, "parcel"), seen_at(0.7, 0.0, "can")]) == pytest.approx((0.52, 0.01))
+    assert place_of([seen_at(0.52, 0.01, "parcel"), seen_at(0.7, 0.0, "can")]) == pytest.approx((0.52, 0.01))
 
 
 def test_two_kinds_that_fit_are_ambiguous() -> None:
@@ -68,7 +68,7 @@ def test_two_like_one_known_object_are_ambiguous() -> None:
 
 def test_two_known_objects_of_one_kind_are_told_by_belief() -> None:
     pair = [seen_at(0.72, 0.0, "parcel"), seen_at(0.48, 0.0, "parcel")]
-    assert told(pair, ObjectBelief("other", (0.7, 0.0), 0.04, 0.0)) == pytest.approx((0.48, 0.0))
+    assert place_of(pair, ObjectBelief("other", (0.7, 0.0), 0.04, 0.0)) == pytest.approx((0.48, 0.0))
     near = [seen_at(0.52, 0.0, "parcel"), seen_at(0.53, 0.05, "parcel")]
     assert "ambiguous" in cause_of(near, ObjectBelief("other", (0.55, 0.0), 0.04, 0.0))
 

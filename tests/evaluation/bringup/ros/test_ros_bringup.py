@@ -150,10 +150,10 @@ def test_a_robot_by_topics_is_tried_on_the_bench_first(site_of: Any, tmp_path: P
 def test_wrong_differences_are_told_at_once(librarian: RobotFile) -> None:
     assert librarian.ros2 is not None
     words = ("joint_9=-1", "odometry.turn=zero", "gripper=0", "joint_1=-1")
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as refused:
         RobotDifferences.read(words, librarian, librarian.ros2)
-    assert len(str(told.value).splitlines()) == 3
-    assert "'joint_9' is no difference of this robot" in str(told.value)
+    assert len(str(refused.value).splitlines()) == 3
+    assert "'joint_9' is no difference of this robot" in str(refused.value)
 
 
 @pytest.mark.parametrize(

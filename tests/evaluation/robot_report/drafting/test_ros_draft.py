@@ -64,9 +64,9 @@ def test_topics_of_a_tiago_become_its_section() -> None:
 
 
 def test_a_controller_that_tells_its_joints_is_believed() -> None:
-    told = {"/left/joint_trajectory": ARM[1:], "/lift/joint_trajectory": ARM[:1]}
-    topics = {"trajectory_msgs/JointTrajectory": tuple(told)}
-    lines = ros_section(air(topics, controllers=told), outline())
+    joints_by_topic = {"/left/joint_trajectory": ARM[1:], "/lift/joint_trajectory": ARM[:1]}
+    topics = {"trajectory_msgs/JointTrajectory": tuple(joints_by_topic)}
+    lines = ros_section(air(topics, controllers=joints_by_topic), outline())
     assert f"      left/joint_trajectory: [{', '.join(ARM[1:])}]" in lines
     assert "      lift/joint_trajectory: [torso_lift_joint]" in lines
 
@@ -115,9 +115,9 @@ def test_sensors_and_postures_are_as_measured() -> None:
         angle_min=-1.6581, angle_increment=0.0122829, ranges=[1.0] * 271, range_min=0.05, range_max=25.0
     )
     topics = {"sensor_msgs/LaserScan": ("/scan",)}
-    told = air(topics, urdf=urdf, srdf=srdf, messages={"/scan": scan})
+    heard = air(topics, urdf=urdf, srdf=srdf, messages={"/scan": scan})
     draft = 'urdf: "r.urdf"\n    home: [0]\nrange_sensor: {beams: 360, reach_m: 8, sigma_mm: 20}\n'
-    text = with_air(draft, told, found, "r.srdf")
+    text = with_air(draft, heard, found, "r.srdf")
     assert 'urdf: "r.urdf"\nsrdf: "r.srdf"\n' in text
     assert "beams: 271, start_deg: -95.002, end_deg: 95.013, range_min_m: 0.05, reach_m: 25" in text
     assert "    carry_pose: [28.65, 28.65, 28.65, 28.65, 28.65, 28.65]     # of the SRDF" in text

@@ -7,7 +7,7 @@ import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.blocked_wheels import BlockedWheel, BlockedWheels
-from handcart.robotics.navigation.locating.wheel_check import rolled_motion
+from handcart.robotics.navigation.locating.moved_scan import rolled_motion
 
 PERIOD_S, TREAD_M = 0.05, 0.4
 

@@ -79,3 +79,9 @@ def test_scans_of_a_sensor_off_the_middle_fit_while_it_turns(library_boxes: Boxe
         assert jump.share < 0.1
         jump.roll(-0.5 * STEP_M, 0.5 * STEP_M, TREAD_M)
         pose = pose.compose(Pose2(0.0, 0.0, STEP_M / TREAD_M))
+
+
+def test_lidar_of_one_beam_shows_no_lift_and_ends_without_error() -> None:
+    jump = ScanJump()
+    for reach in (1.0, 2.0, 2.0, 0.5):
+        assert not jump.take(ScanBeams(np.zeros(2), np.zeros(1), np.array([reach]), 4.0), False)

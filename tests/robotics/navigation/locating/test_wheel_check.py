@@ -11,7 +11,8 @@ from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
 from handcart.robotics.navigation.localization.start_search import ScanBeams
-from handcart.robotics.navigation.locating.wheel_check import Contradiction, WheelCheck, rolled_motion
+from handcart.robotics.navigation.locating.moved_scan import rolled_motion
+from handcart.robotics.navigation.locating.wheel_check import Contradiction, WheelCheck
 
 from ..conftest import ANGLES, Boxes
 

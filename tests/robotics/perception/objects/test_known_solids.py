@@ -83,15 +83,15 @@ def test_stranger_of_another_size_is_unknown() -> None:
 
 
 def test_box_half_out_of_the_picture_is_not_misplaced() -> None:
-    """It is either not told, or its place is right within what is claimed."""
-    told = 0
+    """It is either not named, or its place is right within what is claimed."""
+    named = 0
     for aside in np.arange(0.12, 0.20, 0.02).tolist():
         for found in looked_at(standing_at(PARCEL, aside), views=(0.0,)):
             for each in found:
-                told += 1
+                named += 1
                 off = (AHEAD @ each.surface_T_solid)[:2, 3] - (0.7, aside)
                 assert off @ np.linalg.inv(each.covariance[:2, :2] + 1e-6 * np.eye(2)) @ off < 20.0
-    assert told
+    assert named
 
 
 def test_shiny_box_without_readings_is_unknown() -> None:

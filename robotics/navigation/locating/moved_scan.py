@@ -1,0 +1,60 @@
+"""An earlier scan of a base as its present beams would show it, by the motion of its wheels since."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.compiled import compiled
+
+
+def rolled_motion(left: float, right: float, sideways: float, tread: float) -> Pose2:
+    """Return the motion before_T_after of a base by its wheels' travel, all in [m]."""
+    forward, turn = 0.5 * (left + right), (right - left) / tread
+    cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)
+    return Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
+
+
+@compiled
+def same_ranges(one: FloatArray, other: FloatArray) -> bool:
+    """Return whether all ranges are the same to the last bit; NaN is the same as NaN."""
+    if len(one) != len(other):
+        return False
+    for i in range(len(one)):
+        if one[i] != other[i] and not (math.isnan(one[i]) and math.isnan(other[i])):
+            return False
+    return True
+
+
+@compiled
+def beam_step(angles: FloatArray) -> float:
+    """Return the angle between beams at even steps (n,), in [rad]; 0 for a single one."""
+    count = len(angles)
+    return (angles[count - 1] - angles[0]) / max(1, count - 1) if count else 0.0
+
+
+@compiled
+def moved_echoes(
+    before: tuple[FloatArray, FloatArray, FloatArray], moved: tuple[float, float, float], sensor: FloatArray
+) -> FloatArray:
+    """Return (m, 2) x, y of an earlier scan's echoes from the sensor now, in [m]; NaN without an echo.
+
+    Args:
+        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan.
+        moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
+        sensor: (2,) origin of the beams now, in [m].
+    """
+    origin, rays, reaches = before
+    cos, sin = math.cos(moved[2]), math.sin(moved[2])
+    out = np.full((len(rays), 2), np.nan)
+    for i in range(len(rays)):
+        if not math.isfinite(reaches[i]):
+            continue
+        ahead = origin[0] + reaches[i] * math.cos(rays[i])
+        left = origin[1] + reaches[i] * math.sin(rays[i])
+        out[i, 0] = moved[0] + cos * ahead - sin * left - sensor[0]
+        out[i, 1] = moved[1] + sin * ahead + cos * left - sensor[1]
+    return out
