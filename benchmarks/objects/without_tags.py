@@ -3,7 +3,8 @@
 The task is that of `benchmarks.objects.fetch_and_carry`. The robot has a depth camera beside the grey one,
 with the errors of structured light. Two boxes and two cylinders are known; with each seed another one is
 fetched, and another kind is beside it. All are off their believed places by a standard deviation of 40 mm
-and 30 degrees. Status 1 if an outcome was false.
+and 30 degrees. With `--times N` the camera's noise and scale err N times as much, which the robot does not
+know. Status 1 if an outcome was false.
 """
 
 from __future__ import annotations
@@ -11,19 +12,24 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
+from handcart.backends.sensors.depth_spec import DepthErrors
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
 
 from .fetch_and_carry import SPOTS, TASK_FOLDER, measure, print_rows, write_world
 
 ROBOT = "librarian"
-DEPTH = (
-    "sensors:\n  depth: {kind: depth_camera, frame: camera, width_px: 320, height_px: 240, focal_px: 280}\n"
-)
+DEPTH = """\
+sensors:
+  depth:
+    {kind: depth_camera, frame: camera, width_px: 320, height_px: 240, focal_px: 280,
+     errors: {sigma_mm: %g, sigma_mm_per_m2: %g, scale_percent: %g}}
+"""
 
 
 class Shape(NamedTuple):
@@ -47,18 +53,19 @@ def main() -> None:
     words.add_argument("--seeds", type=int, default=20, help="number of seeds, from --first")
     words.add_argument("--first", type=int, default=0)
     words.add_argument("--backends", nargs="+", default=["kinematic", "mujoco"])
+    words.add_argument("--times", type=float, default=1.0, help="times the depth camera's usual errors")
     asked = words.parse_args()
-    seeds = range(asked.first, asked.first + asked.seeds)
-    rows = {(ROBOT, name): measure(name, ROBOT, seeds, run_once) for name in asked.backends}
+    seeds, run = range(asked.first, asked.first + asked.seeds), partial(run_once, times=asked.times)
+    rows = {(ROBOT, name): measure(name, ROBOT, seeds, run) for name in asked.backends}
     sys.exit(print_rows(rows))
 
 
-def run_once(folder: Path, backend: str, robot: str, seed: int) -> dict[str, Any]:
-    """Run the task once below a folder; return its summary."""
+def run_once(folder: Path, backend: str, robot: str, seed: int, times: float = 1.0) -> dict[str, Any]:
+    """Run the task once below a folder, with so many times the usual errors; return its summary."""
     names = list(KINDS)
     wanted, other = names[seed % 4], names[(seed + 1 + seed // 4 % 3) % 4]
     settings = {
-        "robot": str(write_robot(folder, robot)),
+        "robot": str(write_robot(folder, robot, times)),
         "world": str(write_scene(folder, seed, wanted, other)),
         "objects": str(write_objects(folder, wanted, other)),
         "object": "wanted",
@@ -69,12 +76,14 @@ def run_once(folder: Path, backend: str, robot: str, seed: int) -> dict[str, Any
     return summary
 
 
-def write_robot(folder: Path, robot: str = ROBOT) -> Path:
-    """Copy a shipped robot, with a depth camera at its frame `camera`."""
+def write_robot(folder: Path, robot: str = ROBOT, times: float = 1.0) -> Path:
+    """Copy a shipped robot, with a depth camera at its frame `camera` that errs so many times as usual."""
+    usual = DepthErrors()
+    sigmas = usual.sigma_mm, usual.sigma_mm_per_m2, usual.scale_percent
     copy = folder / robot
     shutil.copytree(SHIPPED_FOLDER / robot, copy)
     with (copy / "robot.yaml").open("a", encoding="utf-8") as file:
-        file.write(DEPTH)
+        file.write(DEPTH % tuple(times * each for each in sigmas))
     return copy / "robot.yaml"
 
 
