@@ -24,6 +24,7 @@ from handcart.networks.runs.run_options import RunOptions
 from .fetch_and_carry import SPOTS, TASK_FOLDER, measure, print_rows, write_world
 
 ROBOT = "librarian"
+LOOK_DEG = "6"  # at which the widest box still fits between the fingers: 60 cos + 90 sin of it is 69 of 70 mm
 DEPTH = """\
 sensors:
   depth:
@@ -69,6 +70,7 @@ def run_once(folder: Path, backend: str, robot: str, seed: int, times: float = 1
         "world": str(write_scene(folder, seed, wanted, other)),
         "objects": str(write_objects(folder, wanted, other)),
         "object": "wanted",
+        "look_deg": LOOK_DEG,
         "spot": SPOTS[seed // 4 % len(SPOTS)] or "null",
     }
     options = RunOptions(backend=backend, settings=settings, seed=seed)

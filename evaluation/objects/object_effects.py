@@ -15,7 +15,7 @@ from handcart.primitives.objects.object_names import name_in_world
 from handcart.primitives.objects.objects import Objects, ObjectSighting
 from handcart.robotics.geometry.transform import apply, inverse
 
-LOOK_MM, LOOK_DEG = 25.0, 3.0  # fixed limits of where LOOK_FOR and PLACE see an object
+SEEN_MM, SEEN_DEG = 25.0, 3.0  # fixed limits of where PLACE sees an object; LOOK_FOR states its own
 LOOK_TOLERANCE_MM, LOOK_TOLERANCE_DEG = 3.0, 0.3  # beside the claimed uncertainty
 SPOT_MM = 30.0  # fixed limit of an object from its spot: PLACE's own limit, and the base's pose
 HEIGHT_MM = 6.0  # of a foot over the surface
@@ -38,7 +38,10 @@ def sighting_errors(thing: Thing, seen: ObjectSighting) -> tuple[float, float]:
     return 1e3 * math.hypot(seen.pose.x - x, seen.pose.y - y), math.degrees(turned)
 
 
-def _false_sighting(survey: Survey, name: str) -> list[str]:
+def _false_sighting(
+    survey: Survey, name: str, most_mm: float = SEEN_MM, most_deg: float = SEEN_DEG
+) -> list[str]:
+    """Return how a sighting is off by more than is claimed, or by more than the fixed limits."""
     thing, seen = thing_of(survey, name), survey.run.model.of(Objects).seen(name)
     if thing is None or seen is None:
         return [f"{name} is nowhere" if thing is None else f"it isn't known where {name} is"]
@@ -49,13 +52,13 @@ def _false_sighting(survey: Survey, name: str) -> list[str]:
     turned = _apart(turned, survey, name)
     return [
         *at_most(
-            "it is {:.1f} mm from where it was seen", off, LOOK_TOLERANCE_MM + LIMIT_SIGMAS * sigma, LOOK_MM
+            "it is {:.1f} mm from where it was seen", off, LOOK_TOLERANCE_MM + LIMIT_SIGMAS * sigma, most_mm
         ),
         *at_most(
             "it is turned {:.2f} deg against how it was seen",
             turned,
             LOOK_TOLERANCE_DEG + LIMIT_SIGMAS * heading,
-            LOOK_DEG,
+            most_deg,
         ),
     ]
 
@@ -73,7 +76,8 @@ def _apart(turned: float, survey: Survey, name: str) -> float:
 
 
 def _found(survey: Survey, claim: Claim) -> list[str]:
-    return _false_sighting(survey, claim.primitive.object)
+    asked = claim.primitive
+    return _false_sighting(survey, asked.object, asked.tolerance_mm, asked.tolerance_deg)
 
 
 def _picked(survey: Survey, claim: Claim) -> list[str]:

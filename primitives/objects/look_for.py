@@ -13,6 +13,7 @@ from typing_extensions import override
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import AnyCamera
 from handcart.backends.capabilities.depth_camera import DepthCamera
+from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
@@ -22,7 +23,7 @@ from handcart.robotics.geometry.transform import apply
 from handcart.robotics.manipulation.grasping.camera_poses import points_in_view
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .object_look import ObjectLook, conclude, look_closely, look_from, sighting
+from .object_look import ObjectLook, conclude, look_closely, look_from, require_determined, sighting
 from .object_names import ObjectName, SurfaceName
 from .object_site import base_T_map, kind_of, surface_of
 from .objects import Objects, ObjectSighting
@@ -54,6 +55,10 @@ class LookFor(ActionPrimitive):
     """Directions to look from."""
     max_views: Annotated[int, Field(ge=1, le=30)] = 10
     """Maximum number of views."""
+    tolerance_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 25.0
+    """How exactly its place has to be known: 3 sigma."""
+    tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 3.0
+    """How exactly its heading has to be known; that of a round object does not matter."""
 
     needs: ClassVar = (Arm, AnyCamera)
     reads: ClassVar = ("objects", "held_object")
@@ -86,6 +91,8 @@ class LookFor(ActionPrimitive):
         yield from self._look.understand(robot, model, name)
         self._seen = conclude(robot, model, self.object, name, self._look)
         seen = sighting(robot, model, self.object, name, self._seen)
+        need = PoseNeed(self.tolerance_mm / 1e3, math.radians(self.tolerance_deg))
+        require_determined(model, self.object, seen, need)
         others = self._others(robot, model, name)
         kept = [each for each in objects.without(self.object) if each.object not in others]
         objects.sightings = (*kept, seen, *others.values())

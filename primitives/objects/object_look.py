@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from handcart.backends.robot.localization.determination import PoseNeed, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
@@ -257,6 +258,17 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
         raise Discrepancy(f"{name} isn't on {surface}", measured=off, cause=causes.MISPLACED)
     covariance = on_map(robot.pose, robot.localization.covariance, Pose2(x, y, heading), found.covariance)
     return ObjectSighting(name, surface, pose, tuple(tuple(row) for row in covariance.tolist()))
+
+
+def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: PoseNeed) -> None:
+    """Raise `Discrepancy` if the pictures do not determine where an object is; a round one has no heading."""
+    if model.of(Objects).objects.kind_of(name).is_round:
+        need = need._replace(heading=math.inf)
+    found = undetermined(np.array(seen.covariance), need)
+    if found is not None:
+        size, limit = found.shown
+        measured = Measured("Camera", f"3 sigma of the pose of {name}", size, limit, found.unit)
+        raise Discrepancy(f"{name}: {found.words}", measured=measured, cause=causes.UNDETERMINED)
 
 
 def on_map(base: Pose2, base_covariance: FloatArray, seen: Pose2, covariance: FloatArray) -> FloatArray:

@@ -60,6 +60,7 @@ def test_large_claimed_uncertainty_does_not_excuse_a_large_error() -> None:
     assert wrong_in(rig, LookFor(object="parcel_1")) == [
         "it is 40.0 mm from where it was seen (at most 25.0)"
     ]
+    assert wrong_in(rig, LookFor(object="parcel_1", tolerance_mm=45.0)) == []
 
 
 def test_wrong_object_in_the_hand_is_false() -> None:

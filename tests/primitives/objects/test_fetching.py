@@ -64,6 +64,15 @@ def test_object_off_its_believed_place_is_found() -> None:
     assert 0.001 < math.sqrt(seen.covariance[0][0]) < 0.01
 
 
+def test_object_seen_less_exactly_than_needed_fails() -> None:
+    rig = at_table_a(seed=3)
+    outcome = rig.do(LookFor(object="parcel_1", tolerance_mm=2.0))
+    assert isinstance(outcome, Fail)
+    assert outcome.cause.name == "undetermined"
+    assert outcome.reason.startswith("parcel_1: the position is not determined")
+    assert rig.model.of(Objects).seen("parcel_1") is None
+
+
 @pytest.mark.slow
 def test_missing_object_fails_with_what_was_seen_instead(tmp_path: Path) -> None:
     world = changed(tmp_path, "world.yaml", ("id: 7", "id: 9"))
