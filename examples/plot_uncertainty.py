@@ -22,8 +22,13 @@ from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.driving.move_to import MoveTo
 
 CELL_M, LENGTH_M, WIDTH_M = 0.05, 60.0, 3.2
-SCALE = 10.0  # of the drawn ellipses
-PLACES = {"home": (3.3, 40.0), "pillars": (15.0, 40.0), "plain": (45.0, 40.0), "plain_500": (45.0, 500.0)}
+ELLIPSE_SCALE = 10.0  # of the drawn ellipses
+DRAWN_PLACES = {
+    "home": (3.3, 40.0),
+    "pillars": (15.0, 40.0),
+    "plain": (45.0, 40.0),
+    "plain_500": (45.0, 500.0),
+}
 
 
 def make_corridor(folder: Path) -> RigFiles:
@@ -40,7 +45,7 @@ def make_corridor(folder: Path) -> RigFiles:
     )
     places = {
         name: {"x_m": x, "y_m": WIDTH_M / 2, "heading_deg": 0.0, "tolerance_mm": tolerance}
-        for name, (x, tolerance) in PLACES.items()
+        for name, (x, tolerance) in DRAWN_PLACES.items()
     }
     (folder / "places.yaml").write_text(json.dumps({"format": "handcart-places/1", "places": places}))
     return RigFiles(folder / "corridor.yaml", folder / "corridor.yaml", folder / "places.yaml", {})
@@ -67,7 +72,7 @@ def draw(axes: plt.Axes, estimates: list[tuple[float, float, np.ndarray]]) -> No
     for x, y, covariance in estimates:
         if x - drawn >= 1.5:
             variances, directions = np.linalg.eigh(covariance)
-            width, height = 2 * 3 * SCALE * np.sqrt(np.maximum(variances, 0.0))
+            width, height = 2 * 3 * ELLIPSE_SCALE * np.sqrt(np.maximum(variances, 0.0))
             angle = np.degrees(np.arctan2(directions[1, 0], directions[0, 0]))
             axes.add_patch(Ellipse((x, y), width, height, angle=angle, fill=False, color="tab:red"))
             drawn = x
@@ -85,7 +90,7 @@ def main() -> None:
             print(f"{place}: {ended}")
             if place != "plain_500":
                 draw(axes, estimates)
-    axes.set_title(f"ellipses: 3 sigma of the position, {SCALE:.0f} times as large", fontsize="small")
+    axes.set_title(f"ellipses: 3 sigma of the position, {ELLIPSE_SCALE:.0f} times as large", fontsize="small")
     axes.set_xlabel("x [m]")
     figure.savefig("uncertainty.png", dpi=110)
     plt.close(figure)

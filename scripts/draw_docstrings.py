@@ -14,11 +14,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("backends", "evaluation", "files", "networks", "primitives", "robotics", "tasks", "tools")
-ARRAY = re.compile(r"Array\b|NDArray|Transform\b|GreyImage")
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+SOURCE_FOLDERS = ("backends", "evaluation", "files", "networks", "primitives", "robotics", "tasks", "tools")
+ARRAY_PATTERN = re.compile(r"Array\b|NDArray|Transform\b|GreyImage")
 Function = ast.FunctionDef | ast.AsyncFunctionDef
-FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+FUNCTION_NODES = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class Documented(NamedTuple):
@@ -33,9 +33,9 @@ class Documented(NamedTuple):
     """True for a function with an array among its parameters or returned."""
 
 
-def documented(root: Path = ROOT) -> Iterator[Documented]:
+def documented(root: Path = REPOSITORY_ROOT) -> Iterator[Documented]:
     """Yield everything public with a docstring, in the order of files and lines."""
-    for room in ROOMS:
+    for room in SOURCE_FOLDERS:
         for path in sorted((root / room).rglob("*.py")):
             place = path.relative_to(root).as_posix()
             tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -49,8 +49,8 @@ def _documented(node: ast.Module | ast.ClassDef, place: str, owner: str) -> Iter
         ) or child.name.startswith("_"):
             continue
         title, takes_arrays = owner + child.name, False
-        if isinstance(child, FUNCTIONS):
-            takes_arrays = bool(ARRAY.search(_signature(child)))
+        if isinstance(child, FUNCTION_NODES):
+            takes_arrays = bool(ARRAY_PATTERN.search(_signature(child)))
             title = f"{title}{_signature(child)}"
         text = ast.get_docstring(child)
         if text:

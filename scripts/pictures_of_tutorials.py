@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
+REPOSITORY_ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(REPOSITORY_ROOT), str(REPOSITORY_ROOT / "scripts")]
 
 from pictures_of_physics import Moment, Photo  # noqa: E402
 
@@ -32,7 +32,7 @@ class Still(NamedTuple):
     moment: Moment
 
 
-STILLS: Mapping[str, Still] = {
+TUTORIAL_STILLS: Mapping[str, Still] = {
     "room": Still(
         "room.md",
         ("handcart make-map",),
@@ -48,8 +48,8 @@ STILLS: Mapping[str, Still] = {
 
 def take(name: str) -> Path:
     """Take one picture; return its file."""
-    page, makes, moment = STILLS[name]
-    path = ROOT / "docs" / "pictures" / f"{name}.jpg"
+    page, makes, moment = TUTORIAL_STILLS[name]
+    path = REPOSITORY_ROOT / "docs" / "pictures" / f"{name}.jpg"
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         for file, text in steps(page):
             if file:
@@ -60,7 +60,7 @@ def take(name: str) -> Path:
         photo = Photo(moment, path)
         options = RunOptions(backend="mujoco", settings=moment.settings, observers=(photo,))
         run_task(Path(folder) / moment.task, Path(folder) / "runs", options)
-        os.chdir(ROOT)
+        os.chdir(REPOSITORY_ROOT)
     if not photo.taken:
         sys.exit(f"{name}: {moment.action} wasn't begun {moment.times} times")
     return path
@@ -68,7 +68,7 @@ def take(name: str) -> Path:
 
 def main() -> None:
     """Take those that are asked for, or all."""
-    for name in sys.argv[1:] or STILLS:
+    for name in sys.argv[1:] or TUTORIAL_STILLS:
         path = take(name)
         print(f"written: {path}, {path.stat().st_size // 1000} kB")
 

@@ -24,7 +24,7 @@ FACE_TURNS: dict[Face, tuple[float, float, float]] = {
 """Roll, pitch and yaw of each side's frame in [rad]: seen from outside, x right and y up; z points out."""
 FACE_AXES: dict[str, tuple[int, int]] = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 """Axes of the box along x and y of a side's frame, by the axis of its normal."""
-CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])
+UNIT_TAG_CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])
 """(4, 3) corners of a tag of side 1 in its frame, clockwise from its own upper left."""
 
 

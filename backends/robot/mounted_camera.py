@@ -15,7 +15,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_mounts import joints_between
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
-HAND = "hand"
+HAND_LINK = "hand"
 
 
 class NotOnHand(HandcartError, ValueError):
@@ -37,7 +37,7 @@ class MountedCamera(NamedTuple):
     model: CameraModel
     carrier_T_camera: Transform
     """(4, 4) of the optical frame: z forward, x right, y down."""
-    carrier: str = HAND
+    carrier: str = HAND_LINK
     """Link that carries the camera: the hand, or the camera's own link."""
 
     @property
@@ -47,7 +47,7 @@ class MountedCamera(NamedTuple):
         Raises:
             NotOnHand: the hand does not carry the camera.
         """
-        if self.carrier != HAND:
+        if self.carrier != HAND_LINK:
             raise NotOnHand(f"the camera is at the link {self.carrier!r}; needed: one on the hand")
         return self.carrier_T_camera
 
@@ -60,7 +60,7 @@ def camera_mount(robot: RobotFile, link: str, arm: ArmModel | None) -> CameraMou
         link: frame of the camera.
         arm: kinematics of the arm; None without one.
     """
-    if arm is None or joints_between(robot.urdf_text(), link, HAND):
+    if arm is None or joints_between(robot.urdf_text(), link, HAND_LINK):
         return CameraMount(link, np.eye(4))
     return hand_mount(arm, link)
 
@@ -75,7 +75,7 @@ def mount_of(robot: RobotFile, camera: CameraSpec, arm: ArmModel | None = None) 
 def hand_mount(arm: ArmModel, link: str = "camera") -> CameraMount:
     """Return the mount of a camera that is fixed on the hand of an arm."""
     straight = np.zeros(arm.dof)
-    return CameraMount(HAND, inverse(arm.forward(straight)) @ arm.forward(straight, link))
+    return CameraMount(HAND_LINK, inverse(arm.forward(straight)) @ arm.forward(straight, link))
 
 
 def camera_model(spec: CameraSpec) -> CameraModel:

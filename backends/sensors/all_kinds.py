@@ -14,17 +14,17 @@ from handcart.backends.sensors.sensor_kind import capability_of, sensor_capabili
 if TYPE_CHECKING:
     from handcart.backends.description.robot_file import RobotFile
 
-ACTUATORS: tuple[type[Capability], ...] = (Base, Arm, Gripper)
+ACTUATOR_CAPABILITIES: tuple[type[Capability], ...] = (Base, Arm, Gripper)
 
 
 @cache
 def all_capabilities() -> tuple[type[Capability], ...]:
     """Return the kinds of actuators, then those of sensors. The conformance kit tries each of them."""
-    return (*ACTUATORS, *sensor_capabilities())
+    return (*ACTUATOR_CAPABILITIES, *sensor_capabilities())
 
 
 def is_declared(kind: type[Capability], robot: RobotFile) -> bool:
     """Return whether a robot's file says that the robot has a capability of that kind."""
-    if kind in ACTUATORS:
+    if kind in ACTUATOR_CAPABILITIES:
         return kind.FILE_KEY is None or getattr(robot, kind.FILE_KEY) is not None
     return any(capability_of(spec.kind) is kind for spec in robot.sensors.values())

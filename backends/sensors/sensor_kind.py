@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from handcart.backends.capabilities.capability import Capability
     from handcart.backends.description.sensor_spec import SensorSpec
 
-GROUP = "handcart.sensors"
+ENTRY_POINT_GROUP = "handcart.sensors"
 """Entry points of other packages: the name of a kind, and the path of its `SensorKind`."""
 SHIPPED_KINDS = ("lidar", "camera", "positioning", "imu", "gps", "beacons", "depth_camera", "battery")
 """Shipped kinds, each declared in a module of its name in `handcart.backends.sensors.kinds`."""
@@ -53,7 +53,8 @@ def sensor_kinds() -> Mapping[str, SensorKind]:
         BrokenPlugin: a kind of another package cannot be imported, is not a `SensorKind`, or shares a name.
     """
     return {
-        name: sensor_kind(name) for name in (*SHIPPED_KINDS, *(each.name for each in entry_points_of(GROUP)))
+        name: sensor_kind(name)
+        for name in (*SHIPPED_KINDS, *(each.name for each in entry_points_of(ENTRY_POINT_GROUP)))
     }
 
 
@@ -65,7 +66,7 @@ def sensor_kind(name: str) -> SensorKind:
         KeyError: the kind is unknown.
         BrokenPlugin: as `sensor_kinds`.
     """
-    points = [each for each in entry_points_of(GROUP) if each.name == name]
+    points = [each for each in entry_points_of(ENTRY_POINT_GROUP) if each.name == name]
     if name in SHIPPED_KINDS and not points:
         found: SensorKind = imported(f"handcart.backends.sensors.kinds.{name}:KIND")
         return found

@@ -24,7 +24,7 @@ from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.primitives.contract.raised_causes import possible_causes
 from handcart.primitives.registry import primitive_class
 
-ROBOTS = "librarian,cart,toyama,el_verde"
+ROBOT_NAMES = "librarian,cart,toyama,el_verde"
 
 
 def is_derived(trial: FaultTrial) -> bool:
@@ -47,7 +47,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     words.add_argument("--backend", default="kinematic")
-    words.add_argument("--robots", default=ROBOTS)
+    words.add_argument("--robots", default=ROBOT_NAMES)
     words.add_argument("--instants", type=int, default=2, help="of each action")
     words.add_argument("--actions", default="", help="numbers of actions (default: all)")
     words.add_argument("--seed", type=int, default=0)

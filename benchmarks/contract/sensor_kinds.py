@@ -20,16 +20,31 @@ import networkx
 from handcart.backends.description.sensor_table import SensorTable
 from handcart.backends.sensors.sensor_kind import SensorKind, sensor_kinds, sensor_specs
 
-ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("robotics", "files", "backends", "primitives", "networks", "evaluation", "tasks", "tools", "src")
+REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
+SOURCE_FOLDERS = (
+    "robotics",
+    "files",
+    "backends",
+    "primitives",
+    "networks",
+    "evaluation",
+    "tasks",
+    "tools",
+    "src",
+)
 
 
 @cache
 def modules() -> dict[str, str]:
     """Return the text of each module of the program, by its path from the top of the checkout."""
-    paths = (path for room in ROOMS for path in sorted((ROOT / room).rglob("*.py")) if path.is_file())
+    paths = (
+        path
+        for room in SOURCE_FOLDERS
+        for path in sorted((REPOSITORY_ROOT / room).rglob("*.py"))
+        if path.is_file()
+    )
     files = (path for path in paths if not any(part.is_symlink() for part in path.parents))
-    return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
+    return {path.relative_to(REPOSITORY_ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
 
 
 def new_kinds() -> list[str]:

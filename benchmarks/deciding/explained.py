@@ -24,15 +24,15 @@ from handcart.networks.past_runs.hindsight import OpenRoute, Option
 from handcart.primitives.outcomes.outcome import Success
 
 from .plain_solver import PlainNetwork, RuleEnds, plain_network, rule_ends
-from .random_networks import FAMILIES, Drawn, drawn
+from .random_networks import NETWORK_FAMILIES, Drawn, drawn
 
 MAX_DECISIONS = 3
 """Decisions of one run that are looked at."""
 MOST_SITUATIONS = 8
 """Of a network: the solver in plain Python moves probability from state to state."""
-TOLERANCE = 1e-3
+VALUE_TOLERANCE = 1e-3
 """Of P(goal), and relative of the time."""
-MARGIN = 1e-6
+COST_MARGIN = 1e-6
 
 
 def with_chances(found: Drawn) -> ActionNetwork:
@@ -96,8 +96,8 @@ def is_threshold_right(route: RunDecisions, plan: Plan, action: Action) -> bool:
     weight = search.weight(action, route.planner.counts)
     way = OpenRoute((action, *rest.actions), weight + rest.cost)
     threshold = Option(action, weight, fails, way, "").threshold_s(OpenRoute(plan.actions, plan.cost))
-    below = (threshold or 0.0) - MARGIN
-    tried = [(cost, cost < (threshold or 0.0)) for cost in (below, below + 2.0 * MARGIN) if cost > 0.0]
+    below = (threshold or 0.0) - COST_MARGIN
+    tried = [(cost, cost < (threshold or 0.0)) for cost in (below, below + 2.0 * COST_MARGIN) if cost > 0.0]
     return all(_chooses(route, action, cost) is expected for cost, expected in tried)
 
 
@@ -130,7 +130,10 @@ def looked_at(family: str, seed: int) -> Iterator[tuple[str, bool | None]]:
             if value is None:
                 yield f"{name}: too many states", None
                 continue
-            near = abs(value.goal - goal) <= TOLERANCE and abs(value.mean_s - time) <= TOLERANCE * time
+            near = (
+                abs(value.goal - goal) <= VALUE_TOLERANCE
+                and abs(value.mean_s - time) <= VALUE_TOLERANCE * time
+            )
             said = (
                 f"P(goal) {value.goal:.6f} by the solver {goal:.6f}, {value.mean_s:.3f} s by it {time:.3f} s"
             )
@@ -149,7 +152,7 @@ def main() -> None:
     given = words.parse_args()
     right = total = unsaid = 0
     for seed in range(given.first, given.first + given.networks):
-        family = FAMILIES[seed % len(FAMILIES)]
+        family = NETWORK_FAMILIES[seed % len(NETWORK_FAMILIES)]
         print(f"network {seed} ({family})", flush=True)
         for line, is_right in looked_at(family, seed):
             unsaid += is_right is None

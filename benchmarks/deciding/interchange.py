@@ -29,21 +29,21 @@ from .foreign_trees import machine_files, tree_files
 from .lost_constructs import lost_in_machine, lost_in_tree
 
 Scan = Callable[[str], Iterator[tuple[int, str]]]
-BOMB = (
+ENTITY_BOMB_XML = (
     '<!DOCTYPE a [<!ENTITY b "bb"><!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;"><!ENTITY d "&c;&c;&c;&c;&c;&c;">]>'
     "<root>&d;</root>"
 )
-EXTERNAL = (
+EXTERNAL_ENTITY_XML = (
     '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><root><BehaviorTree>&b;</BehaviorTree></root>'
 )
 NO_PLACES = '{"name": "a", "locations": [], "edges": [], "initial-locations": []}'
-DEEP = "<root><BehaviorTree>" + "<Sequence>" * 5000 + "</Sequence>" * 5000 + "</BehaviorTree></root>"
-RETRIES = '<RetryUntilSuccessful num_attempts="99">' * 8 + "<A/>" + "</RetryUntilSuccessful>" * 8
-ATTACKS = {
-    "bomb.xml": BOMB,
-    "external.xml": EXTERNAL,
-    "deep.xml": DEEP,
-    "retries.xml": f'<root><BehaviorTree ID="a">{RETRIES}</BehaviorTree></root>',
+DEEP_TREE_XML = "<root><BehaviorTree>" + "<Sequence>" * 5000 + "</Sequence>" * 5000 + "</BehaviorTree></root>"
+NESTED_RETRIES_XML = '<RetryUntilSuccessful num_attempts="99">' * 8 + "<A/>" + "</RetryUntilSuccessful>" * 8
+ATTACK_FILES = {
+    "bomb.xml": ENTITY_BOMB_XML,
+    "external.xml": EXTERNAL_ENTITY_XML,
+    "deep.xml": DEEP_TREE_XML,
+    "retries.xml": f'<root><BehaviorTree ID="a">{NESTED_RETRIES_XML}</BehaviorTree></root>',
     "circle.xml": '<root><BehaviorTree ID="a"><SubTree ID="a"/></BehaviorTree></root>',
     "empty.xml": '<root><BehaviorTree ID="a"/></root>',
     "anchors.yaml": "states: &a\n  - A: *a\n",
@@ -114,7 +114,7 @@ def hostile(count: int, seed: int, folder: Path) -> bool:
     """Import files that attack, and damaged ones; print one line."""
     rng = random.Random(seed)
     originals = {**tree_files(), **machine_files(), **_exported()}
-    files = dict(ATTACKS)
+    files = dict(ATTACK_FILES)
     while len(files) < count:
         name = rng.choice(sorted(originals))
         text = originals[name]

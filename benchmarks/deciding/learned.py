@@ -19,7 +19,7 @@ from handcart.networks.deciding.posterior import OutcomeCounts, judge_switch
 from handcart.networks.deciding.process import Process
 from handcart.networks.deciding.run_figures import best_figures
 
-from .random_networks import FAMILIES, Drawn, drawn
+from .random_networks import NETWORK_FAMILIES, Drawn, drawn
 
 PERSON_S = 600.0
 MAX_RULE_STEPS = 150_000.0
@@ -78,7 +78,7 @@ def main() -> None:
         tasks = (
             (drawn(family, seed, given.most), seed)
             for seed in range(given.first, given.first + given.networks)
-            for family in FAMILIES
+            for family in NETWORK_FAMILIES
         )
         found = [each for task, seed in tasks if (each := compared(task, attempts, seed)) is not None]
         _print_row(found)

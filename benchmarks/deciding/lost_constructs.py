@@ -12,24 +12,26 @@ LOST_TAGS = re.compile(
     r"|PathLongerOnApproach|SingleTrigger|Parallel(All)?|KeepRunningUntilFailure|Script(Condition)?|SetBlackboard"
     r"|Switch\d|WhileDoElse|Delay|RunOnce|SequenceStar|SequenceWithMemory"
 )
-TAG = re.compile(r"<(\w+)([^<>]*?)(/?)>", re.S)
-PORT = re.compile(r'(\w+)\s*=\s*"\{([^"]*)\}"')
-COMMENT = re.compile(r"<!--.*?-->", re.S)
+TAG_PATTERN = re.compile(r"<(\w+)([^<>]*?)(/?)>", re.S)
+PORT_PATTERN = re.compile(r'(\w+)\s*=\s*"\{([^"]*)\}"')
+COMMENT_PATTERN = re.compile(r"<!--.*?-->", re.S)
 
 
 def lost_in_tree(text: str) -> Iterator[tuple[int, str]]:
     """Yield line and word of each construct of a tree that a task cannot express."""
-    plain = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
+    plain = COMMENT_PATTERN.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     top = next(iter(re.findall(r"<BehaviorTree[^>]*>\s*<(\w+)", plain)), "")
     subtrees = re.findall(r"<SubTree[^>]*>", plain)
     passed = {name for each in subtrees for name in re.findall(r'(\w+)="[^{"]', each)}
-    for tag in TAG.finditer(plain):
+    for tag in TAG_PATTERN.finditer(plain):
         line, name = plain.count("\n", 0, tag.start()) + 1, tag[1]
         is_rounds = name == top == "KeepRunningUntilFailure"  # the whole tree, again and again
         if LOST_TAGS.fullmatch(name) and not is_rounds:
             yield line, name
         if tag[3] and name not in ("SubTree", "SubTreePlus", "input_port", "output_port", "inout_port"):
-            yield from ((line, f"{port}=") for port, entry in PORT.findall(tag[2]) if entry not in passed)
+            yield from (
+                (line, f"{port}=") for port, entry in PORT_PATTERN.findall(tag[2]) if entry not in passed
+            )
         yield from ((line, word) for word in re.findall(r"(_(?:skipIf|while|onSuccess|onFailure))=", tag[2]))
 
 

@@ -17,7 +17,7 @@ from handcart.networks.task.task_file import load_task
 from .published_problems import Outcomes, Problem, State, problems
 
 MAX_DIFFERENCE = 1e-9
-HEAD = (
+TASK_HEADER = (
     "format: handcart-task/1\ntitle: {}\nrobot: librarian\nstart: s0\ngoal: goal\npolicy: goal_probability\n"
 )
 
@@ -27,7 +27,7 @@ def task_lines(problem: Problem) -> Iterator[str]:
     rows = _explored(problem)
     alive = _alive(problem, rows)
     number = {state: f"s{index}" for index, state in enumerate(state for state in rows if state in alive)}
-    yield HEAD.format(problem.name)
+    yield TASK_HEADER.format(problem.name)
     yield "situations:\n  goal: {}\n  dead: {}\n"
     yield from (f"  {name}: {{}}\n" for name in number.values())
     yield "actions:\n"

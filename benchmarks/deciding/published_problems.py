@@ -50,7 +50,7 @@ TIRE_ROADS = [
     "13-15",
     "14-16",
 ]
-BLOCKS = "12345"
+BLOCK_NAMES = "12345"
 
 
 def problems() -> list[Problem]:
@@ -58,7 +58,7 @@ def problems() -> list[Problem]:
     both = {*TIRE_ROADS, *("-".join(reversed(road.split("-"))) for road in TIRE_ROADS)}
     spares = {f"spare {place}" for place in (4, 5, 7, 8, 10, 12, 16)}
     blocks = {"on 1 4", "table 2", "on 3 2", "on 4 5", "table 5", "clear 1", "clear 3", "hand", "firm"}
-    blocks |= {f"{word} {block}" for word in ("charged", "whole") for block in BLOCKS}
+    blocks |= {f"{word} {block}" for word in ("charged", "whole") for block in BLOCK_NAMES}
     return [
         Problem(
             "triangle-tireworld.9",
@@ -101,9 +101,9 @@ def _drive(state: State, roads: Collection[str], flat: Fraction, changes: Fracti
 
 def _stack(state: State) -> Iterator[Outcomes]:
     """Take and set down blocks; a charged one may destroy the table or the block that it is put on."""
-    held = next((block for block in BLOCKS if f"held {block}" in state), None)
+    held = next((block for block in BLOCK_NAMES if f"held {block}" in state), None)
     if held is None:
-        for block in BLOCKS:
+        for block in BLOCK_NAMES:
             if f"clear {block}" in state and f"whole {block}" in state:
                 yield from _take(state, block)
         return
@@ -111,7 +111,7 @@ def _stack(state: State) -> Iterator[Outcomes]:
     if "firm" in state:
         there = down | {f"table {held}"}
         yield _charged(there, held, "firm", Fraction(2, 5))
-    for block in BLOCKS:
+    for block in BLOCK_NAMES:
         if f"clear {block}" in state and f"whole {block}" in state:
             there = down - {f"clear {block}"} | {f"on {held} {block}"}
             yield _charged(there, held, f"whole {block}", Fraction(1, 10))
@@ -121,7 +121,7 @@ def _take(state: State, block: str) -> Iterator[Outcomes]:
     free = state - {"hand", f"clear {block}"} | {f"held {block}"}
     if f"table {block}" in state:
         yield [(Fraction(1), free - {f"table {block}"})]
-    for under in BLOCKS:
+    for under in BLOCK_NAMES:
         if f"on {block} {under}" in state:
             yield [(Fraction(1), free - {f"on {block} {under}"} | {f"clear {under}"})]
 

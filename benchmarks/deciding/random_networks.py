@@ -9,8 +9,8 @@ from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.primitives.driving.modify import Modify
 
-BOUND = Binding.of(Modify(place="x"))
-FAMILIES = ("forward", "back", "anywhere")
+ANY_BINDING = Binding.of(Modify(place="x"))
+NETWORK_FAMILIES = ("forward", "back", "anywhere")
 
 
 class Drawn(NamedTuple):
@@ -45,7 +45,7 @@ def drawn(family: str, seed: int, most: int = 14) -> Drawn:
             p = round(draws.uniform(0.3, 0.99), 3)
             give_up = round(draws.uniform(0.0, min(0.1, 1.0 - p)), 3) if gives_up else 0.0
             cost, attempts = round(draws.uniform(1.0, 60.0), 1), draws.randint(1, 4)
-            actions.append(Action(f"s{here}", f"s{there}", BOUND, cost, attempts, on_fail))
+            actions.append(Action(f"s{here}", f"s{there}", ANY_BINDING, cost, attempts, on_fail))
             chances.append(Chance(p, give_up))
     names = [Situation(f"s{number}") for number in range(count)]
     return Drawn(ActionNetwork.build(names, actions, "s0", f"s{count - 1}"), chances)

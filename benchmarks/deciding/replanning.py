@@ -14,9 +14,9 @@ import networkx as nx
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.networks.graph.planner import Plan, Planner
 
-from .random_networks import BOUND
+from .random_networks import ANY_BINDING
 
-LIMITS = {1_000: 0.3, 10_000: 0.1, 100_000: 0.02}
+TIME_LIMITS_S = {1_000: 0.3, 10_000: 0.1, 100_000: 0.02}
 MAX_FAILS = 12
 
 
@@ -24,7 +24,7 @@ def drawn_network(count: int, seed: int) -> ActionNetwork:
     """Draw a network with two actions out of each situation, to any other."""
     draws = random.Random(seed)
     actions = [
-        Action(f"s{here}", f"s{draws.randrange(count)}", BOUND, draws.uniform(1.0, 60.0))
+        Action(f"s{here}", f"s{draws.randrange(count)}", ANY_BINDING, draws.uniform(1.0, 60.0))
         for here in range(count)
         for _ in range(2)
     ]
@@ -36,13 +36,13 @@ def main() -> None:
     """Print a line for each size."""
     words = argparse.ArgumentParser(prog="python -m benchmarks.deciding.replanning", description=__doc__)
     words.add_argument("--seeds", type=int, nargs="*", default=[1, 2, 3])
-    words.add_argument("--sizes", type=int, nargs="*", default=list(LIMITS))
+    words.add_argument("--sizes", type=int, nargs="*", default=list(TIME_LIMITS_S))
     given = words.parse_args()
     for count in given.sizes:
         print(f"{count} situations ...", flush=True)
         pairs = [pair for seed in given.seeds for pair in _pairs(drawn_network(count, seed))]
         ours, theirs = (statistics.median(times) for times in zip(*pairs, strict=True))
-        limit = f" (allowed: {LIMITS[count]:g})" if count in LIMITS else ""
+        limit = f" (allowed: {TIME_LIMITS_S[count]:g})" if count in TIME_LIMITS_S else ""
         times = f"{1e3 * ours:.3f} ms, networkx {1e3 * theirs:.3f} ms"
         print(f"  median of {len(pairs)}: {times}, ratio {ours / theirs:.4f}{limit}", flush=True)
 

@@ -16,15 +16,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 LIMITS_S = {100: 5.0, 1_200: 6.0, 10_000: 20.0}
-HEAD = "format: handcart-task/1\ntitle: forward\nrobot: librarian\nworld: world.yaml\nstart: s0\n"
-ROOM = Path(__file__).parents[2] / "tasks" / "return_book"
+TASK_HEADER = "format: handcart-task/1\ntitle: forward\nrobot: librarian\nworld: world.yaml\nstart: s0\n"
+WORLD_FOLDER = Path(__file__).parents[2] / "tasks" / "return_book"
 """Folder of the world that the networks are checked in."""
 
 
 def task_lines(count: int, seed: int, least_p: float, person_s: float) -> Iterator[str]:
     """Yield a task file with two actions out of each situation, one to four situations forward."""
     draws = random.Random(seed)
-    yield f"{HEAD}goal: s{count - 1}\nperson_s: {person_s}\nsituations:\n"
+    yield f"{TASK_HEADER}goal: s{count - 1}\nperson_s: {person_s}\nsituations:\n"
     yield from (f"  s{number}: {{}}\n" for number in range(count))
     yield "actions:\n"
     for here in range(count - 1):
@@ -45,7 +45,7 @@ def main() -> None:
     given = words.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         for name in ("world.yaml", "map.yaml", "map.png", "catalogue.yaml"):
-            shutil.copy(ROOM / name, folder)
+            shutil.copy(WORLD_FOLDER / name, folder)
         for count in given.sizes:
             path = Path(folder) / f"forward_{count}.yaml"
             path.write_text("".join(task_lines(count, given.seed, given.least_p, given.person_s)))

@@ -17,10 +17,10 @@ from handcart.networks.deciding.best_policy import BestPolicy
 from handcart.networks.deciding.run_figures import best_figures, rule_figures
 
 from .plain_solver import best_cost, plain_network, rule_ends
-from .random_networks import FAMILIES, drawn
+from .random_networks import NETWORK_FAMILIES, drawn
 
 PERSON_S = 600.0
-TOLERANCE = 1e-3
+VALUE_TOLERANCE = 1e-3
 
 
 class Row(NamedTuple):
@@ -51,11 +51,14 @@ def measured(family: str, seed: int, steps: float, limit_s: float) -> Row:
     price = min(price, rule.price_s[1]) if best.is_rule_better() else price
     cpu = time.process_time() - begin
     plain = plain_network(task)
-    least = best_cost(plain, PERSON_S, 0.1 * TOLERANCE, limit_s)
-    ends = rule_ends(plain, 0.01 * TOLERANCE, limit_s)
+    least = best_cost(plain, PERSON_S, 0.1 * VALUE_TOLERANCE, limit_s)
+    ends = rule_ends(plain, 0.01 * VALUE_TOLERANCE, limit_s)
     rule_off = max(abs(rule.goal[0] - ends.goal.low), rule.goal[1] - rule.goal[0])
     best_off = max(0.0, found.low - least.high, least.low - found.cost, found.cost - found.low) / least.high
-    is_known = least.high - least.low < TOLERANCE * least.high and ends.goal.high - ends.goal.low < TOLERANCE
+    is_known = (
+        least.high - least.low < VALUE_TOLERANCE * least.high
+        and ends.goal.high - ends.goal.low < VALUE_TOLERANCE
+    )
     over_best = max(0.0, price - least.low) / least.low
     return Row(rule_off, best_off, over_best, price - rule.price_s[1], cpu, is_known)
 
@@ -70,7 +73,7 @@ def main() -> None:
     given = words.parse_args()
     rows = []
     for seed in range(given.first, given.first + given.networks):
-        for family in FAMILIES:
+        for family in NETWORK_FAMILIES:
             row = measured(family, seed, given.steps, given.limit_s)
             rows.append(row)
             off = f"rule off by {row.rule_off:.1e}, best by {row.best_off:.1e}"
@@ -81,8 +84,11 @@ def main() -> None:
 
 def _print_totals(rows: list[Row]) -> None:
     known = [row for row in rows if row.is_known]
-    within = sum(max(row.rule_off, row.best_off) <= TOLERANCE for row in known)
-    print(f"{len(rows)} networks, {len(known)} solved independently; {within} of these within {TOLERANCE:g}")
+    within = sum(max(row.rule_off, row.best_off) <= VALUE_TOLERANCE for row in known)
+    print(
+        f"{len(rows)} networks, {len(known)} solved independently; "
+        f"{within} of these within {VALUE_TOLERANCE:g}"
+    )
     cpu = [row.cpu_s for row in rows]
     print(f"CPU: mean {sum(cpu) / len(cpu):.2f} s, most {max(cpu):.1f} s")
     over = [row.over_best for row in known]

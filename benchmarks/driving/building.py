@@ -17,7 +17,7 @@ ROOM_M = (3.2, 5.5)
 """Side of a room."""
 EXTRA_DOORS = 0.5
 """Share of the walls between rooms that have a door although another way leads there: they close loops."""
-FURNITURE = 2
+MAX_FURNITURE_COUNT = 2
 """Maximum number of things in a room."""
 CLEAR_M = 1.0
 """Room beside a thing: to walls, doors, other things and the robot's start."""
@@ -113,7 +113,7 @@ def _things(
     """Return the furniture of a room, away from points that are kept clear."""
     found = list[dict[str, Any]]()
     clear = list(keep)
-    for number in range(int(rng.integers(0, FURNITURE + 1))):
+    for number in range(int(rng.integers(0, MAX_FURNITURE_COUNT + 1))):
         size = rng.uniform([0.3, 0.3], [1.0, 0.7])
         half = 0.5 * float(np.hypot(*size))
         low = np.array([xs[column], ys[row]]) + half + CLEAR_M

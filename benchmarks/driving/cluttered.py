@@ -48,7 +48,7 @@ from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 
-TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
+TASK_PATH = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
 EXACT, ROUGH = (40.0, 1.0), (1500.0, 10.0)  # tolerances of the goal in [mm] and [deg]
 GIVEN_S = 180.0  # simulated time after which a run is interrupted
 SLOW_MS = 10.0  # CPU of a period that is counted as slow
@@ -138,7 +138,7 @@ def try_world(world: World, chosen: argparse.Namespace) -> Trial:
         settings = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
         settings |= {"robot": str(_robot(folder, chosen))}
         settings |= {"tour": "[goal]", "wait_s": "2"}
-        with prepare(TASK, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
+        with prepare(TASK_PATH, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
             run_watched(prepared, folder, result)
             scene = prepared.backend.scene  # type: ignore[attr-defined]
             result.contacts = len(scene.contacts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-URDF = """\
+URDF_TEMPLATE = """\
 <?xml version="1.0"?>
 <robot name="disc">
   <link name="base">
@@ -23,7 +23,7 @@ URDF = """\
   </joint>
 {wheels}{casters}</robot>
 """
-WHEEL = """\
+WHEEL_TEMPLATE = """\
   <link name="{side}_wheel">
     <inertial>
       <mass value="1"/><inertia ixx="0.0027" ixy="0" ixz="0" iyy="0.005" iyz="0" izz="0.0027"/>
@@ -37,7 +37,7 @@ WHEEL = """\
     <limit effort="20" velocity="40"/><dynamics damping="0.05" friction="0.025"/>
   </joint>
 """
-CASTER = """\
+CASTER_TEMPLATE = """\
   <link name="{end}_caster">
     <inertial>
       <mass value="0.3"/><inertia ixx="0.0001" ixy="0" ixz="0" iyy="0.0001" iyz="0" izz="0.0001"/>
@@ -48,7 +48,7 @@ CASTER = """\
     <parent link="base"/><child link="{end}_caster"/><origin xyz="{x} 0 0.03"/>
   </joint>
 """
-ROBOT = """\
+ROBOT_TEMPLATE = """\
 format: handcart-robot/1
 urdf: robot.urdf
 period_s: 0.05
@@ -91,15 +91,17 @@ def write_robot(
     body = f'<cylinder radius="{half[0] - 0.01:g}" length="0.16"/>'
     if len(sides) > 1:
         body = f'<box size="{sides[0] - 0.02:g} {sides[1] - 0.02:g} 0.16"/>'
-    wheels = "".join(WHEEL.format(side=side, y=y) for side, y in (("left", tread), ("right", -tread)))
+    wheels = "".join(
+        WHEEL_TEMPLATE.format(side=side, y=y) for side, y in (("left", tread), ("right", -tread))
+    )
     ends = (("front", half[0] - 0.05), ("rear", 0.05 - half[0]))
-    casters = "".join(CASTER.format(end=end, x=x) for end, x in ends)
-    (folder / "robot.urdf").write_text(URDF.format(body=body, wheels=wheels, casters=casters))
+    casters = "".join(CASTER_TEMPLATE.format(end=end, x=x) for end, x in ends)
+    (folder / "robot.urdf").write_text(URDF_TEMPLATE.format(body=body, wheels=wheels, casters=casters))
     path = folder / "robot.yaml"
     footprint = (
         f"{{radius_m: {sides[0]}}}" if len(sides) == 1 else f"{{rectangle_m: [{sides[0]}, {sides[1]}]}}"
     )
     lidar = {"beams": round(view) + (view < 360.0), "start_deg": -view / 2, "end_deg": view / 2}
     drive = {"tread": 2.0 * tread, "speed": speed, "acceleration": speed}
-    path.write_text(ROBOT.format(footprint=footprint, localizer=localizer, **drive, **lidar))
+    path.write_text(ROBOT_TEMPLATE.format(footprint=footprint, localizer=localizer, **drive, **lidar))
     return path

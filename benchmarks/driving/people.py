@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.driving.cluttered import SLOW_MS, TASK, Trial, run_watched
+from benchmarks.driving.cluttered import SLOW_MS, TASK_PATH, Trial, run_watched
 from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.people_worlds import PeopleWorld, people_world, write_people_world
 from handcart.evaluation.judging.contact_survey import ContactSurvey
@@ -60,7 +60,7 @@ def try_people(world: PeopleWorld, chosen: argparse.Namespace) -> PeopleTrial:
             "tour": "[goal]",
             "wait_s": f"{WAIT_S}",
         }
-        with prepare(TASK, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
+        with prepare(TASK_PATH, backend=chosen.backend, settings=settings, seed=world.seed) as prepared:
             judge = run_watched(prepared, folder, result)
             _count(judge, prepared.backend.scene, result)  # type: ignore[attr-defined]
     return result

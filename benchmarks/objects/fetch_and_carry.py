@@ -28,8 +28,8 @@ from handcart.files.errors import InputError
 from handcart.networks.runs.run_options import RunOptions
 
 TASK_FOLDER = Path(__file__).resolve().parents[2] / "tasks" / "fetch_and_carry"
-SPOTS = ("left", "right", None)
-WAY = ((2.2, 3.0), (4.3, 2.0))  # from the place at table A to that at table B [m]
+SPOT_NAMES = ("left", "right", None)
+CARRY_LEG_M = ((2.2, 3.0), (4.3, 2.0))  # from the place at table A to that at table B [m]
 
 
 RunOnce = Callable[[Path, str, str, int], dict[str, Any]]
@@ -122,7 +122,7 @@ def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) 
 
 def run_once(folder: Path, backend: str, robot: str, seed: int) -> dict[str, Any]:
     """Run the task once below a folder; return its summary."""
-    spot = SPOTS[seed % len(SPOTS)]
+    spot = SPOT_NAMES[seed % len(SPOT_NAMES)]
     settings = {"robot": robot, "world": str(write_world(folder, seed)), "spot": spot or "null"}
     options = RunOptions(backend=backend, settings=settings, seed=seed)
     summary, _ = run_task(TASK_FOLDER / "task.yaml", folder, options)
@@ -135,7 +135,7 @@ def write_world(folder: Path, seed: int) -> Path:
     if seed % 2:
         rng = np.random.default_rng(seed)
         along, aside, turn = rng.uniform(0.35, 0.65), rng.uniform(-0.25, 0.25), rng.uniform(0.0, 90.0)
-        (x, y), (ex, ey) = WAY
+        (x, y), (ex, ey) = CARRY_LEG_M
         length = math.hypot(ex - x, ey - y)
         x, y = (
             x + along * (ex - x) - aside * (ey - y) / length,

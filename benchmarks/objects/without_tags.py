@@ -21,11 +21,11 @@ from handcart.backends.sensors.depth_spec import DepthErrors
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
 
-from .fetch_and_carry import SPOTS, TASK_FOLDER, measure, print_rows, write_world
+from .fetch_and_carry import SPOT_NAMES, TASK_FOLDER, measure, print_rows, write_world
 
-ROBOT = "librarian"
+ROBOT_NAME = "librarian"
 LOOK_DEG = "6"  # at which the widest box still fits between the fingers: 60 cos + 90 sin of it is 69 of 70 mm
-DEPTH = """\
+DEPTH_CAMERA_YAML = """\
 sensors:
   depth:
     {kind: depth_camera, frame: camera, width_px: 320, height_px: 240, focal_px: 280,
@@ -40,7 +40,7 @@ class Shape(NamedTuple):
     size_mm: str
 
 
-KINDS = {
+OBJECT_SHAPES = {
     "parcel": Shape("box", "[60, 90, 80]"),
     "can": Shape("cylinder", "[62, 62, 115]"),
     "carton": Shape("box", "[50, 120, 60]"),
@@ -57,13 +57,13 @@ def main() -> None:
     words.add_argument("--times", type=float, default=1.0, help="times the depth camera's usual errors")
     asked = words.parse_args()
     seeds, run = range(asked.first, asked.first + asked.seeds), partial(run_once, times=asked.times)
-    rows = {(ROBOT, name): measure(name, ROBOT, seeds, run) for name in asked.backends}
+    rows = {(ROBOT_NAME, name): measure(name, ROBOT_NAME, seeds, run) for name in asked.backends}
     sys.exit(print_rows(rows))
 
 
 def run_once(folder: Path, backend: str, robot: str, seed: int, times: float = 1.0) -> dict[str, Any]:
     """Run the task once below a folder, with so many times the usual errors; return its summary."""
-    names = list(KINDS)
+    names = list(OBJECT_SHAPES)
     wanted, other = names[seed % 4], names[(seed + 1 + seed // 4 % 3) % 4]
     settings = {
         "robot": str(write_robot(folder, robot, times)),
@@ -71,21 +71,21 @@ def run_once(folder: Path, backend: str, robot: str, seed: int, times: float = 1
         "objects": str(write_objects(folder, wanted, other)),
         "object": "wanted",
         "look_deg": LOOK_DEG,
-        "spot": SPOTS[seed // 4 % len(SPOTS)] or "null",
+        "spot": SPOT_NAMES[seed // 4 % len(SPOT_NAMES)] or "null",
     }
     options = RunOptions(backend=backend, settings=settings, seed=seed)
     summary, _ = run_task(TASK_FOLDER / "task.yaml", folder, options)
     return summary
 
 
-def write_robot(folder: Path, robot: str = ROBOT, times: float = 1.0) -> Path:
+def write_robot(folder: Path, robot: str = ROBOT_NAME, times: float = 1.0) -> Path:
     """Copy a shipped robot, with a depth camera at its frame `camera` that errs so many times as usual."""
     usual = DepthErrors()
     sigmas = usual.sigma_mm, usual.sigma_mm_per_m2, usual.scale_percent
     copy = folder / robot
     shutil.copytree(SHIPPED_FOLDER / robot, copy)
     with (copy / "robot.yaml").open("a", encoding="utf-8") as file:
-        file.write(DEPTH % tuple(times * each for each in sigmas))
+        file.write(DEPTH_CAMERA_YAML % tuple(times * each for each in sigmas))
     return copy / "robot.yaml"
 
 
@@ -109,7 +109,7 @@ def write_objects(folder: Path, wanted: str, other: str) -> Path:
     surfaces = text[text.index("surfaces:") : text.index("objects:\n")]
     kinds = "".join(
         f"  {name}: {{shape: {each.shape}, size_mm: {each.size_mm}, mass_kg: 0.3}}\n"
-        for name, each in KINDS.items()
+        for name, each in OBJECT_SHAPES.items()
     )
     objects = (
         f"objects:\n  wanted: {{kind: {wanted}, on: table_a, x_m: 1.9, y_m: 3.65, heading_deg: 20}}\n"
@@ -121,7 +121,7 @@ def write_objects(folder: Path, wanted: str, other: str) -> Path:
 
 
 def _in_world(kind: str) -> str:
-    shape, size = KINDS[kind]
+    shape, size = OBJECT_SHAPES[kind]
     return f"shape: {shape}, size_mm: {size}, height_m: 0.6, sigma_mm: 40, sigma_deg: 30"
 
 

@@ -28,7 +28,7 @@ from handcart.networks.runs.run_options import RunOptions
 from .fetch_and_carry import TASK_FOLDER, measure, print_rows
 from .without_tags import write_robot
 
-ROBOTS = ("librarian", "librarian with depth")
+ROBOT_NAMES = ("librarian", "librarian with depth")
 PARCEL_XY, SPOT_XY = (1.9, 3.65), (5.05, 2.2)
 PARCEL_RADIUS_M = 0.054
 TAG_OF_PARCEL = "    tags: [{id: 7, side_mm: 40}]\n"
@@ -40,7 +40,7 @@ def main() -> None:
     words.add_argument("--seeds", type=int, default=20, help="number of seeds, from --first")
     words.add_argument("--first", type=int, default=0)
     words.add_argument("--backends", nargs="+", default=["kinematic"])
-    words.add_argument("--robots", nargs="+", choices=ROBOTS, default=list(ROBOTS))
+    words.add_argument("--robots", nargs="+", choices=ROBOT_NAMES, default=list(ROBOT_NAMES))
     asked = words.parse_args()
     seeds = range(asked.first, asked.first + asked.seeds)
     rows = {
@@ -53,7 +53,7 @@ def main() -> None:
 
 def run_once(folder: Path, backend: str, robot: str, seed: int) -> dict[str, Any]:
     """Run the task once below a folder; return its summary."""
-    has_depth = robot == ROBOTS[1]
+    has_depth = robot == ROBOT_NAMES[1]
     settings = {
         "robot": str(write_robot(folder)) if has_depth else robot,
         "world": str(write_scene(folder, seed)),

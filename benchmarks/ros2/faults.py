@@ -24,7 +24,7 @@ from handcart.backends.ros2.wire.ros_link import RosLink
 from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench
 
 GOES_ON = ("doubled", "swapped")
-OTHERS = ("second master", "wrong type", "late bench")
+OTHER_FAULTS = ("second master", "wrong type", "late bench")
 LATE_S, DISCOVERY_S = 3.0, 5.0
 MAX_PERIODS = 7
 """Periods of the bench in which the base may move after the report: its time-out, and two."""
@@ -48,18 +48,20 @@ def main() -> None:
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--count", type=int, default=20, help="trials of each fault")
     words.add_argument("--topics", nargs="+", default=["odom", "scan"])
-    words.add_argument("--kinds", nargs="+", default=[*FAULT_KINDS, *OTHERS])
+    words.add_argument("--kinds", nargs="+", default=[*FAULT_KINDS, *OTHER_FAULTS])
     asked = words.parse_args()
     missed, trial = 0, 0
     for kind in asked.kinds:
-        for topic in ("cmd_vel",) if kind == OTHERS[0] else ("odom",) if kind in OTHERS else asked.topics:
+        for topic in (
+            ("cmd_vel",) if kind == OTHER_FAULTS[0] else ("odom",) if kind in OTHER_FAULTS else asked.topics
+        ):
             found: list[Noticed] = []
             for _ in range(asked.count):
                 print(
                     f"\r{kind} on {topic}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True
                 )
                 with on_the_air(trial):
-                    found.append(TRIALS.get(kind, spoiled)(kind, topic))
+                    found.append(FAULT_TRIALS.get(kind, spoiled)(kind, topic))
                 trial += 1
             print(file=sys.stderr)
             wrong = [each.wrong for each in found if each.wrong]
@@ -164,8 +166,8 @@ def _rival(pipe: Connection, kind: str, topic: str) -> None:
         time.sleep(0.1)
 
 
-TRIALS: dict[str, Callable[[str, str], Noticed]] = dict(
-    zip(OTHERS, (mastered, mistyped, discovered_late), strict=True)
+FAULT_TRIALS: dict[str, Callable[[str, str], Noticed]] = dict(
+    zip(OTHER_FAULTS, (mastered, mistyped, discovered_late), strict=True)
 )
 
 if __name__ == "__main__":

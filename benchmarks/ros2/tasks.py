@@ -21,7 +21,7 @@ from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
 from handcart.tasks.task_names import task_path
 
-TASKS = ("return_book", "stack_blocks", "drive_map", "fetch_and_carry")
+TASK_NAMES = ("return_book", "stack_blocks", "drive_map", "fetch_and_carry")
 MIN_SUCCESS_RATIO = 0.95
 
 
@@ -44,7 +44,7 @@ class Figures:
 def main() -> None:
     """Print a row for each task and simulated backend."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--tasks", nargs="+", default=list(TASKS))
+    words.add_argument("--tasks", nargs="+", default=list(TASK_NAMES))
     words.add_argument("--benches", nargs="+", default=["kinematic", "mujoco"], help="simulated backends")
     words.add_argument("--seeds", type=int, default=20, help="number of seeds on the kinematic bench")
     words.add_argument("--physics-seeds", type=int, default=5, help="number of seeds on every other bench")

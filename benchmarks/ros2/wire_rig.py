@@ -24,7 +24,7 @@ from handcart.backends.ros2.wire.ros_link import RosLink, node_name
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
-FORK = multiprocessing.get_context("fork")
+FORK_CONTEXT = multiprocessing.get_context("fork")
 DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S = 0.1, 0.5
 ANSWER_S = 60.0
 """[s] in which a process has to answer; the machine may be busy."""
@@ -55,8 +55,8 @@ class Process:
 
     def __init__(self, work: Callable[..., None], *words: Any) -> None:
         """Run `work` with a pipe and `words`."""
-        self.pipe, other = FORK.Pipe()
-        self._process = FORK.Process(target=work, args=(other, *words), daemon=True)
+        self.pipe, other = FORK_CONTEXT.Pipe()
+        self._process = FORK_CONTEXT.Process(target=work, args=(other, *words), daemon=True)
         self._process.start()
         other.close()
 

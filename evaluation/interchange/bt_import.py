@@ -16,7 +16,7 @@ from .xml_tree import XmlElement, read_xml_tree
 
 VERBOSE_TAGS = ("Action", "Condition", "Control", "Decorator")
 """Tags whose attribute ID names the node."""
-SCRIPTS = ("Script", "ScriptCondition", "SetBlackboard", "UnsetBlackboard", "Precondition")
+SCRIPT_TAGS = ("Script", "ScriptCondition", "SetBlackboard", "UnsetBlackboard", "Precondition")
 QUIET_ATTRIBUTES = ("_description", "_fullpath", "_uid")
 
 
@@ -84,7 +84,7 @@ def _losses(element: XmlElement, kind: str, ports: dict[str, str]) -> Iterator[L
     for key in ports:
         if key.startswith("_") and key not in QUIET_ATTRIBUTES:
             yield LostConstruct(*here, f"{key} of <{kind}>", "the attribute is dropped")
-    if kind in SCRIPTS:
+    if kind in SCRIPT_TAGS:
         yield LostConstruct(
             *here, f"<{kind}>", "scripts on the blackboard are not carried out; it is an action"
         )

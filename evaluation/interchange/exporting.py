@@ -12,7 +12,7 @@ from .jani import model_text
 from .scxml import chart_text
 from .task_parts import TaskParts
 
-FORMATS: Mapping[str, tuple[Callable[[TaskParts], str], str]] = {
+FORMAT_WRITERS: Mapping[str, tuple[Callable[[TaskParts], str], str]] = {
     "bt": (tree_text, ".xml"),
     "scxml": (chart_text, ".scxml"),
     "jani": (model_text, ".jani"),
@@ -36,6 +36,6 @@ def exported(task: Task, kind: str) -> tuple[str, tuple[str, ...]]:
     """
     parts = TaskParts.of_task(task)
     try:
-        return FORMATS[kind][0](parts), tuple(parts.lost())
+        return FORMAT_WRITERS[kind][0](parts), tuple(parts.lost())
     except ValueError as error:
         raise NotExpressed(str(error)) from None

@@ -17,7 +17,7 @@ from .smach_import import import_smach
 from .task_parts import TaskParts
 from .xml_tree import XmlElement, read_xml_tree
 
-SUFFIXES = {
+FORMAT_SUFFIXES = {
     ".xml": "BehaviorTree.CPP",
     ".scxml": "SCXML, as `handcart export` writes it",
     ".jani": "JANI",
@@ -48,7 +48,7 @@ def import_file(path: Path, problem: Path | None = None) -> Imported:
     if suffix == ".jani":
         return import_model(path)
     if suffix not in (".xml", ".scxml"):
-        allowed = ", ".join(f"*{each} ({name})" for each, name in SUFFIXES.items())
+        allowed = ", ".join(f"*{each} ({name})" for each, name in FORMAT_SUFFIXES.items())
         raise FileError([Finding(str(path), 0, 0, f"unknown format {suffix!r}; allowed: {allowed}")])
     root = read_xml_tree(path)
     if root.tag == "scxml":

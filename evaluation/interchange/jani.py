@@ -20,7 +20,7 @@ from .task_parts import TaskParts, failures, most_attempts, successes
 
 MAX_JANI_BYTES = 1 << 24
 MAX_JANI_DEPTH = 200
-PREFIX = "handcart: "
+COMMENT_PREFIX = "handcart: "
 """Begin of comments with what a model does not express."""
 
 
@@ -33,14 +33,15 @@ def _model(parts: TaskParts) -> dict[str, Any]:
     head = {**parts.head, "order": list(parts.order)}
     has_p = all(p is not None for row in parts.actions for _, _, p in successes(row))
     locations = [
-        {"name": name, "comment": PREFIX + json.dumps(facts)} for name, facts in parts.situations.items()
+        {"name": name, "comment": COMMENT_PREFIX + json.dumps(facts)}
+        for name, facts in parts.situations.items()
     ]
     edges = [edge for number, row in enumerate(parts.actions) for edge in _edges(number, row)]
     return {
         "jani-version": 1,
         "name": str(parts.head["title"]),
         "type": "mdp",
-        "metadata": {"description": PREFIX + json.dumps(head)},
+        "metadata": {"description": COMMENT_PREFIX + json.dumps(head)},
         "actions": [{"name": _label(number, row)} for number, row in enumerate(parts.actions)],
         "variables": [
             *_counters(parts),
@@ -97,7 +98,7 @@ def _edges(number: int, row: Any) -> Iterator[dict[str, Any]]:
         count = {"assignments": [{"ref": name, "value": {"op": "+", "left": name, "right": 1}}]}
     good = [({"location": to}, p) for to, _, p in successes(row)]
     bad = [({"location": to, **count}, p) for to, _, p in failures(row)]
-    comment = PREFIX + json.dumps({**row, "keys": list(row)})
+    comment = COMMENT_PREFIX + json.dumps({**row, "keys": list(row)})
     if all(p is not None for _, p in good):
         rest = 1.0 - sum(p for _, p in good) - row.get("p_give_up", 0.0) - sum(p or 0.0 for _, p in bad[:-1])
         bad[-1] = bad[-1][0], max(0.0, rest)
@@ -115,7 +116,7 @@ def import_model(path: Path | str) -> Imported:
         model = json.loads(text)
         if isinstance(model, Mapping) and "jani-version" in model:
             described = str(model.get("metadata", {}).get("description", ""))
-            if described.startswith(PREFIX):
+            if described.startswith(COMMENT_PREFIX):
                 return Imported(_own(model, described).data(), ())
             return _Foreign(model, Path(path).stem).imported()
         raise ValueError("the key 'jani-version' is missing; needed: a model in JANI")
@@ -130,15 +131,16 @@ def import_model(path: Path | str) -> Imported:
 
 
 def _own(model: Any, described: str) -> TaskParts:
-    head = json.loads(described.removeprefix(PREFIX))
+    head = json.loads(described.removeprefix(COMMENT_PREFIX))
     order, automaton = head.pop("order"), model["automata"][0]
     situations = {
-        each["name"]: json.loads(each["comment"].removeprefix(PREFIX)) for each in automaton["locations"]
+        each["name"]: json.loads(each["comment"].removeprefix(COMMENT_PREFIX))
+        for each in automaton["locations"]
     }
     rows = []
-    edges = [each for each in automaton["edges"] if each.get("comment", "").startswith(PREFIX)]
+    edges = [each for each in automaton["edges"] if each.get("comment", "").startswith(COMMENT_PREFIX)]
     for edge in edges:
-        row = json.loads(edge["comment"].removeprefix(PREFIX))
+        row = json.loads(edge["comment"].removeprefix(COMMENT_PREFIX))
         keys = row.pop("keys")
         row |= {"do": edge["action"].partition(" ")[2], "from": edge["location"]}
         if "to" in row:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from py_trees.behaviour import Behaviour
 
 MAX_NODES = 5_000
-DECORATORS = {
+DECORATOR_TAGS = {
     "Inverter": "Inverter",
     "Retry": "RetryUntilSuccessful",
     "Repeat": "Repeat",
@@ -54,7 +54,7 @@ def _node(behaviour: Behaviour, lost: dict[LostConstruct, None], count: list[int
         return BehaviourNode("Parallel", "", {}, children, shown=shown)
     if isinstance(behaviour, decorators.Decorator):
         ports = {key: str(value) for key, value in _numbers(behaviour).items()}
-        return BehaviourNode(DECORATORS.get(kind, kind), "", ports, children, shown=shown)
+        return BehaviourNode(DECORATOR_TAGS.get(kind, kind), "", ports, children, shown=shown)
     return BehaviourNode(CONSTANT_LEAVES.get(kind, kind), behaviour.name, {}, children, shown=shown)
 
 

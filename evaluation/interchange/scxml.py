@@ -14,7 +14,7 @@ from xml.sax.saxutils import quoteattr
 from .task_parts import TaskParts, failures, successes
 from .xml_tree import XmlElement
 
-SPACE = "handcart"
+XML_NAME = "handcart"
 """Prefix of the attributes with what a state chart does not express."""
 SUCCESS_EVENT, FAIL_EVENT = "done.success", "done.fail"
 
@@ -28,11 +28,11 @@ def _lines(parts: TaskParts) -> Iterator[str]:
     ids = {name: f"s{number}" for number, name in enumerate(parts.situations)}
     head = _json({**parts.head, "order": list(parts.order)})
     yield '<?xml version="1.0" encoding="UTF-8"?>'
-    yield f'<scxml xmlns="http://www.w3.org/2005/07/scxml" xmlns:{SPACE}="urn:handcart:task" version="1.0"'
-    yield f"       initial={quoteattr(ids[parts.start])} {SPACE}:task={head}>"
+    yield f'<scxml xmlns="http://www.w3.org/2005/07/scxml" xmlns:{XML_NAME}="urn:handcart:task" version="1.0"'
+    yield f"       initial={quoteattr(ids[parts.start])} {XML_NAME}:task={head}>"
     for name, facts in parts.situations.items():
         tag = "final" if name == parts.goal else "state"
-        named = f"{SPACE}:name={quoteattr(name)} {SPACE}:facts={_json(facts)}"
+        named = f"{XML_NAME}:name={quoteattr(name)} {XML_NAME}:facts={_json(facts)}"
         yield f"  <{tag} id={quoteattr(ids[name])} {named}>"
         for number, row in enumerate(parts.actions):
             if row["from"] == name and tag == "state":
@@ -45,8 +45,8 @@ def _lines(parts: TaskParts) -> Iterator[str]:
 
 def _action(number: int, row: Any, ids: dict[str, str]) -> Iterator[str]:
     more = {key: value for key, value in row.items() if key not in ("do", "with")}
-    yield f'  <state id="a{number}" {SPACE}:action={_json({**more, "keys": list(row)})}>'
-    yield f"    <invoke type={quoteattr(SPACE)} src={quoteattr(row['do'])}>"
+    yield f'  <state id="a{number}" {XML_NAME}:action={_json({**more, "keys": list(row)})}>'
+    yield f"    <invoke type={quoteattr(XML_NAME)} src={quoteattr(row['do'])}>"
     for name, value in row.get("with", {}).items():
         yield f"      <param name={quoteattr(name)} expr={_json(value)}/>"
     yield "    </invoke>"
@@ -62,7 +62,7 @@ def _action(number: int, row: Any, ids: dict[str, str]) -> Iterator[str]:
 
 def is_own_chart(root: XmlElement) -> bool:
     """Return whether a state chart was written from a task."""
-    return f"{SPACE}:task" in root.attributes
+    return f"{XML_NAME}:task" in root.attributes
 
 
 def parts_of_chart(root: XmlElement) -> TaskParts:
@@ -71,22 +71,25 @@ def parts_of_chart(root: XmlElement) -> TaskParts:
     Raises:
         LookupError, TypeError, ValueError: the chart was changed so that it is not one any more.
     """
-    head = json.loads(root.attributes[f"{SPACE}:task"])
+    head = json.loads(root.attributes[f"{XML_NAME}:task"])
     order = head.pop("order")
-    places = [each for each in root.children if f"{SPACE}:name" in each.attributes]
-    names = {each.attributes["id"]: each.attributes[f"{SPACE}:name"] for each in places}
+    places = [each for each in root.children if f"{XML_NAME}:name" in each.attributes]
+    names = {each.attributes["id"]: each.attributes[f"{XML_NAME}:name"] for each in places}
     situations = {
-        each.attributes[f"{SPACE}:name"]: json.loads(each.attributes[f"{SPACE}:facts"]) for each in places
+        each.attributes[f"{XML_NAME}:name"]: json.loads(each.attributes[f"{XML_NAME}:facts"])
+        for each in places
     }
     sources = {
         to.attributes["target"]: names[each.attributes["id"]] for each in places for to in each.children
     }
-    actions = [_row(each, names, sources) for each in root.children if f"{SPACE}:action" in each.attributes]
+    actions = [
+        _row(each, names, sources) for each in root.children if f"{XML_NAME}:action" in each.attributes
+    ]
     return TaskParts(head, situations, actions, order)
 
 
 def _row(element: XmlElement, names: dict[str, str], sources: dict[str, str]) -> dict[str, Any]:
-    row = json.loads(element.attributes[f"{SPACE}:action"])
+    row = json.loads(element.attributes[f"{XML_NAME}:action"])
     keys, (invoke, *transitions) = row.pop("keys"), element.children
     targets = {each.attributes["event"]: names[each.attributes["target"]] for each in transitions}
     row |= {"do": invoke.attributes["src"], "from": sources.get(element.attributes["id"], row["from"])}

@@ -12,7 +12,7 @@ from .tree_node import BehaviourNode
 MAX_RETRIES = 100
 MAX_TREE_DEPTH = 200
 IN_ORDER = "its children are done in order, each to its end"
-SEQUENCES = {
+SEQUENCE_TAGS = {
     "Sequence": "",
     "AsyncSequence": "",
     "SequenceWithMemory": "a failed child is not where the sequence begins again",
@@ -23,7 +23,7 @@ SEQUENCES = {
     "ParallelAll": f"{IN_ORDER}, none at the same time, and all have to succeed",
 }
 """Controls whose children all have to succeed, with what is lost."""
-FALLBACKS = {
+FALLBACK_TAGS = {
     "Fallback": "",
     "Selector": "",
     "AsyncFallback": "",
@@ -32,7 +32,7 @@ FALLBACKS = {
     "ManualSelector": "nobody chooses; its children are tried in order",
 }
 """Controls one of whose children has to succeed, with what is lost."""
-PASSING = {
+PASSING_TAGS = {
     "RateController": "its child is done when the flow comes to it, not at a rate",
     "DistanceController": "its child is done when the flow comes to it, not after a distance",
     "SpeedController": "its child is done when the flow comes to it, not by speed",
@@ -120,14 +120,14 @@ class TreeFlow:
     def _compiled(self, node: BehaviourNode, succ: str, fail: str) -> str:
         if node.kind in self._own:
             return self._own[node.kind](node, succ, fail)
-        if node.kind in SEQUENCES:
-            self._lose(node, SEQUENCES[node.kind])
+        if node.kind in SEQUENCE_TAGS:
+            self._lose(node, SEQUENCE_TAGS[node.kind])
             return self._sequence(node.children, succ, fail)
-        if node.kind in FALLBACKS:
-            self._lose(node, FALLBACKS[node.kind])
+        if node.kind in FALLBACK_TAGS:
+            self._lose(node, FALLBACK_TAGS[node.kind])
             return self._fallback(node.children, succ, fail)
-        if node.kind in PASSING:
-            self._lose(node, PASSING[node.kind])
+        if node.kind in PASSING_TAGS:
+            self._lose(node, PASSING_TAGS[node.kind])
             return self._child(node, succ, fail)
         if node.children:
             self._lose(node, "an unknown node with children; they are done in order")

@@ -27,7 +27,7 @@ MAX_SHOWN_LINES = 10
 DEFAULT_REACH_M = 40.0
 """Readings from here on say that nothing came back, in logs that state no reach: SICK's write 81.83."""
 MAX_BEAMS = 10_000
-CENTRED = Pose2(0.0, 0.0, 0.0)
+CENTRED_MOUNT = Pose2(0.0, 0.0, 0.0)
 MAX_MOUNT_M = 2.0
 """Distance of the lidar from the base's middle from which on a line states no mounting: the laser's pose is
 corrected there, and the robot's is not."""
@@ -108,7 +108,7 @@ def _flaser(words: list[str], found: _Scans) -> str:
     width = step * (beams - 1)
     found.scans.append((np.array(values[:beams]), -0.5 * width, width, DEFAULT_REACH_M))
     found.poses.append(tuple(values[beams + 3 : beams + 6]))
-    found.mounts.append(CENTRED)
+    found.mounts.append(CENTRED_MOUNT)
     found.times.append(values[beams + 6])
     return ""
 
@@ -132,7 +132,7 @@ def _robot_laser(words: list[str], found: _Scans) -> str:
     found.scans.append((np.array(ranges), values[1], values[2], min(values[4], DEFAULT_REACH_M)))
     found.poses.append(tuple(rest[3:6]))
     mount = Pose2(*rest[:3]).relative_to(Pose2(*rest[3:6]))
-    found.mounts.append(mount if mount.distance(CENTRED) < MAX_MOUNT_M else CENTRED)
+    found.mounts.append(mount if mount.distance(CENTRED_MOUNT) < MAX_MOUNT_M else CENTRED_MOUNT)
     found.times.append(rest[11])
     return ""
 

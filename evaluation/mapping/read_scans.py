@@ -12,7 +12,9 @@ from handcart.robotics.navigation.mapping.scan_log import ScanLog
 from .carmen_scans import CARMEN_SUFFIXES, read_carmen
 from .csv_scans import read_csv_scans
 
-ALLOWED = "allowed: a run's folder, a ROS bag, a CARMEN log (.log, .clf, also with .gz), a CSV file (.csv)"
+ALLOWED_SOURCES = (
+    "allowed: a run's folder, a ROS bag, a CARMEN log (.log, .clf, also with .gz), a CSV file (.csv)"
+)
 
 
 def read_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
@@ -47,7 +49,7 @@ def _read(path: Path, scan_topic: str | None) -> ScanLog:
         return read_carmen(path)
     if path.suffix == ".csv" or not path.exists():
         return read_csv_scans(path)
-    raise FileError([Finding(str(path), 0, 0, f"no kind of log is named {path.suffix!r}; {ALLOWED}")])
+    raise FileError([Finding(str(path), 0, 0, f"no kind of log is named {path.suffix!r}; {ALLOWED_SOURCES}")])
 
 
 def _unusable(log: ScanLog) -> list[str]:

@@ -13,7 +13,7 @@ from handcart.robotics.navigation.mapping.scan_log import ScanLog
 
 from .odometry_track import poses_at
 
-NOTE = "a run records its estimated poses, not the wheels: they are taken as odometry"
+ODOMETRY_NOTE = "a run records its estimated poses, not the wheels: they are taken as odometry"
 
 
 def read_run_scans(folder: Path) -> ScanLog:
@@ -33,5 +33,5 @@ def read_run_scans(folder: Path) -> ScanLog:
     reach = float(np.max(ranges[np.isfinite(ranges)], initial=1.0))
     mount = Pose2(*robot.base_t_sensor)
     return ScanLog(
-        rows.scan_time[near], poses[near], np.array(robot.angles_rad), ranges, mount, reach, (NOTE,)
+        rows.scan_time[near], poses[near], np.array(robot.angles_rad), ranges, mount, reach, (ODOMETRY_NOTE,)
     )

@@ -13,7 +13,7 @@ from handcart.files.printable import printable
 from handcart.files.regular_file import open_regular
 
 SENSORS_FILE = "sensors.recorded"
-FORMAT = b"handcart-sensors/1\n"
+FORMAT_HEADER = b"handcart-sensors/1\n"
 BLOCK_PERIODS = 100
 """Periods that are compressed together."""
 COMPRESSION_LEVEL = 1
@@ -43,8 +43,8 @@ def read_blocks(folder: Path) -> Iterator[Any]:
     """
     try:
         with open_regular(folder / SENSORS_FILE) as file:
-            if file.read(len(FORMAT)) != FORMAT:
-                raise NoRecording(folder, f"it is not of the format {FORMAT.decode().strip()}")
+            if file.read(len(FORMAT_HEADER)) != FORMAT_HEADER:
+                raise NoRecording(folder, f"it is not of the format {FORMAT_HEADER.decode().strip()}")
             while (head := file.read(SIZE_BYTES)) and len(head) == SIZE_BYTES:
                 size = int.from_bytes(head, "big")
                 packed = file.read(size) if size <= MAX_BYTES else b""

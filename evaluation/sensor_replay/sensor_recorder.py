@@ -17,7 +17,7 @@ from handcart.backends.sensors.all_kinds import all_capabilities
 from handcart.evaluation.layers.layered_backend import Kind, LayeredBackend, provided_kind
 
 from .plain_readings import plain
-from .recording_file import BLOCK_PERIODS, FORMAT, SENSORS_FILE, write_block
+from .recording_file import BLOCK_PERIODS, FORMAT_HEADER, SENSORS_FILE, write_block
 
 WHOLE_ROBOT = -1
 """Number in place of a part's for commands to the whole robot: stop."""
@@ -45,7 +45,7 @@ class SensorRecorder(LayeredBackend):
         """Record into a run's folder, including what has passed up to now."""
         with self._losing():
             self._file = (folder / SENSORS_FILE).open("xb")
-            self._file.write(FORMAT)
+            self._file.write(FORMAT_HEADER)
             write_block(self._file, self._head())
 
     def _head(self) -> dict[str, Any]:

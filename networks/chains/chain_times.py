@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .chain_rows import ChainEnd, ChainRows
 
-WALKS = 10_000
+WALK_COUNT = 10_000
 MAX_WALK_STEPS = 4_000_000
 """Actions of all walks together; long runs have fewer walks."""
 _GOAL, _ENDED, _LOST = -1, -2, -3
@@ -44,7 +44,7 @@ def time_quantile(
         seed: seed of the walks.
         calls: True if a run ends in states that were not looked at.
     """
-    count = int(min(WALKS, max(100.0, MAX_WALK_STEPS / max(1.0, mean_actions))))
+    count = int(min(WALK_COUNT, max(100.0, MAX_WALK_STEPS / max(1.0, mean_actions))))
     walks = _Walks(count, np.random.default_rng([23, seed]))
     for rows in chains:
         walks.through(rows)

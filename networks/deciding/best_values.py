@@ -14,9 +14,9 @@ from .process import Process, ProcessOption
 from .situation_values import MAX_TIGHT_SITUATIONS, SituationValues
 from .state_rows import counters_of
 
-GAPS = (0.1, 1e-2, 8e-4, 1e-5, 1e-7, 1e-9)
+VALUE_GAPS = (0.1, 1e-2, 8e-4, 1e-5, 1e-7, 1e-9)
 """Differences of the bounds of a value, relative to it: reached one after the other, as the budget allows."""
-ENOUGH = 8e-4
+SUFFICIENT_GAP = 8e-4
 """Gap that may cost the whole budget."""
 FINER_SHARE = 0.15
 """Share of the rest that each smaller gap may cost: few decisions depend on it."""
@@ -67,16 +67,16 @@ class BestValues:
         """Return the best decision in a state, as exactly as the budget allows."""
         if self._is_spent and state not in self._settled:
             self._effort = Effort(LATER_STEPS)
-        for number in range(len(GAPS)):
+        for number in range(len(VALUE_GAPS)):
             if self._settled.get(state, -1) >= number:
                 continue
             self._gap, whole = number, self._effort
-            if GAPS[number] < ENOUGH:
+            if VALUE_GAPS[number] < SUFFICIENT_GAP:
                 self._effort = whole.part(FINER_SHARE)
             try:
                 self._settle_all(state)
             except TooMuch:
-                self._settled[state] = len(GAPS)
+                self._settled[state] = len(VALUE_GAPS)
             self._effort = whole
         self._is_spent = self._effort.left < LATER_STEPS
         return self.known(state)
@@ -126,7 +126,7 @@ class BestValues:
         search = self._search(root)
         if search is None:
             return self._settle_exactly(root)
-        needed = search.settle(root, GAPS[self._gap], self._effort, self._settled_bounds)
+        needed = search.settle(root, VALUE_GAPS[self._gap], self._effort, self._settled_bounds)
         if needed is None:
             self._settled[root] = self._gap
         return needed
@@ -177,8 +177,8 @@ class BestValues:
                     return each
             best = min(best, self._expected(options[number]))
         self._improve(root)
-        exact = self._low[root] >= self._high[root] * (1.0 - GAPS[-1])
-        self._settled[root] = len(GAPS) if exact else self._gap
+        exact = self._low[root] >= self._high[root] * (1.0 - VALUE_GAPS[-1])
+        self._settled[root] = len(VALUE_GAPS) if exact else self._gap
         return None
 
     def _is_settled(self, state: State) -> bool:

@@ -16,7 +16,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 from .process import Process
 from .situation_values import SituationValues
 from .state_rows import StateRows
-from .state_table import STOP, StateTable
+from .state_table import STOP_CHOICE, StateTable
 
 LOW_SWEEPS, HIGH_SWEEPS = 4, 5
 """Sweeps over all states for each round of the search."""
@@ -28,7 +28,7 @@ SLACK_SHARE = 0.05
 """Share of the gap by which the solution of a policy may miss the optimum and still bound it."""
 ROUND_STEPS, TRANSITION_STEPS, STATE_STEPS = 300.0, 0.012, 1.5
 """Effort of a round, of each transition in it, and of each new state."""
-CERTAINTY = 1.0 - 1e-13
+MAX_PROBABILITY = 1.0 - 1e-13
 """Factor of all probabilities, so that a policy that never ends has a solution, too: a very large one."""
 MAX_POLICY_STATES = 40_000
 """Likeliest states of the policy that are given out as known."""
@@ -138,7 +138,7 @@ class ComponentSearch:
             return None
         made = self._made()
         option, cost = int(made.options[number]), float(made.cost[number])
-        action = None if option == STOP else self._rows.actions[self._table.action(option)]
+        action = None if option == STOP_CHOICE else self._rows.actions[self._table.action(option)]
         return action, cost, min(cost, float(self._table.low[number]))
 
     def is_likely(self, state: State) -> bool:
@@ -215,7 +215,7 @@ class ComponentSearch:
         place[states] = np.arange(size)
         row, to, p = table.after(options[states])
         inside = place[to] >= 0
-        links = p[inside] * CERTAINTY, (row[inside], place[to[inside]])
+        links = p[inside] * MAX_PROBABILITY, (row[inside], place[to[inside]])
         factors = splu(
             (eye_array(size) - csc_array(links, shape=(size, size))).tocsc(),
             permc_spec="NATURAL",

@@ -15,7 +15,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 
 from .best_planner import chances_of
 from .best_policy import BestPolicy, PolicyName
-from .process import NEVER, Process
+from .process import MIN_PROBABILITY, Process
 
 VALUE_STEPS = 200_000
 """Budget of the figures that follow one state."""
@@ -58,7 +58,7 @@ class OptionValues:
         succeeded = process.after.successes(action, dict(here.fails), (), hopes)
         nexts = zip(process.endings(action), (*succeeded, *step.all_failed), strict=True)
         for (p, _), state in nexts:
-            if state is None or p <= NEVER:
+            if state is None or p <= MIN_PROBABILITY:
                 continue
             try:
                 after = self._after(state)

@@ -21,7 +21,7 @@ PRIOR_SUCCESS, PRIOR_FAIL, PRIOR_GIVE_UP = 1.0, 1.0, 0.1
 """Weights of the prior, as outcomes seen before: any probability of Success is as likely as another, and
 GiveUps are rare.
 """
-DRAWS = 200
+DRAW_COUNT = 200
 SURE_SHARE = 0.95
 """Share of draws in which a policy has to be better than the rule to be chosen."""
 RULE_STEPS = 100_000.0
@@ -118,7 +118,7 @@ def _drawn(counts: Sequence[OutcomeCounts | None], seed: int) -> list[list[Chanc
     """Return draws of all probabilities from the posterior."""
     draws = np.random.default_rng([29, seed])
     unique = {id(each): each for each in counts if each is not None}
-    rows = {key: draws.dirichlet(each.weights, DRAWS) for key, each in unique.items()}
+    rows = {key: draws.dirichlet(each.weights, DRAW_COUNT) for key, each in unique.items()}
 
     def chance(each: OutcomeCounts | None, number: int) -> Chance | None:
         if each is None:
@@ -126,4 +126,4 @@ def _drawn(counts: Sequence[OutcomeCounts | None], seed: int) -> list[list[Chanc
         success, _, give_up = rows[id(each)][number].tolist()
         return Chance(success, give_up)
 
-    return [[chance(each, number) for each in counts] for number in range(DRAWS)]
+    return [[chance(each, number) for each in counts] for number in range(DRAW_COUNT)]

@@ -12,7 +12,7 @@ from handcart.networks.chains.step_maker import Aftermath, State, Step
 from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action, ActionNetwork
 
-NEVER = 1e-12
+MIN_PROBABILITY = 1e-12
 """Probability below which something does not happen; sums of decimals are rounded."""
 
 
@@ -99,7 +99,7 @@ class Process:
         fails = dict(state.fails)
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]
-        failed, *by = self.after.fails(action, fails, chance is not None and chance.fail > NEVER)
+        failed, *by = self.after.fails(action, fails, chance is not None and chance.fail > MIN_PROBABILITY)
         return Step(action, succeeded, failed, failed_by=tuple(by))
 
     def _option(self, state: State, action: Action, fails: dict[int, int]) -> ProcessOption:

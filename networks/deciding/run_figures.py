@@ -15,8 +15,8 @@ from handcart.networks.chains.policy_chain import Chain, policy_chain
 from .process import Process
 
 NO_QUANTILE = Quantile(math.nan, math.nan)
-STOPS = (ChainEnd.NO_WAY, ChainEnd.GIVE_UP)
-CALLS = (*STOPS, ChainEnd.UNKNOWN)
+STOP_ENDS = (ChainEnd.NO_WAY, ChainEnd.GIVE_UP)
+CALL_ENDS = (*STOP_ENDS, ChainEnd.UNKNOWN)
 """Ends that cost a person's time if a person is called in states that were not looked at."""
 
 
@@ -75,7 +75,7 @@ def best_figures(process: Process, policy: Policy, name: str, walks: bool = True
     chain = policy_chain(policy, process.chances)
     ends = chain.ends
     mean = ends.total().first
-    price = _price(process, _Part(chain, 1.0, tuple(process.network.situations)), CALLS)
+    price = _price(process, _Part(chain, 1.0, tuple(process.network.situations)), CALL_ENDS)
     quantile = NO_QUANTILE
     if walks:
         quantile = time_quantile([chain.rows], sum(chain.starts), calls=True)
@@ -89,7 +89,7 @@ def _parts(forecaster: Forecaster) -> Iterator[_Part]:
         comes *= chain.ends.goal.p + chain.ends.skipped.p
 
 
-def _price(process: Process, part: _Part, stopping: Collection[ChainEnd] = STOPS) -> float:
+def _price(process: Process, part: _Part, stopping: Collection[ChainEnd] = STOP_ENDS) -> float:
     """Return the price of one part of the runs, in [s].
 
     Args:

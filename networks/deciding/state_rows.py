@@ -12,9 +12,9 @@ from handcart.networks.graph.attempts import MAX_ATTEMPTS
 from handcart.networks.graph.network import Action
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, Uint16Array
 
-from .process import NEVER, Process
+from .process import MIN_PROBABILITY, Process
 
-GOAL = -1
+GOAL_ROW = -1
 _Ending = tuple[float, int, bool]
 """Probability, place of the situation, and whether it follows a Fail."""
 
@@ -58,7 +58,7 @@ class StateRows:
         """Situations of the component, followed by those just beyond it."""
         self.inside = len(inside)
         """Number of situations in the component."""
-        self._place = {name: place for place, name in enumerate(self.names)} | {network.goal: GOAL}
+        self._place = {name: place for place, name in enumerate(self.names)} | {network.goal: GOAL_ROW}
         self.counters = [*counters_of(process, part), *carried]
         self._column = {counter: column for column, counter in enumerate(self.counters)}
         self._keeps = self._kept()
@@ -94,7 +94,7 @@ class StateRows:
         """Pad the endings of all actions to the same number."""
         most = max(map(len, endings), default=0)
         shape = len(endings), most
-        self._p, self._to, self._fails = np.zeros(shape), np.full(shape, GOAL), np.zeros(shape, bool)
+        self._p, self._to, self._fails = np.zeros(shape), np.full(shape, GOAL_ROW), np.zeros(shape, bool)
         for place, each in enumerate(endings):
             for number, (p, to, fails) in enumerate(each):
                 self._p[place, number], self._to[place, number] = p, to
@@ -134,7 +134,7 @@ class StateRows:
         usable = fails < self._most[action]
         state, action, counts, fails = state[usable], action[usable], counts[usable], fails[usable]
         failed = counts + (fails < self._last[action])
-        option, number = np.nonzero((self._p[action] > 0.0) & (self._to[action] != GOAL))
+        option, number = np.nonzero((self._p[action] > 0.0) & (self._to[action] != GOAL_ROW))
         after = rows[state[option]]
         acts = action[option]
         at_fail = self._fails[acts, number]
@@ -161,7 +161,7 @@ def _endings(process: Process, action: Action) -> list[tuple[float, str, bool]]:
     """Return the situations that an action may lead to, with probability and whether it is a Fail."""
     first_fail = 1 + len(action.others)
     found = [(p, to, number >= first_fail) for number, (p, to) in enumerate(process.endings(action))]
-    return [each for each in found if each[0] > NEVER]
+    return [each for each in found if each[0] > MIN_PROBABILITY]
 
 
 def counters_of(process: Process, part: int) -> list[int]:

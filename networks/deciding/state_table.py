@@ -13,7 +13,7 @@ from .growing_array import GrowingArray
 from .situation_values import SituationValues
 from .state_rows import StateRows
 
-STOP = -1
+STOP_CHOICE = -1
 """Choice of calling a person."""
 
 
@@ -23,7 +23,7 @@ class Choices(NamedTuple):
     cost: FloatArray
     """(states,) least expected cost, in [s]; infinite for states that were not expanded."""
     option: IntArray
-    """(states,) number of the option, or `STOP`."""
+    """(states,) number of the option, or `STOP_CHOICE`."""
 
 
 class StateTable:
@@ -146,7 +146,7 @@ class StateTable:
 
     def choices(self, values: FloatArray) -> Choices:
         """Return the best option of each state, with the values (states,) of what follows in [s]."""
-        cost, option = np.full(len(values), np.inf), np.full(len(values), STOP)
+        cost, option = np.full(len(values), np.inf), np.full(len(values), STOP_CHOICE)
         expanded = self.expanded
         cost[expanded] = self.stop[expanded]
         if len(self._first.all):
@@ -155,7 +155,7 @@ class StateTable:
             least[self._order.all] = np.minimum.reduceat(priced, self._first.all)
             best = np.flatnonzero(priced <= least[self._state.all])[::-1]
             option[self._state.all[best]] = best
-            option[least >= self.stop] = STOP
+            option[least >= self.stop] = STOP_CHOICE
             cost = np.minimum(cost, least)
         return Choices(cost, option)
 
@@ -194,7 +194,7 @@ class StateTable:
         Returns:
             Place of its option in `options`, state that follows, and probability if the state is left.
         """
-        acting = np.flatnonzero(options != STOP)
+        acting = np.flatnonzero(options != STOP_CHOICE)
         chosen = options[acting]
         begin, end = self._ends.all[chosen], self._ends.all[chosen + 1]
         count = end - begin
@@ -209,6 +209,6 @@ class StateTable:
     def prices(self, states: IntArray, options: IntArray) -> FloatArray:
         """Return what states (n,) cost until they are left by options (n,), or by stopping, in [s]."""
         cost = self.stop[states].copy()
-        acts = options != STOP
+        acts = options != STOP_CHOICE
         cost[acts] = self._price.all[options[acts]] / self._left.all[options[acts]]
         return cost

@@ -16,7 +16,7 @@ from .text_width import text_width
 
 NAME, SMALL = 12.0, 11.0  # sizes of letters, all in [px]
 LINE, PAD, LEAST, MARGIN = 16.0, 9.0, 60.0, 14.0
-SPARE = 1.05  # share by which a long line may be wider than estimated
+LINE_WIDTH_RATIO = 1.05  # share by which a long line may be wider than estimated
 OUTCOME_WORDS = {"Success": "Success", "Fail": "Fail", "GiveUp": "GiveUp", "": "no end"}
 LEGEND_LINES = (
     "Rounded: situations with their facts. Square: actions with cost and parameters.",
@@ -134,7 +134,7 @@ def draw_network(
         Text(MARGIN, top + drawn.height + LINE * number + PAD, words, SMALL, False, False)
         for number, words in enumerate(legend, start=1)
     ]
-    width = max([drawn.width, *(SPARE * text.width for text in (*head, *feet))]) + 2 * MARGIN
+    width = max([drawn.width, *(LINE_WIDTH_RATIO * text.width for text in (*head, *feet))]) + 2 * MARGIN
     height = top + drawn.height + MARGIN + (LINE * len(legend) + PAD if legend else 0.0)
     return NetworkPicture(width, height, moved.frames, moved.boxes, moved.links, [*head, *feet])
 

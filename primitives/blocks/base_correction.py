@@ -183,7 +183,7 @@ class OnRobot(FixOnce):
         return goal.pose
 
 
-CORRECTIONS: Mapping[Method, type[FixOnce]] = {
+METHOD_CORRECTIONS: Mapping[Method, type[FixOnce]] = {
     "fix_once": FixOnce,
     "model": ByModel,
     "imu": ByImu,

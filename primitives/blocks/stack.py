@@ -31,7 +31,7 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
 
-from .base_correction import CORRECTIONS, FixOnce, Method, OnRobot, fixation
+from .base_correction import METHOD_CORRECTIONS, FixOnce, Method, OnRobot, fixation
 from .block_view import see_block
 from .building import Building, LandmarkPlan
 from .building_site import VIEW_DISTANCE_M, building, surroundings
@@ -134,7 +134,7 @@ class Stack(ActionPrimitive):
 
     def _begun(self, robot: Robot) -> FixOnce:
         """Return the correction of an attempt; raise `Discrepancy` if the robot lacks a sensor for it."""
-        chosen = CORRECTIONS[self.method]
+        chosen = METHOD_CORRECTIONS[self.method]
         if chosen.needs_imu and robot.spec.imu is None:
             raise Discrepancy(
                 f"the method {self.method} needs inertial sensors", permanent=True, cause=causes.UNSUITABLE

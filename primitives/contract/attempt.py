@@ -15,7 +15,7 @@ from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES, Cause, kind_of
 from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
-from handcart.primitives.outcomes.residual import UNMOVED
+from handcart.primitives.outcomes.residual import NOT_MOVED
 from handcart.primitives.restoring.arm_command import rejoin
 from handcart.primitives.restoring.back_off import back_off
 from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
@@ -88,7 +88,7 @@ def attempt(
     except Exception as early:  # nothing was commanded yet
         robot.stop()
         primitive.evidence.blame(early)
-        return fail_if_restored(_words(early), getattr(early, "permanent", False), UNMOVED, kind_of(early))
+        return fail_if_restored(_words(early), getattr(early, "permanent", False), NOT_MOVED, kind_of(early))
     if not rests or robot.localization.displacements > displaced:
         robot.stop()
         return _not_begun(primitive, robot, rests)
@@ -161,11 +161,11 @@ def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Gener
     except Discrepancy as discrepancy:
         primitive.evidence.blame(discrepancy)
         reason, permanent = discrepancy.reason, discrepancy.permanent
-        return fail_if_restored(reason, permanent, UNMOVED, discrepancy.cause)
+        return fail_if_restored(reason, permanent, NOT_MOVED, discrepancy.cause)
     except Exception as error:  # a fault of the primitive's own code
         primitive.evidence.blame(error)
         primitive.found(traceback=traceback.format_exc())
-        return fail_if_restored(_words(error), False, UNMOVED, kind_of(error))
+        return fail_if_restored(_words(error), False, NOT_MOVED, kind_of(error))
 
 
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:

@@ -10,7 +10,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 
-TOLERANCE = PoseTolerance(position=0.10, heading=0.1)
+TURN_TOLERANCE = PoseTolerance(position=0.10, heading=0.1)
 TIMEOUT_S = 15.0
 STILL_S = 1.0  # without turning on, from where the base counts as held
 LEAST_RAD = 0.02  # of a turn in that time
@@ -19,7 +19,7 @@ LEAST_RAD = 0.02  # of a turn in that time
 def turn_by(robot: Robot, angle: float) -> Generator[None, None, bool]:
     """Turn by an angle in [rad]; return whether the base has turned so far."""
     here = np.array([[robot.pose.x, robot.pose.y]])
-    tracker = make_tracker(here, robot.pose.theta + angle, robot.drive_limits, tolerance=TOLERANCE)
+    tracker = make_tracker(here, robot.pose.theta + angle, robot.drive_limits, tolerance=TURN_TOLERANCE)
     end, since, last = robot.time + TIMEOUT_S, robot.time, robot.pose
     while not tracker.finished(robot.pose):
         if last.turn(robot.pose) > LEAST_RAD:

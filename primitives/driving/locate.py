@@ -46,7 +46,9 @@ MAX_LOOKS = 40
 MAX_TURN_LOOKS = 3  # turns on the spot at the start, of a lidar that does not see all around
 ALL_AROUND_RAD = math.radians(300.0)  # of view, from where turning on the spot shows nothing new
 MAX_POSITION_SIGMA_M, MAX_HEADING_SIGMA_RAD = 0.10, math.radians(2.0)  # of a pose that is found
-PRIOR = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of the best hypothesis, before its scan is matched
+PRIOR_COVARIANCE = (
+    np.diag([0.3, 0.3, 0.17]) ** 2
+)  # [m², rad²] of the best hypothesis, before its scan is matched
 SEARCH_S = 1.0  # of the robot's time, for one search of the map
 NAMED_HYPOTHESES = 4
 
@@ -240,7 +242,7 @@ class Locate(ActionPrimitive):
     def _matched(self, robot: Robot, near: Pose2) -> ScanMatch:
         assert self._field is not None
         points = robot.range_sensor.scan().points()
-        return match_scan(self._field, points, near, PRIOR, range_noise(robot.spec))
+        return match_scan(self._field, points, near, PRIOR_COVARIANCE, range_noise(robot.spec))
 
     def _undecided(self, hypotheses: Hypotheses, driven: float) -> Discrepancy:
         """Return the permanent Discrepancy that no single place is left, with the places named."""

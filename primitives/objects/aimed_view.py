@@ -21,7 +21,7 @@ VERTICAL_COSINE = 0.99  # of the angle between a joint's axis and the vertical
 SIGHT_WIDTH_M = 0.10  # around the line from the camera to the point
 NEAR_CAMERA_M = 0.15  # that may be the head's own bodies
 NEAR_POINT_M = 0.02  # over the point, where sight may touch what is looked at
-SIGHT = "sight"
+SIGHT_LINK = "sight"
 
 
 def aimed_joints(
@@ -105,5 +105,5 @@ def _is_hidden(
     pose[:3, 0] /= np.linalg.norm(pose[:3, 0])
     pose[:3, 1] = np.cross(pose[:3, 2], pose[:3, 0])
     pose[:3, 3] = base_T_camera[:3, 3] + line / length * (near + length - far) / 2
-    sight = Box(pose, (SIGHT_WIDTH_M, SIGHT_WIDTH_M, length - near - far), SIGHT)
+    sight = Box(pose, (SIGHT_WIDTH_M, SIGHT_WIDTH_M, length - near - far), SIGHT_LINK)
     return collision.touches(joints, sight)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.description.printed_tag import CORNERS
+from handcart.backends.description.printed_tag import UNIT_TAG_CORNERS
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
@@ -55,7 +55,9 @@ def read_objects(
                 continue
             name, tag = owners[family, read.id]
             object_T_tag = tag.on_box(file.kind_of(name).size)
-            view = TagView(camera, base_T_camera, read.corners, apply(object_T_tag, CORNERS * tag.side))
+            view = TagView(
+                camera, base_T_camera, read.corners, apply(object_T_tag, UNIT_TAG_CORNERS * tag.side)
+            )
             poses = tag_poses(read, camera, tag.side)
             found.append(ReadTag(read, label, name, view, _likelier(poses, base_T_camera, object_T_tag)))
     return found

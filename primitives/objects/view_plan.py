@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
-from handcart.backends.robot.mounted_camera import HAND
+from handcart.backends.robot.mounted_camera import HAND_LINK
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
@@ -104,7 +104,7 @@ def view_joints(
         distances: from the camera to the point, in [m], the best ones first; a camera that is not on the
             hand cannot choose.
     """
-    if robot.view_camera.carrier != HAND:
+    if robot.view_camera.carrier != HAND_LINK:
         return aimed_joints(robot, collision, point, towards)
     camera_T_hand = inverse(robot.camera.hand_T_camera)
     here = robot.arm.command()

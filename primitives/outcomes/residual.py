@@ -138,7 +138,7 @@ class Residuals(Mapping[str, float]):
         return f"Residuals({self.words})"
 
 
-UNMOVED = Residuals()
+NOT_MOVED = Residuals()
 """Residuals of a robot that was not commanded to move: there is nothing to compare."""
 
 

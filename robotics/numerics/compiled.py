@@ -45,7 +45,7 @@ class Kernel:
         """Prepare a function for numba without compiling it; `options` are numba's."""
         update_wrapper(self, function)
         self._function, self._options = function, dict(options or {})
-        KERNELS.add(self)
+        ALL_KERNELS.add(self)
 
     @cached_property
     def dispatcher(self) -> Any:
@@ -77,7 +77,7 @@ class Kernel:
         return (Kernel, (self._function, self._options)) if "<locals>" in name else name
 
 
-KERNELS: WeakSet[Kernel] = WeakSet()
+ALL_KERNELS: WeakSet[Kernel] = WeakSet()
 """All functions that are compiled on their first call, of the modules imported so far."""
 
 

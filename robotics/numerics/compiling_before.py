@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from handcart.robotics.numerics.compiled import COMPILED_AHEAD, KERNELS, Kernel
+from handcart.robotics.numerics.compiled import ALL_KERNELS, COMPILED_AHEAD, Kernel
 from handcart.robotics.numerics.compiling_ahead import compile_modules
 
 
@@ -18,10 +18,10 @@ def compile_before() -> int:
         The number of functions that are ready.
     """
     compile_modules(list(COMPILED_AHEAD))
-    for kernel in list(KERNELS):
+    for kernel in list(ALL_KERNELS):
         with suppress(AttributeError, OSError):  # numba keeps its cache to itself, and may keep it otherwise
             _load_cached(kernel)
-    return sum(bool(kernel.dispatcher.overloads) for kernel in list(KERNELS))
+    return sum(bool(kernel.dispatcher.overloads) for kernel in list(ALL_KERNELS))
 
 
 def _load_cached(kernel: Kernel) -> None:

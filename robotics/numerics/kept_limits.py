@@ -8,8 +8,8 @@ from .arrays import FloatArray
 
 BEYOND_3_SIGMA = 0.0026998  # share of normally distributed errors
 MIN_SIGMA_RATIO = 0.02  # of the bound: noise of less changes nothing
-BISECTIONS = 24
-FREQUENCIES = 600  # at which the characteristic function is evaluated, up to 6 / sigma
+BISECTION_COUNT = 24
+FREQUENCY_COUNT = 600  # at which the characteristic function is evaluated, up to 6 / sigma
 
 
 def uniform_limits(bounds: FloatArray, sigmas: FloatArray) -> FloatArray:
@@ -23,13 +23,13 @@ def uniform_limits(bounds: FloatArray, sigmas: FloatArray) -> FloatArray:
     """
     total = bounds.sum(axis=1)
     spread = np.maximum(np.maximum(sigmas, MIN_SIGMA_RATIO * total), 1e-12)
-    at = (np.arange(FREQUENCIES) + 0.5) * (6.0 / FREQUENCIES) / spread[:, None]
+    at = (np.arange(FREQUENCY_COUNT) + 0.5) * (6.0 / FREQUENCY_COUNT) / spread[:, None]
     values = np.exp(-0.5 * (at * spread[:, None]) ** 2)
     for each in bounds.T:
         values = values * np.sinc(at * each[:, None] / np.pi)
-    step = (6.0 / FREQUENCIES) / spread
+    step = (6.0 / FREQUENCY_COUNT) / spread
     low, high = np.zeros(len(total)), total + 4.0 * spread
-    for _ in range(BISECTIONS):
+    for _ in range(BISECTION_COUNT):
         middle = 0.5 * (low + high)
         within = (np.sin(at * middle[:, None]) / at * values).sum(axis=1) * step * (2.0 / np.pi)
         too_low = 1.0 - within > BEYOND_3_SIGMA

@@ -20,7 +20,7 @@ def node(
     """Start runs when a service of ROS 2 is called, one at a time, until Ctrl-C; that ends no run."""
     from handcart.backends.ros2.wire.ros_link import node_name
     from handcart.backends.ros2.wire.serving_link import RosServingLink
-    from handcart.evaluation.viewing.node.door import PREFIX
+    from handcart.evaluation.viewing.node.door import SERVICE_PREFIX
     from handcart.files.errors import FileError
     from handcart.networks.task.preparing import check
     from handcart.tasks.task_names import task_path
@@ -37,10 +37,10 @@ def node(
     words = [word for key, value in options.items() if value for word in (key, value)]
     link = RosServingLink(node_name("desk"), namespace)
     desk, over, last = RunDesk(named, runs, words), AskedToEnd(), ""
-    publish = link.latched("std_msgs/String", f"{PREFIX}/desk")
+    publish = link.latched("std_msgs/String", f"{SERVICE_PREFIX}/desk")
     desk.offer(link)
     for name in named:
-        print(f"ros2 service call {namespace}/{PREFIX}/run/{name} std_srvs/srv/Trigger", flush=True)
+        print(f"ros2 service call {namespace}/{SERVICE_PREFIX}/run/{name} std_srvs/srv/Trigger", flush=True)
     try:
         while not over:
             text = state_text(desk.state())

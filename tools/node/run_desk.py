@@ -14,7 +14,7 @@ from typing import IO, Any, NamedTuple
 import orjson
 
 from handcart.backends.ros2.wire.serving_link import Answer, ServingLink
-from handcart.evaluation.viewing.node.door import PREFIX
+from handcart.evaluation.viewing.node.door import SERVICE_PREFIX
 from handcart.files.errors import HandcartError
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.operator.acknowledging import acknowledge, cause_of
@@ -77,8 +77,8 @@ class RunDesk:
     def offer(self, link: ServingLink) -> None:
         """Offer all services."""
         for name in self._tasks:
-            link.serve(f"{PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
-        link.serve(f"{PREFIX}/acknowledge", self.acknowledge)
+            link.serve(f"{SERVICE_PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
+        link.serve(f"{SERVICE_PREFIX}/acknowledge", self.acknowledge)
 
     def state(self) -> dict[str, Any]:
         """Return the offered tasks, the running run, and what waits for a person; people read it now."""
@@ -113,7 +113,7 @@ class RunDesk:
         if waits is None:
             return Answer(False, "no run waits for a person")
         if self._clock() - since < READ_S:
-            return Answer(False, f"its reason is new; read it in {PREFIX}/desk, and call again")
+            return Answer(False, f"its reason is new; read it in {SERVICE_PREFIX}/desk, and call again")
         try:
             return Answer(True, acknowledge(waits.run, waits.record, waits.cause))
         except HandcartError as error:

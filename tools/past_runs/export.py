@@ -44,15 +44,15 @@ def _task(path: Path, to: str, file: Path | None) -> None:
     """Write a task in a format; without a file to stdout."""
     import sys
 
-    from handcart.evaluation.interchange.exporting import FORMATS, exported
+    from handcart.evaluation.interchange.exporting import FORMAT_WRITERS, exported
     from handcart.files.printable import printable
     from handcart.files.suggest import suggest
     from handcart.networks.task.task_file import load_task
     from handcart.tasks.task_names import task_path
     from handcart.tools.terminal.writing import write_text
 
-    if to not in FORMATS:
-        raise typer.BadParameter(f"unknown format {to!r}{suggest(to, FORMATS)}")
+    if to not in FORMAT_WRITERS:
+        raise typer.BadParameter(f"unknown format {to!r}{suggest(to, FORMAT_WRITERS)}")
     text, lost = exported(load_task(task_path(path)), to)
     for each in lost:
         print(printable(f"{path}: kept, but not carried out: {each}"), file=sys.stderr)

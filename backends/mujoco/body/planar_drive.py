@@ -13,8 +13,8 @@ from handcart.backends.physics.body.robot_body import PlanarDrive
 from handcart.robotics.numerics.arrays import FloatArray
 
 SITE_NAME = "planar drive"
-AXES = ("ahead", "left", "turn")
-GEARS = ((1, 0, 0, 0, 0, 0), (0, 1, 0, 0, 0, 0), (0, 0, 0, 0, 0, 1))
+DRIVE_AXES = ("ahead", "left", "turn")
+AXIS_GEARS = ((1, 0, 0, 0, 0, 0), (0, 1, 0, 0, 0, 0), (0, 0, 0, 0, 0, 1))
 CATCHES_UP_S = 0.005
 """Time constant in which the base comes to a commanded speed, unless the limits of the drive hold."""
 
@@ -25,7 +25,7 @@ class MujocoPlanarDrive(PlanarDrive):
     def __init__(self, engine: MujocoEngine, mass: float, inertia: float, prefix: str) -> None:
         """Drive a base of a mass in [kg] and an inertia in [kg m²] about the vertical."""
         self._engine = engine
-        self._numbers = [int(engine.model.actuator(prefix + _name(axis)).id) for axis in AXES]
+        self._numbers = [int(engine.model.actuator(prefix + _name(axis)).id) for axis in DRIVE_AXES]
         self._gain = np.array([mass, mass, inertia]) / CATCHES_UP_S
 
     @override
@@ -45,7 +45,7 @@ class MujocoPlanarDrive(PlanarDrive):
 def add_planar_drive(robot: Any) -> None:
     """Add the servos to the `MjSpec` of a robot; they do nothing yet."""
     robot.body("base").add_site(name=SITE_NAME)
-    for axis, gear in zip(AXES, GEARS, strict=True):
+    for axis, gear in zip(DRIVE_AXES, AXIS_GEARS, strict=True):
         servo = robot.add_actuator(name=_name(axis), target=SITE_NAME)
         servo.trntype = mujoco().mjtTrn.mjTRN_SITE
         servo.biastype = mujoco().mjtBias.mjBIAS_AFFINE

@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .thing_form import BOX_FACES, BOX_NORMALS, Uvs
 
-STRIPS = 24  # of a cylinder's side; even
+CYLINDER_STRIP_COUNT = 24  # of a cylinder's side; even
 UPPER, LOWER = 4, 5  # numbers of the faces +z and -z
 
 
@@ -37,24 +37,24 @@ def form_mesh(size: Sequence[float], uvs: Sequence[Uvs], is_round: bool) -> Form
     half = np.array(size) / 2
     if not is_round:
         return FormMesh(BOX_FACES * half, BOX_NORMALS, np.array(uvs, dtype=np.float64))
-    angles = np.arange(STRIPS) * (2.0 * np.pi / STRIPS)
+    angles = np.arange(CYLINDER_STRIP_COUNT) * (2.0 * np.pi / CYLINDER_STRIP_COUNT)
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     following = np.roll(ring, -1, axis=0)
-    low, high = np.full((STRIPS, 1), -1.0), np.full((STRIPS, 1), 1.0)
+    low, high = np.full((CYLINDER_STRIP_COUNT, 1), -1.0), np.full((CYLINDER_STRIP_COUNT, 1), 1.0)
     sides = [np.hstack(each) for each in ((ring, low), (following, low), (following, high), (ring, high))]
     middles = (ring + following) / np.linalg.norm(ring + following, axis=1, keepdims=True)
-    fan = np.array([(0, 2 * k + 1, 2 * k + 2, 2 * k + 3) for k in range((STRIPS - 2) // 2)])
+    fan = np.array([(0, 2 * k + 1, 2 * k + 2, 2 * k + 3) for k in range((CYLINDER_STRIP_COUNT - 2) // 2)])
     ends = np.dstack([ring[fan], np.ones(fan.shape)])
     others = np.dstack([ring[fan[:, ::-1]], -np.ones(fan.shape)])
     corners = np.concatenate([np.stack(sides, axis=1), ends, others]) * half
     normals = np.concatenate(
         [
-            np.column_stack([middles, np.zeros(STRIPS)]),
+            np.column_stack([middles, np.zeros(CYLINDER_STRIP_COUNT)]),
             np.tile([0.0, 0.0, 1.0], (len(fan), 1)),
             np.tile([0.0, 0.0, -1.0], (len(fan), 1)),
         ]
     )
-    plain = np.tile(np.array(uvs[0]).mean(axis=0), (STRIPS, 4, 1))
+    plain = np.tile(np.array(uvs[0]).mean(axis=0), (CYLINDER_STRIP_COUNT, 4, 1))
     places = [plain, _on_end(ends, uvs[UPPER]), _on_end(others * (1.0, -1.0, 1.0), uvs[LOWER])]
     return FormMesh(corners, normals, np.concatenate(places))
 

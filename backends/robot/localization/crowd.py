@@ -25,7 +25,7 @@ MIN_INLIER_SHARE = 0.7  # of points that the map explains, below which the pose 
 CLEAR_DIFFERENCE = 0.02  # of two disagreements, from which a motion explains the scan better
 SMALL_MOTION_M, SMALL_TURN_RAD = 0.04, 0.02  # up to which beams still see the same surfaces
 RANGE_SIGMA_M = 0.01  # of a range; only sets how many beams are needed
-NOBODY = np.empty((0, 3))
+NO_DISCS = np.empty((0, 3))
 
 
 class Crowd:
@@ -36,7 +36,7 @@ class Crowd:
 
     def __init__(self) -> None:
         """Start without people."""
-        self._discs = NOBODY
+        self._discs = NO_DISCS
         self._ranges = np.empty(0)
         """(n,) scan with which the base came to rest, in [m]."""
         self._is_near = False
@@ -53,7 +53,7 @@ class Crowd:
 
     def passed(self) -> None:
         """Forget where people are: a period has passed."""
-        self._discs = NOBODY
+        self._discs = NO_DISCS
 
     def moved(self) -> None:
         """Note that the base moves."""

@@ -18,7 +18,7 @@ from .air_finding import AirFinding
 
 MAX_RAY_ERROR_PX = 5.0
 """Distance between where both models see the same ray."""
-RECTIFIED = "rect"
+RECTIFIED_TOPIC_PART = "rect"
 
 
 def camera_info_findings(robot: RobotFile, spec: RosCameraSpec, message: Any) -> Iterator[AirFinding]:
@@ -44,7 +44,7 @@ def camera_info_findings(robot: RobotFile, spec: RosCameraSpec, message: Any) ->
         )
         yield AirFinding(place, f"{topic}: calibrated for {sizes}")
     else:
-        yield from _lens_findings(place, topic, ours, message, RECTIFIED in spec.topic)
+        yield from _lens_findings(place, topic, ours, message, RECTIFIED_TOPIC_PART in spec.topic)
 
 
 def _lens_findings(

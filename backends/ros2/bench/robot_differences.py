@@ -10,7 +10,7 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 
-TIMEOUT = "timeout"
+TIMEOUT_NAME = "timeout"
 FIXED_NAMES = {
     "velocity.forward": "factor of the speed that the base drives for a commanded one",
     "velocity.sideways": "the same, sideways",
@@ -20,10 +20,10 @@ FIXED_NAMES = {
     "gripper": "factor of the fingers' positions in ROS",
     "scan": "factor of the lidar's ranges",
     "imu": "factor of the inertial unit's accelerations",
-    TIMEOUT: "time in [s] for which the base keeps its last speeds",
+    TIMEOUT_NAME: "time in [s] for which the base keeps its last speeds",
 }
 """Differences by name; a joint's name, or `state.` and a joint's name, is the factor of its positions."""
-STATE = "state."
+STATE_PREFIX = "state."
 
 
 class RobotDifferences:
@@ -41,7 +41,7 @@ class RobotDifferences:
             InputError: a name or a number is wrong; all of them at once.
         """
         joints = () if robot.arm is None else robot.arm.joints
-        allowed = [*FIXED_NAMES, *joints, *(STATE + each for each in joints)]
+        allowed = [*FIXED_NAMES, *joints, *(STATE_PREFIX + each for each in joints)]
         found, wrong = dict[str, float](), list[str]()
         for each in words:
             name, _, value = each.partition("=")
@@ -52,7 +52,7 @@ class RobotDifferences:
                 number = float(value)
             except ValueError:
                 number = math.nan
-            if not math.isfinite(number) or number == 0.0 or (name == TIMEOUT and number < 0.0):
+            if not math.isfinite(number) or number == 0.0 or (name == TIMEOUT_NAME and number < 0.0):
                 wrong.append(f"{each!r}: allowed: NAME=FACTOR, a finite number other than 0")
             found[name] = number
         if wrong:
@@ -65,8 +65,8 @@ class RobotDifferences:
 
     def state_factor(self, joint: str) -> float:
         """Return the factor by which the bench scales a joint's published reading."""
-        return self.factor(joint) * self.factor(STATE + joint)
+        return self.factor(joint) * self.factor(STATE_PREFIX + joint)
 
     def timeout(self, usual: float) -> float:
         """Return the time in [s] for which the base keeps its last speeds without a new command."""
-        return self._factors.get(TIMEOUT, usual)
+        return self._factors.get(TIMEOUT_NAME, usual)

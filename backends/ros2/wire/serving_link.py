@@ -12,7 +12,7 @@ from .ros_errors import NoRos
 from .ros_link import RosLink, Take
 
 DIAGNOSTICS_TOPIC = "/diagnostics"
-THREADS = 4
+SERVICE_THREAD_COUNT = 4
 """Threads that answer services."""
 
 
@@ -54,7 +54,7 @@ class RosServingLink(RosLink, ServingLink):
     @override
     def _new_executor(self, executors: Any) -> Any:
         # By default it has a thread for each core: with one core a stop would wait behind another answer.
-        return executors.MultiThreadedExecutor(THREADS, context=self._context)
+        return executors.MultiThreadedExecutor(SERVICE_THREAD_COUNT, context=self._context)
 
     @override
     def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:

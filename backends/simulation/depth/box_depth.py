@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray, IntArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 NEAREST_M = 0.005
-PARALLEL = 1e-12
+MIN_RAY_COMPONENT = 1e-12
 NOTHING, FLOOR = -2, -1
 """Numbers of what a pixel shows that is not one of the boxes."""
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -73,7 +73,7 @@ class BoxDepth:
         turn, half = camera_T_box[:3, :3], np.array(size) / 2
         start = -turn.T @ camera_T_box[:3, 3]
         ways = self._rays[window] @ turn
-        ways = np.where(np.abs(ways) < PARALLEL, PARALLEL, ways)
+        ways = np.where(np.abs(ways) < MIN_RAY_COMPONENT, MIN_RAY_COMPONENT, ways)
         enter, leave = cut(start, ways, half)
         hit = (enter <= leave) & (enter > NEAREST_M) & (enter < depth[window])
         depth[window] = np.where(hit, enter, depth[window])

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
-from handcart.backends.description.printed_tag import CORNERS, FACE_AXES, Face, PrintedTag
+from handcart.backends.description.printed_tag import FACE_AXES, UNIT_TAG_CORNERS, Face, PrintedTag
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.landmarks.tag_family import dictionary, modules_of
@@ -49,7 +49,7 @@ def _print(picture: ByteArray, tag: PrintedTag) -> None:
     sheet = np.pad(ink, quiet, constant_values=PAPER)
     height, width = picture.shape
     flat = inverse(PrintedTag(id=0, side_mm=1.0, face=tag.face).on_box((0.0, 0.0, 0.0)))
-    spots = apply(flat @ tag.on_box((0.0, 0.0, 0.0)), CORNERS * tag.side_mm / 1e3) * 1e3 * PX_PER_MM
+    spots = apply(flat @ tag.on_box((0.0, 0.0, 0.0)), UNIT_TAG_CORNERS * tag.side_mm / 1e3) * 1e3 * PX_PER_MM
     goals = np.column_stack([width / 2 + spots[:, 0], height / 2 - spots[:, 1]]) - 0.5
     sources = np.array([[0, 0], [black, 0], [black, black], [0, black]]) + quiet - 0.5
     homography = np.asarray(

@@ -43,7 +43,7 @@ _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
 
 
 ROUND_STRIPS = 24  # of a cylinder's side
-INSCRIBED = float(np.sqrt(0.5))  # of a circle's diameter: side of the square within
+INSCRIBED_SQUARE_RATIO = float(np.sqrt(0.5))  # of a circle's diameter: side of the square within
 
 
 class Painted(NamedTuple):
@@ -89,11 +89,13 @@ def _round_thing(canvas: Canvas, thing: Thing) -> None:
         if canvas.seen_from_front(corners[0] @ turn + place, normal @ turn):
             share = _SHADE[4] + (_SHADE[5] - _SHADE[4]) * (1.0 + float((normal @ turn)[2])) / 2
             canvas.polygon(corners @ turn + place, min(255, round(thing.grey * share)))
-    inner = Box(box.pose, (box.size[0] * INSCRIBED, box.size[1] * INSCRIBED, box.size[2]))
+    inner = Box(
+        box.pose, (box.size[0] * INSCRIBED_SQUARE_RATIO, box.size[1] * INSCRIBED_SQUARE_RATIO, box.size[2])
+    )
     for side, picture in thing.faces().items():
         face, (width, height) = picture_frame(side, inner)
         if canvas.seen_from_front(face[:3, 3], -face[:3, 2]):
-            rows, columns = (round(each * (1.0 - INSCRIBED) / 2) for each in picture.shape)
+            rows, columns = (round(each * (1.0 - INSCRIBED_SQUARE_RATIO) / 2) for each in picture.shape)
             middle = picture[rows : picture.shape[0] - rows, columns : picture.shape[1] - columns]
             canvas.texture(picture_levels(middle, width, height), face)
 

@@ -11,7 +11,7 @@ from handcart.evaluation.bringup.rung import Facts, Rung, RungFailed
 
 from .ros_site import RosSite
 
-SHARES = (0.3, 0.6)
+OPENING_RATIOS = (0.3, 0.6)
 """Openings that are tried, relative to the full one."""
 SLACK_M, MAX_ERROR = 0.003, 0.1
 SETTLE_S = 2.0
@@ -35,7 +35,7 @@ class GripperRung(Rung[RosSite]):
             raise RungFailed("something was between the fingers")
         facts: Facts = {}
         with site.backend() as backend:
-            for share in SHARES:
+            for share in OPENING_RATIOS:
                 wanted = share * spec.opening_mm / 1e3
                 with site.operator.hold("gripper: hold the space bar; letting go stops it") as held:
                     read = _open_to(backend, wanted, held)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-UNITS = {math.degrees(1.0): "degrees", 1e3: "millimetres", 1e2: "centimetres"}
+UNIT_NAMES = {math.degrees(1.0): "degrees", 1e3: "millimetres", 1e2: "centimetres"}
 UNIT_TOLERANCE = 0.4
 
 
@@ -14,7 +14,7 @@ def unit_hint(read: float, true: float) -> str:
         return "one of both stood still"
     ratio = read / true
     sign = "the sign is the other way round" if ratio < 0.0 else ""
-    for factor, unit in UNITS.items():
+    for factor, unit in UNIT_NAMES.items():
         for size in (factor, 1.0 / factor):
             if abs(abs(ratio) / size - 1.0) < UNIT_TOLERANCE:
                 words = f"a factor of {abs(ratio):.3g}: {unit}?"

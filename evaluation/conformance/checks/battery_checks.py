@@ -9,7 +9,7 @@ from handcart.evaluation.conformance.rig.parts import needed
 
 from .check import Check, CheckResult
 
-PERIODS = 60
+PERIOD_COUNT = 60
 DRIVE_SPEED_M_S = 0.2
 MAX_CHANGE_PERCENT = 20.0
 """Change within the check above which a reading is not a charge."""
@@ -20,7 +20,7 @@ def battery(bench: KitBench, finding: CheckResult) -> None:
     with bench.rig() as rig:
         backend, cell = rig.backend, needed(rig.backend, Battery)
         base, read = needed(backend, Base), list[float]()
-        for _ in range(PERIODS):
+        for _ in range(PERIOD_COUNT):
             base.drive(DRIVE_SPEED_M_S, 0.0)
             backend.step()
             read.append(cell.charge_percent())

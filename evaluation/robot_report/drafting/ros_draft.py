@@ -12,7 +12,7 @@ from handcart.evaluation.robot_report.outline import Outline
 from handcart.robotics.kinematics.urdf_contents import joints_of
 
 from .draft import CAMERA_SECTION, LIDAR_SECTION
-from .ros_section import KINDS, chosen, ros_section
+from .ros_section import MESSAGE_KINDS, chosen, ros_section
 
 
 def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str:
@@ -25,7 +25,7 @@ def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str
         srdf: name of the SRDF's file; "" without one.
     """
     text = text.replace("from the URDF alone", "from the robot's URDF and topics", 1)
-    scan = air.messages.get(chosen("lidar", air.topics[KINDS["lidar"]])[0])
+    scan = air.messages.get(chosen("lidar", air.topics[MESSAGE_KINDS["lidar"]])[0])
     if scan is not None and LIDAR_SECTION.split(", ")[0] in text:
         lines = _lidar(scan).split(", ")
         text = text.replace(LIDAR_SECTION, ", ".join(lines))
@@ -57,7 +57,7 @@ def _lidar(scan: Any) -> str:
 
 def _camera_info(air: AirDescription) -> Any:
     """Return the calibration beside the chosen camera's pictures; None without one."""
-    image = chosen("camera", air.topics[KINDS["camera"]])[0]
+    image = chosen("camera", air.topics[MESSAGE_KINDS["camera"]])[0]
     return air.messages.get(f"{image.rpartition('/')[0]}/camera_info") if image else None
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from handcart.backends.ros2.air_check.air_description import VELOCITY_KINDS, AirDescription
 from handcart.evaluation.robot_report.outline import Outline
 
-WORDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
+TOPIC_WORDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "velocity": (("cmd_vel",), ("nav", "joy", "teleop", "key", "smooth", "raw", "unstamped", "phone", "tab")),
     "odometry": (("odom", "controller"), ("filtered", "global", "truth", "amcl", "visual", "vio", "gps")),
     "joint_states": (("joint_states",), ("dynamic", "command", "desired")),
@@ -17,7 +17,7 @@ WORDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "gripper": (("gripper", "hand", "finger"), ()),
 }
 """Words in a topic's name that speak for and against it."""
-KINDS = {
+MESSAGE_KINDS = {
     "odometry": "nav_msgs/Odometry",
     "joint_states": "sensor_msgs/JointState",
     "lidar": "sensor_msgs/LaserScan",
@@ -31,7 +31,7 @@ def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
     """Return the topic whose name fits a key best, and the others; "" without any."""
     if not topics:
         return "", ()
-    good, bad = WORDS[key]
+    good, bad = TOPIC_WORDS[key]
 
     def rank(topic: str) -> tuple[int, int, str]:
         score = sum(word in topic for word in good) - 2 * sum(word in topic for word in bad)
@@ -48,7 +48,7 @@ def ros_section(air: AirDescription, outline: Outline) -> list[str]:
     ]
     lines += [f"  namespace: {air.namespace}"] if air.namespace else []
     lines += _velocity(air)
-    for key, kind in KINDS.items():
+    for key, kind in MESSAGE_KINDS.items():
         name, others = chosen(key, air.topics[kind])
         if name:
             frame = _frame(air, name) if key == "odometry" else ""
@@ -113,7 +113,7 @@ def _moves(air: AirDescription, topic: str, fingers: set[str]) -> bool:
 
 
 def _is_gripper(air: AirDescription, topic: str) -> bool:
-    return topic not in air.controllers and any(word in topic for word in WORDS["gripper"][0])
+    return topic not in air.controllers and any(word in topic for word in TOPIC_WORDS["gripper"][0])
 
 
 def _frame(air: AirDescription, topic: str) -> str:

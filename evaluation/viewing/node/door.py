@@ -12,15 +12,15 @@ from handcart.backends.ros2.wire.serving_link import Answer, ServingLink
 from handcart.files.errors import HandcartError
 from handcart.networks.operator.asking import ask, tell_to_stop
 
-PREFIX = "handcart"
-SENDER = "ROS"
-WORDS = ("pause", "continue", "cancel", "restore", "permit", "refuse")
+SERVICE_PREFIX = "handcart"
+SENDER_NAME = "ROS"
+COMMAND_WORDS = ("pause", "continue", "cancel", "restore", "permit", "refuse")
 STOP_TIMEOUT_S = 10.0
 """[s] within which a run has to end after a stop."""
 ANSWER_TIMEOUT_S = 2.0
 EFFECT_TIMEOUT_S = 1.0
 """[s] within which a pause, or the end of one, is seen in the status."""
-PAUSED = "paused"
+PAUSED_STATUS = "paused"
 STATUS_PERIOD_S = 0.02
 NEW_QUESTION_S = 1.0
 """[s] for which a new question cannot be answered: a Trigger does not say which question is meant."""
@@ -46,14 +46,14 @@ class Door:
 
     def offer(self, link: ServingLink) -> None:
         """Offer all services."""
-        for word in WORDS:
-            link.serve(f"{PREFIX}/{word}", lambda word=word: self._command(word))  # type: ignore[misc]
-        link.serve(f"{PREFIX}/stop", self._stop, apart=True)
+        for word in COMMAND_WORDS:
+            link.serve(f"{SERVICE_PREFIX}/{word}", lambda word=word: self._command(word))  # type: ignore[misc]
+        link.serve(f"{SERVICE_PREFIX}/stop", self._stop, apart=True)
 
     def status(self) -> dict[str, Any]:
         """Return the run's status; with the key `error` if it does not answer."""
         try:
-            status = ask(self._folder, {"do": "status", "by": SENDER}, ANSWER_TIMEOUT_S)
+            status = ask(self._folder, {"do": "status", "by": SENDER_NAME}, ANSWER_TIMEOUT_S)
         except HandcartError as error:
             return {"state": "does not answer", "error": str(error)}
         self.published(status)
@@ -67,13 +67,15 @@ class Door:
             self._question = number, self._clock()
 
     def _command(self, word: str) -> Answer:
-        message: dict[str, Any] = {"do": word, "by": SENDER}
+        message: dict[str, Any] = {"do": word, "by": SENDER_NAME}
         if word in ("permit", "refuse"):
             number, since = self._question
             if number is None:
                 return Answer(False, "no action waits for permission")
             if self._clock() - since < NEW_QUESTION_S:
-                return Answer(False, f"question {number} is new; read it in {PREFIX}/status, and call again")
+                return Answer(
+                    False, f"question {number} is new; read it in {SERVICE_PREFIX}/status, and call again"
+                )
             message["ask"] = number
         try:
             reply = ask(self._folder, message, ANSWER_TIMEOUT_S)
@@ -90,14 +92,14 @@ class Door:
         while True:
             state = str(reply["state"])
             words = f"{state} in {reply['situation']}"
-            if wanted is None or state.startswith(PAUSED) == wanted:
+            if wanted is None or state.startswith(PAUSED_STATUS) == wanted:
                 return Answer(True, words)
             if self._ended.wait(STATUS_PERIOD_S):
                 return Answer(False, self.outcome)
             if self._clock() > end:
                 return Answer(False, f"accepted, but it is still {words}")
             try:
-                reply = ask(self._folder, {"do": "status", "by": SENDER}, ANSWER_TIMEOUT_S)
+                reply = ask(self._folder, {"do": "status", "by": SENDER_NAME}, ANSWER_TIMEOUT_S)
             except HandcartError as error:
                 return Answer(False, str(error))
 

@@ -41,10 +41,10 @@ class Layer(NamedTuple):
     colour: Colour
 
 
-PLANNED = Layer("planned", LINE_STRIP, LINE_WIDTH_M, BLUE)
-DRIVEN = Layer("driven", LINE_STRIP, LINE_WIDTH_M, GREY)
-FELT = Layer("felt", SPHERE_LIST, POINT_DIAMETER_M, RED)
-PEOPLE = Layer("people", SPHERE_LIST, PERSON_DIAMETER_M, ORANGE)
+PLANNED_LAYER = Layer("planned", LINE_STRIP, LINE_WIDTH_M, BLUE)
+DRIVEN_LAYER = Layer("driven", LINE_STRIP, LINE_WIDTH_M, GREY)
+FELT_LAYER = Layer("felt", SPHERE_LIST, POINT_DIAMETER_M, RED)
+PEOPLE_LAYER = Layer("people", SPHERE_LIST, PERSON_DIAMETER_M, ORANGE)
 
 
 def marker_array(link: ServingLink, seen: SeenState, status: str, residuals: str) -> Any:
@@ -62,10 +62,10 @@ def marker_array(link: ServingLink, seen: SeenState, status: str, residuals: str
 
 
 def _markers(link: ServingLink, seen: SeenState, status: str, residuals: str) -> Iterator[Any]:
-    yield _points(link, PLANNED, seen.planned)
-    yield _points(link, DRIVEN, seen.driven)
-    yield _points(link, FELT, seen.felt)
-    yield _points(link, PEOPLE, seen.people[:, :2])
+    yield _points(link, PLANNED_LAYER, seen.planned)
+    yield _points(link, DRIVEN_LAYER, seen.driven)
+    yield _points(link, FELT_LAYER, seen.felt)
+    yield _points(link, PEOPLE_LAYER, seen.people[:, :2])
     yield _arrow(link, "pose", seen.pose, GREEN)
     yield _arrow(link, "snapshot", seen.snapshot, BLUE)
     yield _text(link, "status", seen.pose, status)

@@ -21,7 +21,7 @@ from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .diagnostics import diagnostics_message, summary_of
-from .door import PREFIX, Door
+from .door import SERVICE_PREFIX, Door
 from .map_message import map_message
 from .marker_messages import MARKERS_KIND, marker_array, path_message, pose_message
 from .seen_state import SeenState, action_state, seen_state
@@ -35,7 +35,7 @@ MAX_SLEEP_S = 1.0
 LAST_WORDS_S = 0.5
 """[s] for which the node stays after the run's end, so that its last messages and answers arrive."""
 STEP_M = 0.03
-KINDS = {
+MESSAGE_KINDS = {
     "status": "std_msgs/String",
     "situation": "std_msgs/String",
     "action": "std_msgs/String",
@@ -73,7 +73,9 @@ class RunNode(RunObserver):
             sleep: waits so many seconds.
         """
         self._link, self._say, self._now, self._sleep = link, say, now, sleep
-        self._publishers = {name: link.latched(kind, f"{PREFIX}/{name}") for name, kind in KINDS.items()}
+        self._publishers = {
+            name: link.latched(kind, f"{SERVICE_PREFIX}/{name}") for name, kind in MESSAGE_KINDS.items()
+        }
         self._publishers["diagnostics"] = link.latched("diagnostic_msgs/DiagnosticArray", DIAGNOSTICS_TOPIC)
         self._wanted, self._over, self._ended = threading.Event(), threading.Event(), threading.Event()
         self._seen: SeenState | None = None
@@ -201,7 +203,7 @@ class RunNode(RunObserver):
         if name != "status" and self._last.get(name) == words:
             return
         self._last[name] = words
-        message = self._link.message(KINDS[name])
+        message = self._link.message(MESSAGE_KINDS[name])
         message.data = words
         self._publishers[name](message)
 
@@ -223,9 +225,11 @@ def check_alone(link: ServingLink, seconds: float, sleep: Callable[[float], None
     """
     step = 0.1
     for _ in range(max(1, round(seconds / step))):
-        if link.servers(f"{PREFIX}/stop"):
+        if link.servers(f"{SERVICE_PREFIX}/stop"):
             allowed = "another namespace (--node-namespace); a killed program's node stays for half a minute"
-            raise SecondNode(f"another node offers {PREFIX}/stop in this namespace; allowed: {allowed}")
+            raise SecondNode(
+                f"another node offers {SERVICE_PREFIX}/stop in this namespace; allowed: {allowed}"
+            )
         sleep(step)
 
 

@@ -10,7 +10,7 @@ from handcart.backends.ros2.wire.ros_link import RosLink
 from .stacks import GoalState, NoStack
 
 SERVER_TIMEOUT_S = 5.0
-STATES = {4: GoalState.SUCCEEDED, 5: GoalState.CANCELED, 6: GoalState.ABORTED}
+GOAL_STATES = {4: GoalState.SUCCEEDED, 5: GoalState.CANCELED, 6: GoalState.ABORTED}
 """By the numbers of `action_msgs/GoalStatus`."""
 
 
@@ -67,4 +67,4 @@ class ActionGoal:
 
     def _ended(self, answer: Any) -> None:
         got = answer.result()
-        self.result, self._state = got.result, STATES.get(got.status, GoalState.ABORTED)
+        self.result, self._state = got.result, GOAL_STATES.get(got.status, GoalState.ABORTED)

@@ -12,7 +12,7 @@ from handcart import ActionPrimitive, Arm, CauseKind, Discrepancy, causes
 from handcart.files.errors import HandcartError
 from handcart.primitives.motions.arm_motion import follow
 
-from .stacks import OVER, ArmPlanner, GoalState, Waypoints
+from .stacks import ENDED_STATES, ArmPlanner, GoalState, Waypoints
 
 MOVEIT_FAILED = CauseKind("moveit_failed", "MoveIt finds no path, or one that cannot be followed.")
 MAX_START_GAP_RAD = 0.02
@@ -66,7 +66,7 @@ class MoveGroup(ActionPrimitive):
 
     def _await_path(self, robot, moveit):
         end = robot.time + self.limit_s
-        while (state := moveit.state()) not in OVER:
+        while (state := moveit.state()) not in ENDED_STATES:
             if robot.time > end:
                 raise Discrepancy(f"MoveIt has no path after {self.limit_s:g} s", cause=causes.TIME_OUT)
             yield

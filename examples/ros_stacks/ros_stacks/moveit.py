@@ -12,7 +12,7 @@ from .action_goal import ActionGoal
 from .stacks import GoalState, Waypoints
 
 JOINT_TOLERANCE_RAD = 1e-3
-PLANNED = 1
+SUCCESS_CODE = 1
 """`MoveItErrorCodes.SUCCESS`."""
 
 
@@ -50,7 +50,7 @@ class MoveIt:
     def state(self) -> GoalState:
         self._link.receive()
         state = self._goal.state()
-        if state is GoalState.SUCCEEDED and self._goal.result.error_code.val != PLANNED:
+        if state is GoalState.SUCCEEDED and self._goal.result.error_code.val != SUCCESS_CODE:
             return GoalState.ABORTED
         return state
 

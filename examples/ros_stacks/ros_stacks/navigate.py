@@ -14,10 +14,10 @@ from handcart.files.errors import HandcartError
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.outcomes.discrepancy import Measured
 
-from .stacks import OVER, GoalState, Navigator
+from .stacks import ENDED_STATES, GoalState, Navigator
 
 NAV2_FAILED = CauseKind("nav2_failed", "Nav2 rejects or aborts the goal, or falls silent.")
-SIGMAS = 3.0
+ARRIVAL_SIGMAS = 3.0
 """Sigmas of the pose that an arrival includes."""
 
 
@@ -74,7 +74,7 @@ class Navigate(ActionPrimitive):
     def _follow(self, robot, nav2):
         """Pass Nav2's speeds on until it has ended."""
         begun = heard = robot.time
-        while (state := nav2.state()) not in OVER:
+        while (state := nav2.state()) not in ENDED_STATES:
             speeds = nav2.speeds()
             if speeds is not None:
                 heard = robot.time
@@ -103,8 +103,8 @@ class Navigate(ActionPrimitive):
         """Measure where the base is: an arrival is what handcart's localizer sees, not what Nav2 says."""
         goal, pose, covariance = model.places[self.place].pose, robot.pose, robot.localization.covariance
         sigma = math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2]).max()))
-        off = 1e3 * (pose.distance(goal) + SIGMAS * sigma)
-        turn = math.degrees(pose.turn(goal) + SIGMAS * math.sqrt(float(covariance[2, 2])))
+        off = 1e3 * (pose.distance(goal) + ARRIVAL_SIGMAS * sigma)
+        turn = math.degrees(pose.turn(goal) + ARRIVAL_SIGMAS * math.sqrt(float(covariance[2, 2])))
         self.found(off_mm=round(off, 1), off_deg=round(turn, 2))
         return off <= self.tolerance_mm and turn <= self.tolerance_deg
         yield

@@ -20,7 +20,7 @@ class GoalState(Enum):
     CANCELED = "canceled"
 
 
-OVER = (GoalState.SUCCEEDED, GoalState.REJECTED, GoalState.ABORTED, GoalState.CANCELED)
+ENDED_STATES = (GoalState.SUCCEEDED, GoalState.REJECTED, GoalState.ABORTED, GoalState.CANCELED)
 
 
 class NoStack(HandcartError):

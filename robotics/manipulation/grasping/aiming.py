@@ -8,12 +8,12 @@ from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
-ITERATIONS = 30
-DIFFERENCE = 1e-5  # of a joint, for derivatives, in [rad] or [m]
+MAX_ITERATIONS = 30
+JOINT_DIFFERENCE = 1e-5  # of a joint, for derivatives, in [rad] or [m]
 LONGEST_STEP = 0.5  # in [rad] or [m]
-DAMPING = 1e-6
+DAMPING_FACTOR = 1e-6
 AIM_TOLERANCE_RAD = 1e-4
-BEHIND = 1e-3  # [m], least depth of the point before the camera
+MIN_DEPTH_M = 1e-3  # [m], least depth of the point before the camera
 
 
 def aim(
@@ -42,15 +42,15 @@ def aim(
     joints = np.array(start, dtype=np.float64)
     chosen = np.flatnonzero(moving)
     off = _angles(arm, frame, frame_T_camera, point, joints)
-    for _ in range(ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         if not len(chosen) or np.linalg.norm(off) < AIM_TOLERANCE_RAD:
             break
         slopes = np.empty((2, len(chosen)))
         for column, number in enumerate(chosen):
             moved = joints.copy()
-            moved[number] += DIFFERENCE
-            slopes[:, column] = (_angles(arm, frame, frame_T_camera, point, moved) - off) / DIFFERENCE
-        step = -np.linalg.solve(slopes.T @ slopes + DAMPING * np.eye(len(chosen)), slopes.T @ off)
+            moved[number] += JOINT_DIFFERENCE
+            slopes[:, column] = (_angles(arm, frame, frame_T_camera, point, moved) - off) / JOINT_DIFFERENCE
+        step = -np.linalg.solve(slopes.T @ slopes + DAMPING_FACTOR * np.eye(len(chosen)), slopes.T @ off)
         longest = float(np.abs(step).max())
         following = joints.copy()
         following[chosen] += step * min(1.0, LONGEST_STEP / max(longest, 1e-12))
@@ -68,4 +68,4 @@ def _angles(
     """Return the angles (2,) between the optical axis and a point, about the picture's y and x, in [rad]."""
     camera_T_base = inverse(arm.forward(joints, frame) @ frame_T_camera)
     x, y, z = camera_T_base[:3, :3] @ point + camera_T_base[:3, 3]
-    return np.array([np.arctan2(x, z), np.arctan2(y, np.hypot(x, max(z, BEHIND)) if z > 0 else -z)])
+    return np.array([np.arctan2(x, z), np.arctan2(y, np.hypot(x, max(z, MIN_DEPTH_M)) if z > 0 else -z)])

@@ -9,10 +9,10 @@ import numpy as np
 
 from .box_grasps import OPENING_MARGIN_M, TILTS_RAD, Grasp, hand_on
 
-TURNS = 12  # of the hand about the axis that are tried, each
+TURN_COUNT = 12  # of the hand about the axis that are tried, each
 SIDE_TILTS_RAD = TILTS_RAD[:1] + TILTS_RAD[1::2]
 """Turns of an approach from aside, about the closing direction: level, then from above."""
-AROUND = "side"
+AROUND_SIDE = "side"
 """Name of the side around the axis."""
 
 
@@ -40,7 +40,7 @@ def cylinder_grasps(
         around: True if the hand may come from around the axis.
     """
     size, widest = (diameter, diameter, height), opening - OPENING_MARGIN_M
-    turns = [towards + turn for turn in np.arange(TURNS) * (2.0 * math.pi / TURNS)]
+    turns = [towards + turn for turn in np.arange(TURN_COUNT) * (2.0 * math.pi / TURN_COUNT)]
     turns.sort(key=lambda turn: abs(math.remainder(turn - towards, 2.0 * math.pi)))
     up = np.array([0.0, 0.0, 1.0])
     for tilt in TILTS_RAD if above and diameter <= widest else ():
@@ -54,7 +54,7 @@ def cylinder_grasps(
                 if diameter <= widest:
                     level = sign * np.array([-math.sin(turn), math.cos(turn), 0.0])
                     pose = hand_on(height, diameter, tip, normal, level, sign * tilt)
-                    yield Grasp(pose, diameter, AROUND, tilt)
+                    yield Grasp(pose, diameter, AROUND_SIDE, tilt)
                 if height <= widest and tilt == 0.0:
                     pose = hand_on(height, diameter, tip, normal, sign * up, 0.0)
-                    yield Grasp(pose, height, AROUND, 0.0)
+                    yield Grasp(pose, height, AROUND_SIDE, 0.0)

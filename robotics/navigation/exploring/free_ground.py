@@ -13,7 +13,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 
 GAP_M = 0.1
 """Width of gaps between beams that count as free: beams a degree apart leave them 6 m away."""
-NEIGHBOURS = np.ones((3, 3), np.uint8)
+NEIGHBOUR_KERNEL = np.ones((3, 3), np.uint8)
 
 
 def with_driven(grid: GridMap, poses: Sequence[Pose2], radius: float) -> GridMap:
@@ -35,6 +35,6 @@ def with_gaps_closed(grid: GridMap) -> GridMap:
     open_ = (~grid.occupied).astype(np.uint8)
     grown = (~grid.blocked).astype(np.uint8)
     for _ in range(steps):
-        grown = np.asarray(cv2.dilate(grown, NEIGHBOURS), dtype=np.uint8) & open_
-    closed = cv2.erode(grown, NEIGHBOURS, iterations=steps)
+        grown = np.asarray(cv2.dilate(grown, NEIGHBOUR_KERNEL), dtype=np.uint8) & open_
+    closed = cv2.erode(grown, NEIGHBOUR_KERNEL, iterations=steps)
     return grid._replace(unknown=grid.unknown & (closed == 0))

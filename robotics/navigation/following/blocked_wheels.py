@@ -9,7 +9,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .blocked_motion import Blocked, BlockedMotion
 
 CONFIRMING_PERIODS = 7  # in a row: an obstacle ahead is found first, with its place
-START = Pose2(0.0, 0.0, 0.0)
+START_POSE = Pose2(0.0, 0.0, 0.0)
 
 
 class BlockedWheel(NamedTuple):
@@ -56,7 +56,7 @@ class BlockedWheels:
         for (name, side), sign, way in zip(self._sides.items(), (-1.0, 1.0), rolled, strict=True):
             moved = Pose2(motion.x + sign * half * motion.theta, 0.0, 0.0)
             speed = command[0] + sign * half * command[1]
-            if (blocked := side.update(speed, way, START, moved)) is not None:
+            if (blocked := side.update(speed, way, START_POSE, moved)) is not None:
                 found[name] = blocked
         if not found:
             return None

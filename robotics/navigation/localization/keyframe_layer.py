@@ -28,7 +28,7 @@ MAX_KEYFRAMES = 150
 KEYFRAME_POINTS = 240  # of a scan that are kept
 MIN_POINTS = 20
 MIN_INLIERS = 0.6  # share of a scan that the keyframes must explain
-RELATIVE = np.diag([0.03, 0.03, 0.02]) ** 2  # [m², rad²] of the motion by wheels between two scans
+RELATIVE_COVARIANCE = np.diag([0.03, 0.03, 0.02]) ** 2  # [m², rad²] of the motion by wheels between two scans
 
 
 class LayerMatch(NamedTuple):
@@ -101,7 +101,7 @@ class KeyframeLayer:
         if len(points) < MIN_POINTS or self.empty:
             return None
         field = self._local_field(prior)
-        found = match_scan(field, points, prior, RELATIVE, sigma)
+        found = match_scan(field, points, prior, RELATIVE_COVARIANCE, sigma)
         if found.inliers < MIN_INLIERS:
             return None
         anchored = self._anchored(found.pose)

@@ -24,8 +24,8 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array,
 from handcart.robotics.numerics.compiled import compiled
 
 STEPS_PER_CELL = 256  # in which distances are stored: two bytes each reach to 255 cells
-SECTORS = 8  # of a beam's direction; the first is along x
-SECTOR_TAN = math.tan(math.pi / SECTORS)
+BEAM_SECTOR_COUNT = 8  # of a beam's direction; the first is along x
+SECTOR_TAN = math.tan(math.pi / BEAM_SECTOR_COUNT)
 MAX_FACING_COSINE = 0.4  # between a normal and a sector's middle: 90 degrees and half a sector, and a little
 NORMAL_CELLS = 1.5  # sigma by which a map is blurred for its normals
 
@@ -75,9 +75,9 @@ class LikelihoodField:
         grey = cv2.GaussianBlur(cells, (0, 0), NORMAL_CELLS, borderType=cv2.BORDER_REPLICATE)
         x, y = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
         least = -MAX_FACING_COSINE * np.hypot(x, y)
-        found = np.empty((SECTORS, *solid.shape), dtype=np.uint16)
-        for sector in range(SECTORS):
-            angle = 2.0 * math.pi * sector / SECTORS
+        found = np.empty((BEAM_SECTOR_COUNT, *solid.shape), dtype=np.uint16)
+        for sector in range(BEAM_SECTOR_COUNT):
+            angle = 2.0 * math.pi * sector / BEAM_SECTOR_COUNT
             before = ~solid & (math.cos(angle) * x + math.sin(angle) * y >= least)
             beside = cv2.dilate(before.astype(np.uint8), np.ones((3, 3), dtype=np.uint8))
             found[sector] = _in_steps(_distances(solid & (beside > 0)))

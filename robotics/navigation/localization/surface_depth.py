@@ -18,7 +18,7 @@ from .likelihood_field import LikelihoodField
 MAX_DEPTH_CELLS = 0.5
 NEAR_CELLS = 2.0  # from a surface, within which a point counts as one on it
 SCALE_CELLS = 1.0  # of the robust weights
-SECTORS = 8  # directions of surfaces, in each of which they count as one wall
+SURFACE_SECTOR_COUNT = 8  # directions of surfaces, in each of which they count as one wall
 MIN_INFORMATION = 1.0  # points: a direction with fewer is not determined by the scan at all
 
 
@@ -34,7 +34,7 @@ def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Flo
         (1 + SECTORS, 2) in [m]: first if all surfaces lie so, then if those that face one direction do.
     """
     if not len(points):
-        return np.zeros((1 + SECTORS, 2))
+        return np.zeros((1 + SURFACE_SECTOR_COUNT, 2))
     on_map, resolution = pose.apply(points), field.map.resolution
     reading = field.reading(on_map, pose[:2])
     away, steep = on_map - pose[:2], np.hypot(*reading.slopes.T)
@@ -46,8 +46,8 @@ def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Flo
     weights = 1.0 / (1.0 + (reading.distances[used] / (SCALE_CELLS * resolution)) ** 2) ** 2
     information = (rows * weights[:, None]).T @ rows + MIN_INFORMATION * np.eye(3)
     shifts = np.linalg.solve(information, rows.T * weights)[:2]
-    facing = np.arctan2(normals[:, 1], normals[:, 0]) * (SECTORS / (2.0 * np.pi))
-    sectors = np.rint(facing).astype(np.int64) % SECTORS
-    walls = [np.bincount(sectors, each, SECTORS) for each in shifts]
+    facing = np.arctan2(normals[:, 1], normals[:, 0]) * (SURFACE_SECTOR_COUNT / (2.0 * np.pi))
+    sectors = np.rint(facing).astype(np.int64) % SURFACE_SECTOR_COUNT
+    walls = [np.bincount(sectors, each, SURFACE_SECTOR_COUNT) for each in shifts]
     total = np.column_stack([shifts.sum(axis=1), walls])
     return np.asarray(MAX_DEPTH_CELLS * resolution * total.T)

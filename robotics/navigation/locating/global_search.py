@@ -23,7 +23,7 @@ from .beam_evidence import explain
 
 MAX_POSES = 1_600_000
 MIN_STRIDE_M = 0.1
-HEADINGS = 90
+HEADING_COUNT = 90
 BIN_M, BIN_HEADINGS = 0.4, 4  # within which only the best pose is refined
 MAX_REFINED = 1200
 MAX_REFINED_HARD = 6000
@@ -136,18 +136,18 @@ def _coarse(field: LikelihoodField, points: FloatArray) -> FloatArray:
     grid = field.map
     free = ~grid.occupied & (field.distance > CLEAR_M)
     area = float(free.sum()) * grid.resolution**2
-    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADINGS / MAX_POSES))
+    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADING_COUNT / MAX_POSES))
     every = max(1, round(stride / grid.resolution))
     cells = np.argwhere(free[::every, ::every]) * every
     if not len(cells):
         return np.empty((0, 3))
     some = points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)]
-    turns = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
+    turns = np.linspace(-math.pi, math.pi, HEADING_COUNT, endpoint=False)
     scores = score_poses(
         field.distance, cells, turns, np.ascontiguousarray(some) / grid.resolution, max(COARSE_M, stride)
     )
     chosen = _best_of_bins(scores, cells, max(1, round(BIN_M / grid.resolution)))
-    cell, heading = np.divmod(chosen, HEADINGS)
+    cell, heading = np.divmod(chosen, HEADING_COUNT)
     return np.column_stack([grid.to_point(cells[cell]), turns[heading]])
 
 
@@ -159,7 +159,7 @@ def _best_of_bins(scores: FloatArray, cells: IntArray, size: int) -> IntArray:
     top = top[np.argsort(-flat[top], kind="stable")]
     cell, heading = np.divmod(top, scores.shape[1])
     rows, columns = np.divmod(cells[cell], size)[0].T
-    keys = (rows * (int(columns.max()) + 1) + columns) * HEADINGS + heading // BIN_HEADINGS
+    keys = (rows * (int(columns.max()) + 1) + columns) * HEADING_COUNT + heading // BIN_HEADINGS
     _, first = np.unique(keys, return_index=True)
     return np.asarray(top[np.sort(first)][:MAX_REFINED_HARD])
 

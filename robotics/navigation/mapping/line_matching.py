@@ -14,7 +14,7 @@ from .scan_surface import Surface
 
 GATES_M = (0.5, 0.3, 0.15, 0.1)
 """Distances in [m] up to which a point finds its partner, one after the other."""
-ITERATIONS = 6
+STEPS_PER_DISTANCE = 6
 """Steps at each distance."""
 MIN_NORMAL_COSINE = 0.7
 """Minimum cosine of the angle between the normals of two partners."""
@@ -26,7 +26,7 @@ CORRELATED_POINTS = 4.0
 """Points that count as one: neighbours on a surface share its errors."""
 BIAS_SHARE, BIAS_SHARE_RAD = 0.15, 0.05
 """Errors of a pose, in [m] and [rad] per metre of the residuals' sigma, that all points share."""
-DAMPING = np.diag([1.0, 1.0, 1.0])
+DAMPING_INFORMATION = np.diag([1.0, 1.0, 1.0])
 """Information (3, 3) that keeps a pose in place along directions that no surface determines."""
 
 
@@ -65,12 +65,12 @@ def match_surfaces(
         return LineMatch(start, trust, 0.0, math.inf)
     for gate in gates:
         scale = max(0.3 * gate, 2.0 * MIN_SIGMA_M)
-        for _ in range(ITERATIONS):
+        for _ in range(STEPS_PER_DISTANCE):
             slopes, residuals, weights = _pairs(reference, moved, pose, gate, scale)
             weighted = slopes * weights[:, None] / scale**2
             hessian, gradient = weighted.T @ slopes, weighted.T @ residuals
             away = np.array([pose.x - start.x, pose.y - start.y, wrap(pose.theta - start.theta)])
-            step = np.linalg.solve(hessian + trust + DAMPING, gradient + trust @ away)
+            step = np.linalg.solve(hessian + trust + DAMPING_INFORMATION, gradient + trust @ away)
             pose = Pose2(pose.x - step[0], pose.y - step[1], wrap(pose.theta - step[2]))
             if abs(step[0]) + abs(step[1]) < 1e-4 and abs(step[2]) < 1e-4:
                 break

@@ -31,7 +31,7 @@ MIN_PASSES = 2
 SAMPLE_POINTS = 400
 MAX_CHI2 = 16.3
 """Squared distance in sigmas from the predicted pose: 99.9 % of right ones are nearer."""
-AMBIGUITY = 0.9
+AMBIGUITY_RATIO = 0.9
 """Score of the second best hypothesis, relative to the best, from which the loop is ambiguous."""
 APART_M, APART_RAD = 0.4, math.radians(6.0)
 """Distances from which on two refined poses are two hypotheses."""
@@ -131,7 +131,7 @@ def close_loop(
     if against > MAX_CONTRADICTIONS:
         return loop._replace(reason="one sees walls where the other saw free space")
     rivals = [each for each in tried if _is_apart(each[1].pose, best.pose)]
-    if any(each[0] > AMBIGUITY * score for each in rivals):
+    if any(each[0] > AMBIGUITY_RATIO * score for each in rivals):
         return loop._replace(reason="ambiguous")
     return loop
 

@@ -19,7 +19,7 @@ COARSE_M = 0.2
 TURN_STEP_RAD = math.radians(1.0)
 MAX_COARSE_POINTS = 4000
 BLUR_CELLS = 1.0
-HYPOTHESES = 8
+HYPOTHESIS_COUNT = 8
 START_COVARIANCE = np.diag([0.5, 0.5, 0.1]) ** 2
 """Covariance (3, 3) of a hypothesis, in [m, m, rad]."""
 SAME_WALL_M = 0.25
@@ -126,7 +126,7 @@ def _align(first: GridMap, one: FloatArray, other: FloatArray) -> Pose2:
     field = LikelihoodField(
         first, is_drawn=True
     )  # the points are cells of walls, not ends of beams: no side faces a sensor
-    refined = [_refined(field, other[::stride], pose) for _, pose in found[:HYPOTHESES]]
+    refined = [_refined(field, other[::stride], pose) for _, pose in found[:HYPOTHESIS_COUNT]]
     return max(refined, key=lambda each: each[0])[1]
 
 

@@ -17,7 +17,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 MAX_STEPS = 60
 SMALL_STEP = 1e-6
 """Step in [m] or [rad] at which the optimization has converged."""
-ANCHOR = np.diag([1e8, 1e8, 1e8])
+ANCHOR_INFORMATION = np.diag([1e8, 1e8, 1e8])
 """Information (3, 3) of the first pose, which stays where it is."""
 SCALING_CHI2 = 7.8
 """Squared error in sigmas up to which an edge has its full weight: 95 % of right ones are below."""
@@ -240,7 +240,7 @@ def _normal_equations(poses: FloatArray, edges: _Edges, limit: float) -> tuple[A
             values.append(block.ravel())
     rows.append(np.repeat(local, 3))
     columns.append(np.tile(local, 3))
-    values.append(ANCHOR.ravel())
+    values.append(ANCHOR_INFORMATION.ravel())
     shape = (3 * len(poses), 3 * len(poses))
     indices = np.concatenate(rows), np.concatenate(columns)
     return coo_matrix((np.concatenate(values), indices), shape=shape).tocsc(), gradient.ravel()

@@ -34,7 +34,7 @@ PERSON_LOST_S = 1.2  # the same of a person who may be hidden
 SEEN_THROUGH_COUNT = 6  # scans that see through it, until it is forgotten
 MIN_BODY_M = 0.25  # radius of a person, whatever is seen of the legs
 BODY_MARGIN_M = 0.15  # around a body, within which points are its own
-HISTORY = 24  # last positions that are kept
+HISTORY_LENGTH = 24  # last positions that are kept
 
 
 class BodyTrack(NamedTuple):
@@ -76,7 +76,7 @@ class _Body:
     is_person: bool = False
     is_moving: bool = False
     stands_since: float = 0.0
-    history: deque[FloatArray] = field(default_factory=lambda: deque(maxlen=HISTORY))
+    history: deque[FloatArray] = field(default_factory=lambda: deque(maxlen=HISTORY_LENGTH))
 
     def speed_d2(self) -> float:
         """Return the squared Mahalanobis distance of the velocity from zero."""

@@ -11,16 +11,16 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import FloatArray
 
-STEPS = 15
-DELTA = np.array([1e-5, 1e-5, 1e-4, 1e-5])  # of the derivatives, in [m], [m], [rad], [m]
-ENOUGH = 1e-7
+MAX_STEPS = 15
+DERIVATIVE_STEPS = np.array([1e-5, 1e-5, 1e-4, 1e-5])  # of the derivatives, in [m], [m], [rad], [m]
+SUFFICIENT_STEP = 1e-7
 HUBER_SIGMAS = 2.0
 INSET_PX, INSET_SIGMA_PX = 1.5, 2.5  # by which readings are missing along an edge
 CELL_SIGMA = 0.5  # of a point across the outline, in cells
 SHORTER_M = 0.008  # than its side must a patch be to be taken for a part of it
 RIVAL_RATIO = 1.25  # of the residuals of two fits, up to which either may be true
 RIVAL_APART_M = 0.012
-SAMPLES = 72  # along the outline, for its coverage
+OUTLINE_SAMPLE_COUNT = 72  # along the outline, for its coverage
 
 
 class OutlineFit(NamedTuple):
@@ -120,12 +120,12 @@ def _refined(
     state, sigma, is_circle = start.copy(), CELL_SIGMA * cell, isinstance(sides, float)
     mean, spread = INSET_PX * pixel, INSET_SIGMA_PX * pixel
     J, weights, residuals = np.zeros((1, 4)), np.ones(1), np.zeros(1)
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         residuals = distances(points, sides, *state.tolist())
         J = np.column_stack(
             [
                 (distances(points, sides, *(state + step).tolist()) - residuals) / step[i]
-                for i, step in enumerate(np.diag(DELTA))
+                for i, step in enumerate(np.diag(DERIVATIVE_STEPS))
             ]
         )
         scaled = np.abs(residuals) / sigma
@@ -133,7 +133,7 @@ def _refined(
         A, right = _normal(J, residuals, weights, sigma, (state[3] - mean) / spread, spread, is_circle)
         change = np.linalg.lstsq(A, -right, rcond=None)[0]
         state = state + change
-        if float(np.abs(change).max()) < ENOUGH:
+        if float(np.abs(change).max()) < SUFFICIENT_STEP:
             break
     A, _ = _normal(J, residuals, weights, sigma, 0.0, spread, is_circle)
     rms = float(np.sqrt(np.mean(residuals**2)))
@@ -174,13 +174,13 @@ def _coverage(
 ) -> float:
     x, y, heading = pose
     if isinstance(sides, float):
-        angles = np.arange(SAMPLES) * (2.0 * math.pi / SAMPLES)
+        angles = np.arange(OUTLINE_SAMPLE_COUNT) * (2.0 * math.pi / OUTLINE_SAMPLE_COUNT)
         around = (sides / 2 - inset) * np.column_stack([np.cos(angles), np.sin(angles)])
     else:
         a, b = (side / 2 - inset for side in sides)
         corners = np.array([(a, b), (-a, b), (-a, -b), (a, -b), (a, b)])
         lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-        along = np.arange(SAMPLES) * (lengths[-1] / SAMPLES)
+        along = np.arange(OUTLINE_SAMPLE_COUNT) * (lengths[-1] / OUTLINE_SAMPLE_COUNT)
         around = np.column_stack([np.interp(along, lengths, corners[:, i]) for i in (0, 1)])
     cos, sin = math.cos(heading), math.sin(heading)
     around = around @ np.array([[cos, sin], [-sin, cos]]) + (x, y)

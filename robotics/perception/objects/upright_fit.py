@@ -12,10 +12,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 CORNER_SIGMA_PX = 0.3
-STEPS = 12
+MAX_STEPS = 12
 INSET_SIGMA_PX = 0.5  # by which blur moves a corner towards the middle of its tag
-STEP = np.array([1e-5, 1e-5, 1e-5, 1e-5, 1e-4])  # [m], [m], [m], [rad], [px]: of the derivatives
-ENOUGH = 1e-7
+DERIVATIVE_STEPS = np.array([1e-5, 1e-5, 1e-5, 1e-5, 1e-4])  # [m], [m], [m], [rad], [px]: of the derivatives
+SUFFICIENT_STEP = 1e-7
 
 
 class TagView(NamedTuple):
@@ -56,16 +56,16 @@ def fit_upright(views: Sequence[TagView], start: Transform, height: float, heigh
     state = np.array([*start[:3, 3], np.arctan2(start[1, 0], start[0, 0]), 0.0])
     J = np.zeros((1, 5))
     residuals = np.zeros(1)
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         residuals = _residuals(views, state, height, height_sigma)
         columns = [
             (_residuals(views, state + step, height, height_sigma) - residuals) / step[number]
-            for number, step in enumerate(np.diag(STEP))
+            for number, step in enumerate(np.diag(DERIVATIVE_STEPS))
         ]
         J = np.column_stack(columns)
         change = np.linalg.lstsq(J, -residuals, rcond=None)[0]
         state = state + change
-        if float(np.abs(change).max()) < ENOUGH:
+        if float(np.abs(change).max()) < SUFFICIENT_STEP:
             break
     covariance = np.asarray(np.linalg.pinv(J.T @ J)[:4, :4])
     rms = CORNER_SIGMA_PX * float(np.sqrt(np.mean(residuals[:-2] ** 2)))

@@ -13,11 +13,11 @@ import pytest
 from pydantic import ConfigDict
 
 from benchmarks.deciding.foreign_trees import machine_files, tree_files
-from benchmarks.deciding.interchange import ATTACKS, hostile, imported, written
+from benchmarks.deciding.interchange import ATTACK_FILES, hostile, imported, written
 from benchmarks.deciding.lost_constructs import lost_in_machine, lost_in_tree
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.interchange.bt_export import parts_of_tree, tree_text
-from handcart.evaluation.interchange.exporting import FORMATS, exported
+from handcart.evaluation.interchange.exporting import FORMAT_WRITERS, exported
 from handcart.evaluation.interchange.importing import import_file
 from handcart.evaluation.interchange.py_trees_export import parts_of_py_tree, py_tree
 from handcart.evaluation.interchange.py_trees_import import import_py_tree
@@ -172,7 +172,7 @@ def test_py_trees_in_memory_are_read() -> None:
 def test_exporting_and_importing_a_shipped_task_is_the_identity(tmp_path: Path, name: str) -> None:
     task = load_task(TASKS[name])
     parts = TaskParts.of_task(task)
-    for kind, (_, suffix) in FORMATS.items():
+    for kind, (_, suffix) in FORMAT_WRITERS.items():
         path = tmp_path / f"task{suffix}"
         path.write_text(exported(task, kind)[0], encoding="utf-8")
         assert import_file(path) == (parts.data(), ()), kind
@@ -225,14 +225,14 @@ def test_hostile_files_end_in_words(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 @pytest.mark.parametrize("name", ["bomb.xml", "external.xml", "deep.xml", "anchors.yaml", "tagged.yaml"])
 def test_attacks_are_refused_with_their_place(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_text(ATTACKS[name])
+    (tmp_path / name).write_text(ATTACK_FILES[name])
     with pytest.raises(FileError) as error:
         import_file(tmp_path / name)
     assert error.value.findings[0].line >= 1
 
 
 def test_retries_that_multiply_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "t.xml").write_text(ATTACKS["retries.xml"])
+    (tmp_path / "t.xml").write_text(ATTACK_FILES["retries.xml"])
     with pytest.raises(TooLargeDraft) as error:
         import_file(tmp_path / "t.xml")
     assert "more than 5000 actions; allowed: fewer" in str(error.value)

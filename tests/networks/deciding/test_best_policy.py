@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from benchmarks.deciding.plain_solver import PlainNetwork, best_cost, plain_network, rule_ends
-from benchmarks.deciding.random_networks import BOUND, FAMILIES, Drawn, drawn
+from benchmarks.deciding.random_networks import ANY_BINDING, NETWORK_FAMILIES, Drawn, drawn
 from handcart.networks.analysis.forecast import Forecaster
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort
@@ -28,7 +28,7 @@ def built(*rows: Row, goal: str = "z") -> Drawn:
     """Rows of source, target, cost, attempts, p, p_give_up, on_fail; a p of 0 with attempts 0 is a skip."""
     names = dict.fromkeys(name for s, t, *_, f in rows for name in (s, t, f) if name)
     actions = [
-        Action(s, t, BOUND, cost, attempts, f) if attempts else Action(s, t, None, 1.0, 1)
+        Action(s, t, ANY_BINDING, cost, attempts, f) if attempts else Action(s, t, None, 1.0, 1)
         for s, t, cost, attempts, _, _, f in rows
     ]
     chances = [Chance(p, give_up) if attempts else None for _, _, _, attempts, p, give_up, _ in rows]
@@ -40,7 +40,7 @@ def best_of(task: Drawn, person_s: float = 600.0, steps: float | None = None) ->
     return BestPolicy(task.network, task.chances, "expected_cost", person_s, effort)
 
 
-networks = st.builds(drawn, st.sampled_from(FAMILIES), st.integers(0, 10**6), st.just(5))
+networks = st.builds(drawn, st.sampled_from(NETWORK_FAMILIES), st.integers(0, 10**6), st.just(5))
 
 
 @given(task=networks)

@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 
-from benchmarks.deciding.random_networks import BOUND
+from benchmarks.deciding.random_networks import ANY_BINDING
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.step_maker import State
 from handcart.networks.deciding.process import Process
@@ -32,7 +32,7 @@ def drawn_process(seed: int) -> Process:
                 Action(
                     f"s{here}",
                     f"s{here + 1}" if number == 0 else there(),
-                    BOUND,
+                    ANY_BINDING,
                     draws.uniform(1.0, 9.0),
                     attempts=2,
                     on_fail=there() if draws.random() < 0.4 else None,

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.robotics.manipulation.grasping.cylinder_grasps import AROUND, cylinder_grasps
+from handcart.robotics.manipulation.grasping.cylinder_grasps import AROUND_SIDE, cylinder_grasps
 
 TIP = 0.12
 
 
 def test_pads_close_across_the_axis_of_a_cylinder() -> None:
     found = list(cylinder_grasps(0.066, 0.115, 0.09, TIP))
-    assert {each.face for each in found} == {"+z", AROUND}
+    assert {each.face for each in found} == {"+z", AROUND_SIDE}
     for grasp in found:
         pose = grasp.box_T_hand
         tips, closing = pose[:3, 3] + TIP * pose[:3, 0], pose[:3, 1]
