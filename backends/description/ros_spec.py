@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from handcart.files.models.model import FileModel
 
@@ -92,6 +92,10 @@ class RosArmSpec(FileModel):
     """Joints of each controller by its command topic, by the names of the robot's file (default: all joints
     of the arm by `arm_controller/joint_trajectory`).
     """
+    actions: dict[Topic, tuple[JointName, ...]] = Field(default_factory=dict)
+    """Joints of each controller that takes goals of `control_msgs/FollowJointTrajectory` instead, by the name
+    of its action.
+    """
     type: Literal["JointTrajectory", "Float64MultiArray"] = "JointTrajectory"
     """`JointTrajectory` for a trajectory controller, `Float64MultiArray` for a forward command controller."""
     latency_ms: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
@@ -99,13 +103,19 @@ class RosArmSpec(FileModel):
 
     def joints_by_topic(self, joints: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
         """Return the joints of each controller by its topic, where the arm has `joints`."""
-        return self.controllers or {DEFAULT_ARM_TOPIC: joints}
+        return self.controllers if self.controllers or self.actions else {DEFAULT_ARM_TOPIC: joints}
 
 
 class RosGripperSpec(FileModel):
-    """Topic of the gripper's controller."""
+    """Topic or action of the gripper's controller."""
 
     topic: Topic = "gripper_controller/joint_trajectory"
+    action: Topic | None = None
+    """Name of the action by which it is commanded instead of a topic."""
+    action_type: Literal["GripperCommand", "FollowJointTrajectory"] = "GripperCommand"
+    """Type of the action, of `control_msgs`."""
+    max_effort_n: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
+    """Force for which a `GripperCommand` asks; many controllers take 0 as their own limit."""
     type: Literal["JointTrajectory", "Float64MultiArray"] = "JointTrajectory"
     joints: tuple[JointName, ...] = ("left_finger", "right_finger")
     """Its joints by their names in ROS, in the order of its messages."""
@@ -119,6 +129,15 @@ class RosGripperSpec(FileModel):
     """Share of the gripper's speed below which the fingers rest."""
     rest_ms: Annotated[float, Field(ge=0.0, le=5000.0)] = 150.0
     """Time of rest after which fingers away from their command press."""
+
+    @model_validator(mode="after")
+    def _has_one_way(self) -> Self:
+        if self.action is not None and (also := sorted({"topic", "type"} & self.model_fields_set)):
+            raise ValueError(f"action and {', '.join(also)}; allowed: an action, or a topic with its type")
+        needing = sorted({"action_type", "max_effort_n"} & self.model_fields_set)
+        if self.action is None and needing:
+            raise ValueError(f"{', '.join(needing)} without an action; needed: the key action")
+        return self
 
 
 class RosSpec(FileModel):
@@ -149,6 +168,8 @@ class RosSpec(FileModel):
     """True if the robot's clock is in step with this machine's: then a message is also refused whose stamp
     is older than its `stale_ms`, or as far in the future.
     """
+    answer_ms: StaleTime = 300.0
+    """Time in which an action has to accept a goal; without an answer the robot is stopped."""
     max_late_ms: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
     """Time by which a period of this program may end late before the robot is stopped. For that long, and
     a period more, the base keeps its last speeds.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import Link
 
+from .goal_stream import GoalStream
 from .ros_topics import RosTopics
 from .topic_sensor import TopicSensor
 
@@ -54,6 +55,7 @@ def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
         if len(nodes) > 1:
             names = ", ".join(sorted(nodes))
             yield f"{topic}: {len(nodes)} nodes publish it ({names}); allowed: this one alone"
+    yield from (each.rival for each in topics.streams if each.rival)
 
 
 def _silent(topics: RosTopics) -> list[TopicSensor]:
@@ -76,23 +78,35 @@ def _findings(topics: RosTopics, link: Link) -> Iterator[str]:
 
 
 def unheard(topics: RosTopics, link: Link) -> list[str]:
-    """Return the topics of commands that no node takes with the type that is sent.
+    """Return the topics of commands that no node takes with the type that is sent, and the actions that no
+    node serves.
 
     A node that listens with another type receives nothing, without an error.
     """
-    return [
+    deaf = [
         topic
         for topic, kind in topics.commands.items()
         if not any(f"({kind})" in each for each in link.listeners(topic))
     ]
+    return deaf + [each.name for each in topics.streams if not each.sender.is_ready()]
 
 
 def deafness(topics: RosTopics, link: Link, topic: str) -> str:
-    """Return why no command of a topic arrives."""
+    """Return why no command of a topic or action arrives."""
+    for stream in topics.streams:
+        if stream.name == topic:
+            return _no_server(stream, link)
     kind, others = topics.commands[topic], link.listeners(topic)
     if others:
         return f"{topic}: {', '.join(others)} listens, but {kind} is sent; change `type`"
     return f"{topic}: nobody listens to it; needed: a controller or driver that takes {kind}"
+
+
+def _no_server(stream: GoalStream, link: Link) -> str:
+    """Return why no goal of an action arrives."""
+    if others := link.action_servers(stream.name):
+        return f"{stream.name}: {', '.join(others)} serves it; needed: {stream.kind}"
+    return f"{stream.name}: nobody serves the action; needed: a controller that takes {stream.kind}"
 
 
 def silence(sensor: TopicSensor, link: Link) -> str:

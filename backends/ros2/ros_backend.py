@@ -250,6 +250,8 @@ class RosBackend(Backend):
         topics = self._topics
         if topics.odometry.jumped:
             raise RosFault(topics.odometry.jumped)
+        if trouble := next((each.trouble for each in topics.streams if each.trouble), ""):
+            raise RosFault(trouble)
         topics.odometry.check_fresh()
         if topics.states is not None:
             topics.states.check_fresh()

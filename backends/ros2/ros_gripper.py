@@ -85,6 +85,11 @@ class RosGripper(CommandedGripper):
         self._sent, self._still_s = self._command, 0.0
         return [self.position(self._sent)] * len(self._names)
 
+    def seconds(self) -> float:
+        """Return the time in [s] that the fingers need for their way, at least a period."""
+        way = abs(self._sent - self._width)
+        return max(self._period, way / (self._spec.speed_mm_s / 1e3))
+
     def position(self, width: float) -> float:
         """Return the position of each joint, in [rad] or [m], at a width in [m]."""
         return self._zero + self._per_m * width

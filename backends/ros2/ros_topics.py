@@ -14,15 +14,17 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.ros_spec import RosSpec, RosTopicSpec
+from handcart.backends.description.ros_spec import RosGripperSpec, RosSpec, RosTopicSpec
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
-from handcart.backends.ros2.wire.messages import joint_message, message_kind, velocity_message
+from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, message_kind, velocity_message
 from handcart.backends.ros2.wire.ros_link import Link, Take
 from handcart.backends.saved_state import NotAState
 from handcart.files.suggest import suggest
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
+from .goal_stream import GoalStream
+from .joint_controllers import FingerController, JointController, TopicController, TrajectoryController
 from .joint_states import JointStates
 from .ros_arm import RosArm
 from .ros_base import OdometryTopic, RosBase, RosHolonomicBase
@@ -52,12 +54,15 @@ class RosTopics:
         """All that is heard."""
         self.commands: dict[str, str] = {}
         """Type of the message of each topic that is published."""
-        self._publishers: dict[str, Take] = {}
+        self.streams: list[GoalStream] = []
+        """All actions to which goals are sent."""
+        self._controllers: dict[tuple[str, ...], JointController] = {}
         odometry = self._heard(OdometryTopic, "the odometry", spec.odometry)
         self.odometry = odometry
         kind = RosHolonomicBase if robot.drive.kind == "holonomic" else RosBase
         self.base = kind(robot.drive, odometry, spec.odometry)
-        self._publish(f"geometry_msgs/{spec.velocity.type}", spec.velocity.topic)
+        self._drive = self._publisher(f"geometry_msgs/{spec.velocity.type}", spec.velocity.topic)
+        self._fingers: JointController | None = None
         self.states = self._joint_states()
         self.arm, self.gripper = self._made_arm(), self._made_gripper()
         self._sensors = tuple(self._made_sensors())
@@ -77,6 +82,8 @@ class RosTopics:
         """Read what has arrived in a period."""
         for each in self.sensors:
             each.advance()
+        for stream in self.streams:
+            stream.advance()
         states = self.states
         if self.gripper is not None and states is not None and states.is_fresh and not states.missing:
             self.gripper.advance()
@@ -109,6 +116,8 @@ class RosTopics:
         self._link.receive()
         for each in self.sensors:
             each.forget()
+        for stream in self.streams:
+            stream.forget()
 
     def _kept(self) -> dict[str, OdometryTopic | RosArm | RosGripper]:
         parts = {"odometry": self.odometry, "arm": self.arm, "gripper": self.gripper}
@@ -117,42 +126,33 @@ class RosTopics:
     def halt(self) -> None:
         """Drop all commands; arm and gripper hold."""
         self.base.taken()
+        for controller in self._controllers.values():
+            controller.cancel()
         for each in (self.arm, self.gripper):
             if each is not None:
                 each.halt()
 
     def stop_base(self) -> None:
         """Publish a speed of zero now, between two periods."""
-        velocity = self._spec.velocity
-        self._publishers[velocity.topic](velocity_message(self._link, velocity, DriveCommand()))
+        self._drive(velocity_message(self._link, self._spec.velocity, DriveCommand()))
 
     def send(self) -> None:
         """Publish the commands of a period; the base's always, so that it hears that we are there."""
-        command = self.base.taken()
-        velocity = self._spec.velocity
-        self._publishers[velocity.topic](velocity_message(self._link, velocity, command))
+        self._drive(velocity_message(self._link, self._spec.velocity, self.base.taken()))
         joints = None if self.arm is None else self.arm.taken()
         if joints is not None and self._robot.arm is not None:
             self._send_arm(dict(zip(self._robot.arm.joints, joints.tolist(), strict=True)))
         fingers = None if self.gripper is None else self.gripper.taken()
-        if fingers is not None:
-            spec = self._spec.gripper
-            seconds = self._robot.period_s
-            self._publishers[spec.topic](joint_message(self._link, spec.type, spec.joints, fingers, seconds))
+        if fingers is not None and self._fingers is not None and self.gripper is not None:
+            self._fingers.send(self._spec.gripper.joints, fingers, self.gripper.seconds())
 
     def _send_arm(self, positions: Mapping[str, float]) -> None:
         """Send each controller the positions of its joints, by their names in the robot's file."""
-        spec = self._spec.arm
-        seconds = self._robot.period_s + spec.latency_ms / 1e3
-        for topic, joints in self._controllers().items():
+        seconds = self._robot.period_s + self._spec.arm.latency_ms / 1e3
+        for joints, controller in self._controllers.items():
             names = [self._spec.name_of(each) for each in joints]
             values = [self._spec.sign_of(each) * positions[each] for each in joints]
-            self._publishers[topic](joint_message(self._link, spec.type, names, values, seconds))
-
-    def _controllers(self) -> Mapping[str, tuple[str, ...]]:
-        """Return the joints of each controller by its topic."""
-        arm = self._robot.arm
-        return self._spec.arm.joints_by_topic(() if arm is None else arm.joints)
+            controller.send(names, values, seconds)
 
     def _joint_states(self) -> JointStates | None:
         arm = () if self._robot.arm is None else self._robot.arm.joints
@@ -171,8 +171,12 @@ class RosTopics:
         wrench = None
         if self._spec.wrench is not None:
             wrench = self._heard(WrenchTopic, "the force at the hand", self._spec.wrench)
-        for topic in self._controllers():
-            self._publish(message_kind(self._spec.arm.type), topic)
+        topics, actions = self._spec.arm.joints_by_topic(spec.joints), self._spec.arm.actions
+        for topic, joints in topics.items():
+            self._controllers[joints] = self._topic_controller(self._spec.arm.type, topic)
+        for action, joints in actions.items():
+            stream = self._stream(TRAJECTORY_ACTION, action)
+            self._controllers[joints] = TrajectoryController(self._link, stream)
         names = [self._spec.name_of(each) for each in spec.joints]
         return RosArm(self._robot.arm_model(), names, self.states, wrench, self._robot.period_s)
 
@@ -180,7 +184,7 @@ class RosTopics:
         spec, topic = self._robot.gripper, self._spec.gripper
         if spec is None or self.states is None:
             return None
-        self._publish(message_kind(topic.type), topic.topic)
+        self._fingers = self._finger_controller(topic)
         return RosGripper(spec, topic, self.states, topic.joints, self._robot.period_s)
 
     def _made_sensors(self) -> Iterator[Capability]:
@@ -207,15 +211,37 @@ class RosTopics:
         self.sensors.append(sensor)
         return sensor
 
-    def _publish(self, kind: str, topic: str) -> None:
+    def _finger_controller(self, spec: RosGripperSpec) -> JointController:
+        if spec.action is None:
+            return self._topic_controller(spec.type, spec.topic)
+        stream = self._stream(f"control_msgs/{spec.action_type}", spec.action, may_miss=True)
+        if spec.action_type == "GripperCommand":
+            return FingerController(stream, spec.max_effort_n)
+        return TrajectoryController(self._link, stream)
+
+    def _topic_controller(self, kind: str, topic: str) -> JointController:
+        self.commands[topic] = message_kind(kind)
+        return TopicController(self._link, kind, topic)
+
+    def _stream(self, kind: str, name: str, may_miss: bool = False) -> GoalStream:
+        sender, answer = self._link.goal_sender(kind, name), self._spec.answer_ms / 1e3
+        self.streams.append(GoalStream(sender, name, kind, answer, self._link.clock, may_miss))
+        return self.streams[-1]
+
+    def _publisher(self, kind: str, topic: str) -> Take:
         self.commands[topic] = kind
-        self._publishers[topic] = self._link.publisher(kind, topic)
+        return self._link.publisher(kind, topic)
 
 
 def check_joints(robot: RobotFile, spec: RosSpec) -> None:
     """Raise `UnknownJoints` unless each joint of the arm, and no other one, has one controller."""
     joints = () if robot.arm is None else robot.arm.joints
-    driven = [joint for each in spec.arm.joints_by_topic(joints).values() for joint in each]
+    driven = [
+        joint
+        for controllers in (spec.arm.joints_by_topic(joints), spec.arm.actions)
+        for each in controllers.values()
+        for joint in each
+    ]
     named = {"arm: controllers": driven, "names": [*spec.names], "reversed": [*spec.reversed]}
     wrong = [
         f"ros2: {key}: the arm has no joint {joint!r}{suggest(joint, joints)}"

@@ -56,7 +56,9 @@ class DeniesHold(PickUp):
 
 def _violations(kind: type[PickUp], bench: KitBench) -> list[str]:
     """Return the violations of a faulty PICK_UP in the task return_book."""
-    rehearsal = Rehearsal(RETURN_BOOK_TASK, bench.backend, instead={"PICK_UP": kind})
+    rehearsal = Rehearsal(
+        RETURN_BOOK_TASK, bench.backend, instead={"PICK_UP": kind}, simulated=bench.simulated
+    )
     batch = Batch(rehearsal, PICK_UP_NUMBER, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
     return first_violations(batch)
 

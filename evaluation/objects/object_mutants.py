@@ -93,7 +93,7 @@ class PlacesBlindly(PlaceObject):
 
 def _violations(name: str, number: int, kind: type[ActionPrimitive], bench: KitBench) -> list[str]:
     """Return the violations of a faulty primitive in the task set_aside."""
-    rehearsal = Rehearsal(SET_ASIDE_TASK, bench.backend, instead={name: kind})
+    rehearsal = Rehearsal(SET_ASIDE_TASK, bench.backend, instead={name: kind}, simulated=bench.simulated)
     batch = Batch(rehearsal, number, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
     return first_violations(batch)
 

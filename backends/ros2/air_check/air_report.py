@@ -60,6 +60,7 @@ def listen(
         name: link.listeners(name) if name in heard.topics.commands else link.publishers(name)
         for name in names
     }
+    nodes |= {each.name: link.action_servers(each.name) for each in heard.topics.streams}
     return AirReport(
         topics,
         nodes,

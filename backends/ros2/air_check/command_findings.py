@@ -23,7 +23,14 @@ def command_findings(heard: HeardRobot) -> Iterator[AirFinding]:
             names = ", ".join(sorted(others))
             yield AirFinding(key, f"{topic}: {names} publishes it; allowed: nobody but this program")
 
+    for stream in heard.topics.streams:
+        if stream.name in deaf:
+            yield AirFinding(("ros2", _key_of(heard, stream.name)), deafness(heard.topics, link, stream.name))
+        if stream.rival:
+            yield AirFinding(("ros2", _key_of(heard, stream.name)), stream.rival)
+
 
 def _key_of(heard: HeardRobot, topic: str) -> str:
     spec = heard.spec
-    return {spec.velocity.topic: "velocity", spec.gripper.topic: "gripper"}.get(topic, "arm")
+    fingers = spec.gripper.action or spec.gripper.topic
+    return {spec.velocity.topic: "velocity", fingers: "gripper"}.get(topic, "arm")

@@ -6,6 +6,7 @@ from typing import Any
 
 from typing_extensions import override
 
+from handcart.backends.ros2.wire.goals import Accepts, GoalSender, SentGoal, TakesGoal
 from handcart.backends.ros2.wire.ros_link import Link, Take
 
 from .topic_meter import TopicMeter
@@ -77,6 +78,18 @@ class ListeningLink(Link):
         return self._link.joints_of(controller)
 
     @override
+    def goal_sender(self, kind: str, name: str) -> GoalSender:
+        return _SilentSender(self._link.goal_sender(kind, name), name)
+
+    @override
+    def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
+        raise AssertionError(f"a check would serve {name}")
+
+    @override
+    def action_servers(self, name: str) -> list[str]:
+        return self._link.action_servers(name)
+
+    @override
     def now(self) -> float:
         return self._link.now()
 
@@ -87,3 +100,27 @@ class ListeningLink(Link):
     @override
     def close(self) -> None:
         self._link.close()
+
+
+class _SilentSender(GoalSender):
+    """End of an action that never sends."""
+
+    def __init__(self, sender: GoalSender, name: str) -> None:
+        """Take the true end, and the name of the action."""
+        self._sender, self._name = sender, name
+
+    @override
+    def is_ready(self) -> bool:
+        return self._sender.is_ready()
+
+    @override
+    def others_goal(self) -> bool:
+        return self._sender.others_goal()
+
+    @override
+    def new_goal(self) -> Any:
+        return self._sender.new_goal()
+
+    @override
+    def send(self, goal: Any) -> SentGoal:
+        raise AssertionError(f"a check would send a goal to {self._name}")

@@ -10,6 +10,7 @@ from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 
 OLD_STAMP_S = 60
+ACTION_KINDS = ("rejects", "aborts", "cancels", "unanswered")
 FAULT_KINDS = {
     "silent": "no message of the topic is sent any more",
     "frozen": "the last message is sent again and again",
@@ -19,6 +20,10 @@ FAULT_KINDS = {
     "old-stamps": f"stamps are {OLD_STAMP_S} s old",
     "nan": "the first number of each message is NaN",
     "wrong-frame": "messages come from another frame",
+    "rejects": "an action rejects each goal",
+    "aborts": "an action aborts each goal",
+    "cancels": "an action cancels each goal by itself",
+    "unanswered": "an action answers no goal",
 }
 DELAY_S = 0.5
 
@@ -69,11 +74,15 @@ class BenchFaults:
         """Plan one more."""
         self._planned = (*self._planned, fault)
 
+    def is_due(self, kind: str, name: str, now_s: float) -> bool:
+        """Return whether a fault of a topic or action is there at a time of the bench in [s]."""
+        return any(each.kind == kind and each.topic == name and now_s >= each.at_s for each in self._planned)
+
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
         """Return what is sent instead of a message, at a time of the bench in [s]."""
         sent = [message]
         for fault in self._planned:
-            if fault.topic == topic and now_s >= fault.at_s:
+            if fault.topic == topic and now_s >= fault.at_s and fault.kind not in ACTION_KINDS:
                 sent = [each for one in sent for each in self._changed(fault, one)]
         return sent
 

@@ -7,8 +7,10 @@ from typing import Any
 
 from typing_extensions import override
 
+from handcart.backends.ros2.wire.goals import Accepts, GoalSender, TakesGoal
 from handcart.backends.ros2.wire.ros_link import KEPT_MESSAGES, Link, Take
 
+from .local_goals import LocalAction, LocalGoalSender
 from .local_messages import new_message
 
 
@@ -25,6 +27,8 @@ class LocalAir:
         """Listeners of each topic, with the type of their messages and those not received yet."""
         self.publishers: dict[str, list[tuple[LocalLink, str]]] = {}
         """Publishers of each topic, with the type of their messages."""
+        self.actions: dict[str, tuple[LocalLink, LocalAction]] = {}
+        """Actions by their names, each with the node that serves it."""
 
 
 class LocalLink(Link):
@@ -74,6 +78,9 @@ class LocalLink(Link):
         for waiting, take in self._taking:
             while waiting:
                 take(waiting.popleft())
+        for served, action in list(self._air.actions.values()):
+            if served is self:
+                action.answer()
 
     @override
     def publishers(self, topic: str) -> list[str]:
@@ -105,6 +112,23 @@ class LocalLink(Link):
         return []
 
     @override
+    def goal_sender(self, kind: str, name: str) -> GoalSender:
+        return LocalGoalSender(kind, lambda: self._action(kind, name))
+
+    def _action(self, kind: str, name: str) -> LocalAction | None:
+        served = self._air.actions.get(name)
+        return None if served is None or served[1].kind != kind else served[1]
+
+    @override
+    def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
+        self._air.actions[name] = self, LocalAction(kind, accepts, take)
+
+    @override
+    def action_servers(self, name: str) -> list[str]:
+        served = self._air.actions.get(name)
+        return [] if served is None else [f"/{served[0].name} ({served[1].kind})"]
+
+    @override
     def now(self) -> float:
         return self._air.time
 
@@ -118,3 +142,5 @@ class LocalLink(Link):
             listeners[:] = [each for each in listeners if each[0] is not self]
         for publishers in self._air.publishers.values():
             publishers[:] = [each for each in publishers if each[0] is not self]
+        for name in [name for name, served in self._air.actions.items() if served[0] is self]:
+            del self._air.actions[name]

@@ -79,7 +79,7 @@ class LocalBench:
         Raises:
             NotAState: it is not such a state.
         """
-        needed = {"inner", "time", "drivers", "wheels"}
+        needed = {"inner", "time", *self._drivers.state()}
         if not isinstance(state, dict) or state.keys() != needed:
             raise NotAState(f"no state of a bench of topics; needed: {', '.join(sorted(needed))}")
         self.air.time = from_plain(state["time"], float, "time")

@@ -59,6 +59,25 @@ def _camera_info() -> SimpleNamespace:
     return SimpleNamespace(header=_header(), height=0, width=0, **lens)
 
 
+def _duration() -> SimpleNamespace:
+    return SimpleNamespace(sec=0, nanosec=0)
+
+
+def new_goal(kind: str) -> Any:
+    """Return an empty goal of an action, such as one of `control_msgs/GripperCommand`."""
+    if kind.endswith("GripperCommand"):
+        return SimpleNamespace(command=SimpleNamespace(position=0.0, max_effort=0.0))
+    tolerances = {"path_tolerance": [], "goal_tolerance": [], "goal_time_tolerance": _duration()}
+    return SimpleNamespace(trajectory=new_message("trajectory_msgs/JointTrajectory"), **tolerances)
+
+
+def new_result(kind: str) -> Any:
+    """Return an empty result of an action."""
+    if kind.endswith("GripperCommand"):
+        return SimpleNamespace(position=0.0, effort=0.0, stalled=False, reached_goal=False)
+    return SimpleNamespace(error_code=0, error_string="")
+
+
 _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
     "Twist": _twist,
     "TwistStamped": lambda: SimpleNamespace(header=_header(), twist=_twist()),
@@ -76,8 +95,6 @@ _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
         header=_header(), wrench=SimpleNamespace(force=_vector(), torque=_vector())
     ),
     "JointTrajectory": lambda: SimpleNamespace(header=_header(), joint_names=[], points=[]),
-    "JointTrajectoryPoint": lambda: SimpleNamespace(
-        positions=[], velocities=[], time_from_start=SimpleNamespace(sec=0, nanosec=0)
-    ),
+    "JointTrajectoryPoint": lambda: SimpleNamespace(positions=[], velocities=[], time_from_start=_duration()),
     "Float64MultiArray": lambda: SimpleNamespace(data=[]),
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,7 +18,7 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.hand_force import efforts_of_force
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot.mounted_camera import camera_model
-from handcart.backends.ros2.wire.messages import SRDF_TOPIC, URDF_TOPIC
+from handcart.backends.ros2.wire.messages import SRDF_TOPIC, TRAJECTORY_ACTION, URDF_TOPIC
 from handcart.backends.ros2.wire.ros_link import Link
 from handcart.backends.urdf.robot_parts import read_srdf
 from handcart.robotics.far import Far
@@ -37,6 +37,7 @@ from .bench_messages import (
 )
 from .local_air import LocalLink
 from .robot_differences import RobotDifferences
+from .served_joints import ServedJoints
 from .wheel_odometry import WheelOdometry
 
 COMMAND_TIMEOUT_S = 0.25
@@ -85,12 +86,16 @@ class RosBench:
         self._wanted: dict[str, float] = {}
         self._wheels = WheelOdometry(robot.drive)
         self._send = self._publishers()
+        self._served: tuple[ServedJoints, ...] = ()
         self._listen()
         self._describe()
 
     def step(self) -> None:
         """Obey what has arrived, let a period pass, and publish the readings."""
         self._link.receive()
+        measured = dict(zip(*self._joint_readings()[:2], strict=True)) if self._served else {}
+        for each in self._served:
+            self._wanted.update(each.wanted(self.time, self.inner.period, measured))
         if self._base is not None:
             self._drive()
         if self._arm is not None:
@@ -99,7 +104,17 @@ class RosBench:
             self._move_fingers(self._gripper)
         self.inner.step()
         self.time += self.inner.period
+        self._settle()
         self._publish()
+
+    def _settle(self) -> None:
+        """End the goals of actions that are reached or can't be."""
+        if not self._served:
+            return
+        measured = dict(zip(*self._joint_readings()[:2], strict=True))
+        presses = self._gripper is not None and self._gripper.closed_on_something()
+        for each in self._served:
+            each.settle(self.time, measured, presses)
 
     def announce(self) -> None:
         """Publish the readings without letting time pass."""
@@ -110,12 +125,15 @@ class RosBench:
         return {
             "drivers": attributes(self, self.STATE),
             "wheels": attributes(self._wheels, WheelOdometry.STATE),
+            **{each.name: attributes(each, each.STATE) for each in self._served},
         }
 
     def set_state(self, state: Mapping[str, object]) -> None:
         """Restore what `state` returned."""
         set_attributes(self, self.STATE, state["drivers"])
         set_attributes(self._wheels, WheelOdometry.STATE, state["wheels"])
+        for each in self._served:
+            set_attributes(each, each.STATE, state[each.name])
 
     def close(self) -> None:
         """Leave the air, and let go of the robot."""
@@ -144,8 +162,17 @@ class RosBench:
         if self._arm is not None:
             for topic, joints in self._controllers().items():
                 self._listen_joints(topic, spec.arm.type, list(map(spec.name_of, joints)))
-        if self._gripper is not None:
+            self._serve(TRAJECTORY_ACTION, spec.arm.actions)
+        if self._gripper is not None and spec.gripper.action is not None:
+            kind = f"control_msgs/{spec.gripper.action_type}"
+            self._serve(kind, {spec.gripper.action: spec.gripper.joints})
+        elif self._gripper is not None:
             self._listen_joints(spec.gripper.topic, spec.gripper.type, list(spec.gripper.joints))
+
+    def _serve(self, kind: str, actions: Mapping[str, Sequence[str]]) -> None:
+        for name, joints in actions.items():
+            names = [self._spec.name_of(each) for each in joints]
+            self._served += (ServedJoints(self._link, kind, name, names, self._faults),)
 
     def _listen_joints(self, topic: str, kind: str, names: list[str]) -> None:
         def heard(message: Any) -> None:

@@ -10,8 +10,10 @@ from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.description.ros_spec import RosVelocitySpec
 
+from .goals import GoalSender
 from .ros_link import Link
 
+TRAJECTORY_ACTION, GRIPPER_ACTION = "control_msgs/FollowJointTrajectory", "control_msgs/GripperCommand"
 URDF_TOPIC, SRDF_TOPIC = "robot_description", "robot_description_semantic"
 """Topics by which a robot describes itself, latched."""
 
@@ -51,12 +53,35 @@ def joint_message(
     if kind == "Float64MultiArray":
         message.data = values
         return message
+    _set_point(link, message, names, values, seconds)
+    return message
+
+
+def trajectory_goal(
+    link: Link, sender: GoalSender, names: Sequence[str], positions: Sequence[float], seconds: float
+) -> Any:
+    """Return a goal of `FollowJointTrajectory`: positions (n), in [rad] or [m], of joints by their names in
+    ROS, to be reached in a time in [s].
+    """
+    goal = sender.new_goal()
+    _set_point(link, goal.trajectory, names, [sound(each) for each in positions], seconds)
+    return goal
+
+
+def gripper_goal(sender: GoalSender, position: float, effort: float) -> Any:
+    """Return a goal of `GripperCommand`: a position in [rad] or [m], and the largest effort in [N]."""
+    goal = sender.new_goal()
+    goal.command.position, goal.command.max_effort = sound(position), sound(effort)
+    return goal
+
+
+def _set_point(link: Link, message: Any, names: Sequence[str], values: list[float], seconds: float) -> None:
+    """Make a `JointTrajectory` of one point; without a stamp it begins when it arrives."""
     point = link.message("trajectory_msgs/JointTrajectoryPoint")
     point.positions = values
     whole = math.floor(seconds)
     point.time_from_start.sec, point.time_from_start.nanosec = int(whole), int(1e9 * (seconds - whole))
-    message.joint_names, message.points = list(names), [point]  # no stamp: it begins when it arrives
-    return message
+    message.joint_names, message.points = list(names), [point]
 
 
 def set_stamp(header: Any, seconds: float) -> None:

@@ -19,6 +19,9 @@ from collections.abc import Sequence
 from handcart.backends.backend import RobotFault
 from handcart.files.errors import InputError
 
+UNPUBLISHED = ("control_msgs", "tf2_msgs", "nav2_msgs", "moveit_msgs")
+"""Packages of messages that no registry of Python packages has."""
+
 
 class NoTopics(InputError):
     """The robot's file doesn't name its topics."""
@@ -41,8 +44,15 @@ class NoRos(InputError):
         super().__init__(
             f"ROS 2 needs the package {missing.name or missing!r}; on a robot it belongs to its"
             " ROS distribution (`source /opt/ros/DISTRIBUTION/setup.bash`), elsewhere:"
-            " pip install 'handcart[ros2]'"
+            f" {_elsewhere(missing.name or '')}"
         )
+
+
+def _elsewhere(package: str) -> str:
+    """Return how a package is had where no distribution is."""
+    if package.partition(".")[0] in UNPUBLISHED:
+        return "it is to be built from its definitions, because no wheel of it is published"
+    return "pip install 'handcart[ros2]'"
 
 
 class NotOnTheAir(InputError):

@@ -10,7 +10,9 @@ from typing import Any, Protocol
 
 from typing_extensions import override
 
+from .goals import Accepts, GoalSender, TakesGoal
 from .ros_errors import NoRos
+from .ros_goals import RosGoalSender, action_servers, serve_action
 
 Take = Callable[[Any], None]
 """Receives a message."""
@@ -60,6 +62,17 @@ class Link(Protocol):
     def joints_of(self, controller: str) -> list[str]:
         """Return the parameter `joints` of a controller's node; empty if it reports none."""
 
+    def goal_sender(self, kind: str, name: str) -> GoalSender:
+        """Return the end of an action from which goals are sent; `kind` such as
+        `control_msgs/FollowJointTrajectory`.
+        """
+
+    def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
+        """Offer an action: `take` receives each goal that is accepted."""
+
+    def action_servers(self, name: str) -> list[str]:
+        """Return the names of the nodes that serve an action, each with its type."""
+
     def now(self) -> float:
         """Return the time of ROS in [s], by which messages are stamped."""
 
@@ -108,7 +121,7 @@ class RosLink(Link):
     @override
     def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
         def came(message: Any) -> None:
-            self._came += 1
+            self._note()
             take(message)
 
         profile = self._profile(is_command=False)
@@ -203,6 +216,22 @@ class RosLink(Link):
             return [str(name) for value in values for name in value.string_array_value]
         finally:
             self._node.destroy_client(client)
+
+    @override
+    def goal_sender(self, kind: str, name: str) -> GoalSender:
+        return RosGoalSender(self._node, kind, name, self._note)
+
+    @override
+    def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
+        serve_action(self._node, kind, name, accepts, take, self._note)
+
+    @override
+    def action_servers(self, name: str) -> list[str]:
+        return action_servers(self._node, name)
+
+    def _note(self) -> None:
+        """Note that something has arrived: `receive` goes on."""
+        self._came += 1
 
     @override
     def now(self) -> float:

@@ -19,7 +19,11 @@ from handcart.backends.description.ros_spec import RosOdometrySpec, RosSpec, Ros
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.air_check.air_description import describe_air
 from handcart.backends.ros2.air_check.air_report import listen
+from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
+from handcart.backends.ros2.bench.served_joints import ServedJoints
+from handcart.backends.ros2.goal_stream import GoalStream
 from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, trajectory_goal
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import RosLink
 
@@ -182,3 +186,49 @@ def test_the_base_is_stopped_while_something_is_compiled(bench: subprocess.Popen
         assert base.wheel_travel().left - before.left < 0.2 * 0.6
         backend.step()
         assert backend.figures()["compiled_in_loop"] == 1
+
+
+def test_goals_pass_the_middleware_and_come_back() -> None:
+    pytest.importorskip("control_msgs", reason="control_msgs is not installed: no wheel of it is published")
+    name, joints, faults = "arm/follow_joint_trajectory", ("joint_1", "joint_2"), BenchFaults(0.05)
+    drivers, program = RosLink("drivers"), RosLink("program")
+    served = ServedJoints(drivers, TRAJECTORY_ACTION, name, joints, faults)
+    stream = GoalStream(
+        program.goal_sender(TRAJECTORY_ACTION, name), name, TRAJECTORY_ACTION, 5.0, time.monotonic
+    )
+    now, at = 0.0, dict.fromkeys(joints, 0.0)
+
+    def pass_period() -> None:
+        nonlocal now
+        drivers.receive()
+        at.update(served.wanted(now, 0.05, at))
+        now += 0.05
+        served.settle(now, at, False)
+        time.sleep(0.02)
+        program.receive()
+        stream.advance()
+
+    try:
+        until = time.monotonic() + 20.0
+        while not stream.sender.is_ready() and time.monotonic() < until:
+            pass_period()
+        assert drivers.action_servers(name) == [f"/drivers ({TRAJECTORY_ACTION})"]
+        for step in range(1, 6):
+            stream.send(trajectory_goal(program, stream.sender, joints, [0.1 * step, -0.1 * step], 0.05))
+            pass_period()
+        for _ in range(100):
+            if not stream._watched:
+                break
+            pass_period()
+        assert at == pytest.approx({"joint_1": 0.5, "joint_2": -0.5}, abs=1e-6)
+        assert not stream._watched and not stream.trouble
+        faults.add(TopicFault("rejects", name, 0.0))
+        stream.send(trajectory_goal(program, stream.sender, joints, [0.0, 0.0], 0.05))
+        for _ in range(100):
+            if stream.trouble:
+                break
+            pass_period()
+        assert f"{name}: the controller rejected a goal" in stream.trouble
+    finally:
+        drivers.close()
+        program.close()

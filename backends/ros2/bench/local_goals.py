@@ -1,0 +1,118 @@
+"""Actions within this process, without rclpy."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from typing_extensions import override
+
+from handcart.backends.ros2.wire.goals import Accepts, GoalSender, GoalStage, SentGoal, ServedGoal, TakesGoal
+
+from .local_messages import new_goal, new_result
+
+
+class LocalGoal(SentGoal, ServedGoal):
+    """A goal, seen from both ends."""
+
+    def __init__(self, kind: str, request: Any) -> None:
+        """Begin without an answer; `kind` is the type of the action."""
+        self._kind, self._request = kind, request
+        self._state, self._result, self._cancel = GoalStage.SENT, None, False
+
+    @property
+    @override
+    def state(self) -> GoalStage:
+        return self._state
+
+    @property
+    @override
+    def result(self) -> Any:
+        return self._result
+
+    @property
+    @override
+    def request(self) -> Any:
+        return self._request
+
+    @property
+    @override
+    def is_cancel_asked(self) -> bool:
+        return self._cancel
+
+    @override
+    def cancel(self) -> None:
+        self._cancel = True
+
+    @override
+    def new_result(self) -> Any:
+        return new_result(self._kind)
+
+    @override
+    def end(self, state: GoalStage, result: Any) -> None:
+        self._state, self._result = state, result
+
+
+class LocalAction:
+    """Server of an action: answers goals when its node receives."""
+
+    def __init__(self, kind: str, accepts: Accepts, take: TakesGoal) -> None:
+        """Serve an action of a type."""
+        self.kind = kind
+        self._accepts, self._take = accepts, take
+        self._waiting: deque[LocalGoal] = deque()
+        self._taken: list[LocalGoal] = []
+
+    def running(self) -> list[LocalGoal]:
+        """Return the goals that are being executed."""
+        self._taken = [each for each in self._taken if each.state is GoalStage.RUNNING]
+        return self._taken
+
+    def send(self, request: Any) -> LocalGoal:
+        """Let a goal wait for its answer."""
+        goal = LocalGoal(self.kind, request)
+        self._waiting.append(goal)
+        return goal
+
+    def answer(self) -> None:
+        """Accept or reject all goals that wait."""
+        while self._waiting:
+            goal = self._waiting.popleft()
+            verdict = self._accepts(goal.request)
+            if verdict:
+                goal.end(GoalStage.RUNNING, None)
+                self._taken.append(goal)
+                self._take(goal)
+            elif verdict is not None:
+                goal.end(GoalStage.REJECTED, None)
+
+
+class LocalGoalSender(GoalSender):
+    """End of an action from which goals are sent."""
+
+    def __init__(self, kind: str, server: Callable[[], LocalAction | None]) -> None:
+        """Take the type of the action, and a function that returns its server; None without one."""
+        self._kind, self._server = kind, server
+        self._own: list[LocalGoal] = []
+
+    @override
+    def is_ready(self) -> bool:
+        return self._server() is not None
+
+    @override
+    def others_goal(self) -> bool:
+        server = self._server()
+        return server is not None and any(each not in self._own for each in server.running())
+
+    @override
+    def new_goal(self) -> Any:
+        return new_goal(self._kind)
+
+    @override
+    def send(self, goal: Any) -> SentGoal:
+        server = self._server()
+        sent = LocalGoal(self._kind, goal) if server is None else server.send(goal)
+        running = (GoalStage.SENT, GoalStage.RUNNING)
+        self._own = [*(each for each in self._own if each.state in running), sent]
+        return sent

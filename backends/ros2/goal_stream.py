@@ -1,0 +1,132 @@
+"""Goals of one controller's action, one after the other, and what becomes of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from .wire.goals import GoalSender, GoalStage, SentGoal
+
+ERROR_NAMES = {
+    -1: "INVALID_GOAL",
+    -2: "INVALID_JOINTS",
+    -3: "OLD_HEADER_TIMESTAMP",
+    -4: "PATH_TOLERANCE_VIOLATED",
+    -5: "GOAL_TOLERANCE_VIOLATED",
+}
+"""Names of `error_code` in a result of `FollowJointTrajectory`."""
+PREEMPTED = ("", "INVALID_GOAL")
+"""Errors with which a controller ends a goal because a newer one came."""
+
+
+@dataclass
+class _Watched:
+    """A goal whose end has not come."""
+
+    goal: SentGoal
+    sent_s: float
+    was_replaced: bool = False
+    was_cancelled: bool = False
+
+
+class GoalStream:
+    """Sends goals, each in place of the one before, and says what goes wrong with them.
+
+    Each goal of a trajectory ends with the period for which it was computed: without a next one the
+    controller holds its end, as when this program is killed. A goal that is rejected, aborted, cancelled by
+    somebody else, or not answered is trouble. That one which was replaced ends early is none.
+    """
+
+    def __init__(
+        self,
+        sender: GoalSender,
+        name: str,
+        kind: str,
+        answer: float,
+        clock: Callable[[], float],
+        may_miss: bool = False,
+    ) -> None:
+        """Take the end of the action.
+
+        Args:
+            sender: end of the action from which goals are sent.
+            name: of the action.
+            kind: its type.
+            answer: time in [s] in which a goal has to be accepted.
+            clock: gives the time in [s].
+            may_miss: True for fingers, which miss their goal when they press on something.
+        """
+        self.sender, self.name, self.kind = sender, name, kind
+        self._answer, self._clock, self._may_miss = answer, clock, may_miss
+        self._watched: list[_Watched] = []
+        self.trouble = ""
+        """What went wrong with a goal; "" if nothing did."""
+
+    def send(self, goal: Any) -> None:
+        """Send a goal in place of the one before."""
+        for each in self._watched:
+            each.was_replaced = True
+        self._watched.append(_Watched(self.sender.send(goal), self._clock()))
+
+    def cancel(self) -> None:
+        """Cancel what is not over."""
+        for each in self._watched:
+            if not each.was_replaced:
+                each.goal.cancel()
+            each.was_cancelled = True
+
+    def advance(self) -> None:
+        """Look what has become of each goal."""
+        for each in self._watched:
+            self.trouble = self.trouble or self._wrong(each)
+        self.trouble = self.trouble or self.rival
+        self._watched = [
+            each for each in self._watched if each.goal.state in (GoalStage.SENT, GoalStage.RUNNING)
+        ]
+
+    @property
+    def rival(self) -> str:
+        """Words of another program that commands the controller; "" without one."""
+        if not self.sender.others_goal():
+            return ""
+        return f"{self.name}: a goal of another node is executed; allowed: goals of this program alone"
+
+    def forget(self) -> None:
+        """Forget all goals."""
+        self._watched, self.trouble = [], ""
+
+    def _wrong(self, each: _Watched) -> str:
+        """Return what is wrong with a goal; "" if nothing is."""
+        goal, waited = each.goal, self._clock() - each.sent_s
+        expected = each.was_replaced or each.was_cancelled
+        match goal.state:
+            case GoalStage.SENT if waited > self._answer:
+                return f"{self.name}: no answer to a goal for {waited:.2g} s; allowed: {self._answer:g} s"
+            case GoalStage.REJECTED:
+                return (
+                    f"{self.name}: the controller rejected a goal; is it active, and are the joints its own?"
+                )
+            case GoalStage.CANCELED if not expected:
+                return f"{self.name}: somebody else cancelled a goal{_why(goal.result)}"
+            case GoalStage.ABORTED if not self._may_abort(goal.result, expected):
+                return f"{self.name}: the controller aborted a goal{_why(goal.result)}"
+        return ""
+
+    def _may_abort(self, result: Any, expected: bool) -> bool:
+        """Return whether an abort is no fault: fingers press on something, or a newer goal came."""
+        error = _error_name(result)
+        if self._may_miss and (getattr(result, "stalled", False) or error == ERROR_NAMES[-5]):
+            return True
+        return expected and error in PREEMPTED
+
+
+def _why(result: Any) -> str:
+    """Return the error of a result, as words after a colon."""
+    words = [each for each in (_error_name(result), getattr(result, "error_string", "")) if each]
+    return f": {', '.join(words)}" if words else ""
+
+
+def _error_name(result: Any) -> str:
+    code = int(getattr(result, "error_code", 0))
+    return ERROR_NAMES.get(code, f"error {code}") if code else ""

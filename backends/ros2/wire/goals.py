@@ -1,0 +1,78 @@
+"""Goals of actions: what this program asks for, and what a simulated driver is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+from typing import Any, Protocol
+
+
+class GoalStage(Enum):
+    """What has become of a goal."""
+
+    SENT = "sent"
+    RUNNING = "running"
+    REJECTED = "rejected"
+    SUCCEEDED = "succeeded"
+    CANCELED = "canceled"
+    ABORTED = "aborted"
+
+
+ENDS_BY_NUMBER = {4: GoalStage.SUCCEEDED, 5: GoalStage.CANCELED, 6: GoalStage.ABORTED}
+"""Ends of a goal by the numbers of `action_msgs`."""
+ACTIVE_NUMBERS = (1, 2, 3)
+"""Numbers of a goal that is accepted, executed, or about to be cancelled."""
+
+
+class SentGoal(Protocol):
+    """A goal that was sent, by what has arrived of it."""
+
+    @property
+    def state(self) -> GoalStage:
+        """Return its state."""
+
+    @property
+    def result(self) -> Any:
+        """Return its result; None before its end."""
+
+    def cancel(self) -> None:
+        """Ask for its end; one that is not accepted yet is cancelled once it is."""
+
+
+class GoalSender(Protocol):
+    """End of an action from which goals are sent."""
+
+    def is_ready(self) -> bool:
+        """Return whether a server is connected."""
+
+    def others_goal(self) -> bool:
+        """Return whether a goal of another node is being executed."""
+
+    def new_goal(self) -> Any:
+        """Return an empty goal."""
+
+    def send(self, goal: Any) -> SentGoal:
+        """Send a goal; never waits."""
+
+
+class ServedGoal(Protocol):
+    """A goal that was accepted, at the end of an action that serves it."""
+
+    @property
+    def request(self) -> Any:
+        """Return what is asked for."""
+
+    @property
+    def is_cancel_asked(self) -> bool:
+        """Return whether its sender wants it to end."""
+
+    def new_result(self) -> Any:
+        """Return an empty result."""
+
+    def end(self, state: GoalStage, result: Any) -> None:
+        """End it, with its result."""
+
+
+Accepts = Callable[[Any], bool | None]
+"""Returns whether a goal is accepted; None to leave it without an answer."""
+TakesGoal = Callable[[ServedGoal], None]

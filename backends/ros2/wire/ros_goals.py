@@ -1,0 +1,206 @@
+"""Actions through rclpy."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+from typing_extensions import override
+
+from .goals import (
+    ACTIVE_NUMBERS,
+    ENDS_BY_NUMBER,
+    Accepts,
+    GoalSender,
+    GoalStage,
+    SentGoal,
+    ServedGoal,
+    TakesGoal,
+)
+from .ros_errors import NoRos
+
+KEPT_IDS = 1000
+"""Number of the last goals that count as this program's own."""
+Came = Callable[[], None]
+"""Notes that something has arrived."""
+
+
+class RosGoalSender(GoalSender):
+    """Client of an action; what comes back is handed over as its node is spun."""
+
+    def __init__(self, node: Any, kind: str, name: str, came: Came) -> None:
+        """Connect to servers of an action such as `control_msgs/FollowJointTrajectory`.
+
+        Raises:
+            NoRos: its package is not installed.
+        """
+        self._type, self._came = action_class(kind), came
+        self._client = import_module("rclpy.action").ActionClient(node, self._type, name)
+        self._new_id = import_module("unique_identifier_msgs.msg").UUID
+        self._own: deque[bytes] = deque(maxlen=KEPT_IDS)
+        self._others = False
+        kind_of_state = import_module("action_msgs.msg").GoalStatusArray
+        profile = import_module("rclpy.qos").qos_profile_action_status_default
+        node.create_subscription(kind_of_state, f"{name}/_action/status", self._heard, profile)
+
+    @override
+    def is_ready(self) -> bool:
+        return bool(self._client.server_is_ready())
+
+    @override
+    def others_goal(self) -> bool:
+        return self._others
+
+    def _heard(self, message: Any) -> None:
+        """Take the states of all goals of the server, whoever sent them."""
+        self._came()
+        active = (each for each in message.status_list if each.status in ACTIVE_NUMBERS)
+        self._others = any(bytes(each.goal_info.goal_id.uuid) not in self._own for each in active)
+
+    @override
+    def new_goal(self) -> Any:
+        return self._type.Goal()
+
+    @override
+    def send(self, goal: Any) -> SentGoal:
+        sent, name = _RosGoal(self._came), uuid4().bytes
+        self._own.append(name)
+        told = self._new_id(uuid=np.frombuffer(name, np.uint8))
+        self._client.send_goal_async(goal, goal_uuid=told).add_done_callback(sent.answered)
+        return sent
+
+
+class _RosGoal(SentGoal):
+    """A goal that was sent through rclpy."""
+
+    def __init__(self, came: Came) -> None:
+        """Begin without an answer."""
+        self._came, self._handle, self._cancel = came, None, False
+        self._state, self._result = GoalStage.SENT, None
+
+    @property
+    @override
+    def state(self) -> GoalStage:
+        return self._state
+
+    @property
+    @override
+    def result(self) -> Any:
+        return self._result
+
+    @override
+    def cancel(self) -> None:
+        self._cancel = True
+        if self._handle is not None and self._state is GoalStage.RUNNING:
+            self._handle.cancel_goal_async()
+
+    def answered(self, answer: Any) -> None:
+        """Take the server's answer."""
+        self._came()
+        handle = self._handle = answer.result()
+        if not handle.accepted:
+            self._state = GoalStage.REJECTED
+            return
+        self._state = GoalStage.RUNNING
+        handle.get_result_async().add_done_callback(self._ended)
+        if self._cancel:
+            handle.cancel_goal_async()
+
+    def _ended(self, answer: Any) -> None:
+        self._came()
+        got = answer.result()
+        self._result = got.result
+        self._state = ENDS_BY_NUMBER.get(got.status, GoalStage.ABORTED)
+
+
+class _RosServedGoal(ServedGoal):
+    """A goal that a server of rclpy has accepted."""
+
+    def __init__(self, handle: Any, kind: Any) -> None:
+        """Take its handle and the type of the action."""
+        self._handle, self._type = handle, kind
+
+    @property
+    @override
+    def request(self) -> Any:
+        return self._handle.request
+
+    @property
+    @override
+    def is_cancel_asked(self) -> bool:
+        return bool(self._handle.is_cancel_requested)
+
+    @override
+    def new_result(self) -> Any:
+        return self._type.Result()
+
+    @override
+    def end(self, state: GoalStage, result: Any) -> None:
+        def finish(handle: Any) -> Any:
+            if state is GoalStage.SUCCEEDED:
+                handle.succeed()
+            elif state is GoalStage.CANCELED and handle.is_cancel_requested:
+                handle.canceled()
+            else:  # only what was asked to end can be cancelled
+                handle.abort()
+            return result
+
+        self._handle.execute(finish)
+
+
+def serve_action(node: Any, kind: str, name: str, accepts: Accepts, take: TakesGoal, came: Came) -> None:
+    """Offer an action by a node; raises `NoRos` without its package."""
+    made = action_class(kind)
+    actions = import_module("rclpy.action")
+    never = import_module("rclpy.task").Future
+    group = import_module("rclpy.callback_groups").ReentrantCallbackGroup()  # for a goal without an answer
+
+    async def answer(goal: Any) -> Any:
+        came()
+        verdict = accepts(goal)
+        if verdict is None:
+            await never()
+        return actions.GoalResponse.ACCEPT if verdict else actions.GoalResponse.REJECT
+
+    def asked_to_end(_: Any) -> Any:
+        came()
+        return actions.CancelResponse.ACCEPT
+
+    actions.ActionServer(
+        node,
+        made,
+        name,
+        execute_callback=lambda handle: None,  # goals are executed by `end`
+        goal_callback=answer,
+        handle_accepted_callback=lambda handle: take(_RosServedGoal(handle, made)),
+        cancel_callback=asked_to_end,
+        callback_group=group,
+    )
+
+
+def action_servers(node: Any, name: str) -> list[str]:
+    """Return the names of the nodes that serve an action, each with its type."""
+    full, graph = node.resolve_service_name(name), import_module("rclpy.action.graph")
+    found = []
+    for one, space in node.get_node_names_and_namespaces():
+        try:
+            offered = dict(graph.get_action_server_names_and_types_by_node(node, one, space))
+        except RuntimeError:  # it has left meanwhile
+            continue
+        found += [
+            f"{space.rstrip('/')}/{one} ({kind.replace('/action', '')})" for kind in offered.get(full, ())
+        ]
+    return found
+
+
+def action_class(kind: str) -> Any:
+    """Return the class of an action such as `control_msgs/GripperCommand`; raises `NoRos` without it."""
+    package, _, name = kind.partition("/")
+    try:
+        return getattr(import_module(f"{package}.action"), name)
+    except ImportError as missing:
+        raise NoRos(missing) from None

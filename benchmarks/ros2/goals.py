@@ -1,0 +1,201 @@
+"""Move an arm and fingers by goals of actions through the middleware: `python -m benchmarks.ros2.goals`.
+
+Each trial has a bench, which serves the actions, and a program in processes of their own. The program is
+killed (SIGKILL) while its goals move the arm: the arm has to rest once the last goal ends. An action rejects,
+aborts or cancels a goal, answers none, or another node sends one: the program has to end with a fault that
+names the action, and the arm has to rest. Needs rclpy and control_msgs. Status 1 if anything was missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import random
+import sys
+import time
+from multiprocessing.connection import Connection
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.backend import RobotFault
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosArmSpec, RosGripperSpec, RosSpec
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.registry import make_backend
+from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, BenchFaults, TopicFault
+from handcart.backends.ros2.bench.ros_bench import RosBench
+from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, trajectory_goal
+from handcart.backends.ros2.wire.ros_link import RosLink, node_name
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+from handcart.files.errors import HandcartError
+
+from .wire_rig import Ended, Process, Rest, await_driving, on_the_air
+
+ARM, HAND = "arm_controller/follow_joint_trajectory", "gripper_controller/gripper_cmd"
+RIVAL = "rival"
+SPEED_RAD_S = 0.2
+MAX_PERIODS = 4
+"""Periods of the bench in which the arm may move after the end: that of its last goal, one on the way, and
+two of a busy machine."""
+
+
+class Trial(NamedTuple):
+    """What came of a trial."""
+
+    wrong: str
+    """Why it counts as missed; "" if it doesn't."""
+    rest: Rest = Rest(0.0, 0)
+    """Of the arm, after the program's end."""
+
+
+def main() -> None:
+    """Print a row for the kills, and one for each fault."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--count", type=int, default=10, help="trials of each kind")
+    words.add_argument("--kinds", nargs="+", default=["killed", *ACTION_KINDS, RIVAL])
+    words.add_argument("--seed", type=int, default=0, help="of the instants")
+    asked = words.parse_args()
+    if importlib.util.find_spec("control_msgs") is None:
+        sys.exit("not run: control_msgs is not installed; needed: a ROS distribution, or a build of it")
+    rng, missed, number = random.Random(asked.seed), 0, 0
+    for kind in asked.kinds:
+        found: list[Trial] = []
+        for _ in range(asked.count):
+            print(f"\r{kind}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True)
+            with on_the_air(number):
+                found.append(tried(kind, rng.uniform(0.0, 0.5)))
+            number += 1
+        print(file=sys.stderr)
+        wrong = [each.wrong for each in found if each.wrong]
+        missed += len(wrong)
+        seconds = np.array([each.rest.seconds for each in found])
+        print(
+            f"{kind:<12}{'arm at rest' if kind == 'killed' else 'named, at rest'} {len(found) - len(wrong)}"
+            f"/{len(found)}  median {np.median(seconds):.3f} s, at most {seconds.max():.3f} s"
+            f" and {max(each.rest.periods for each in found)} periods after the end",
+            flush=True,
+        )
+        for each in dict.fromkeys(wrong):
+            print(f"    {each}", flush=True)
+    sys.exit(1 if missed else 0)
+
+
+def tried(kind: str, after_s: float) -> Trial:
+    """Let a program move the arm, and something happen to it."""
+    bench = Process(serve_arm)
+    others: list[Process] = []
+    try:
+        bench.answer()
+        driver = Process(swing_arm)
+        others.append(driver)
+        await_driving(driver)
+        time.sleep(after_s)
+        words = ARM
+        if kind == "killed":
+            ended_s = driver.kill()
+        else:
+            if kind == RIVAL:
+                others.append(Process(_rival))
+            else:
+                bench.pipe.send(TopicFault(kind, ARM, 0.0))
+            ended: Ended = driver.answer()
+            ended_s, words = ended.time, ended.words
+        time.sleep(0.6)
+        bench.pipe.send(ended_s)
+        rest: Rest = bench.answer()
+    except TimeoutError as error:
+        return Trial(str(error))
+    finally:
+        for each in (*others, bench):
+            each.kill()
+    wrong = "" if ARM in words else f"not named: {words}"
+    # A rival's goal moves the arm on: it is not this program's.
+    is_late = rest.periods > MAX_PERIODS and kind != RIVAL
+    return Trial(wrong or (f"the arm moved for {rest.periods} periods" if is_late else ""), rest)
+
+
+def librarian() -> RobotFile:
+    """Return a robot whose arm and fingers take goals."""
+    robot = load_robot("librarian")
+    assert robot.arm is not None
+    spec = RosSpec(
+        arm=RosArmSpec(actions={ARM: robot.arm.joints}),
+        gripper=RosGripperSpec(action=HAND),
+        answer_ms=1000.0,
+        first_message_s=30.0,
+        max_late_ms=1000.0,
+        max_missed_periods=100,
+    )
+    return robot.model_copy(update={"ros2": spec}).read_in(robot.folder)
+
+
+def serve_arm(pipe: Connection) -> None:
+    """Serve the robot's topics and actions until killed; see `serve_bench`, for the arm."""
+    robot = librarian()
+    assert robot.ros2 is not None
+    inner = make_backend("kinematic", robot, LIBRARY_FOLDER / "world.yaml", 0)
+    arm = inner.get(Arm)  # type: ignore[type-abstract]
+    assert arm is not None
+    faults = BenchFaults(robot.period_s)
+    bench = RosBench(robot, robot.ros2, inner, RosLink(node_name("bench")), faults)
+    moved: list[tuple[float, bool]] = []
+    before, due = arm.command(), time.monotonic()
+    pipe.send("ready")
+    while True:
+        bench.step()
+        now = arm.command()
+        moved.append((time.monotonic(), bool(np.abs(now - before).max() > 1e-6)))
+        before = now
+        while pipe.poll():
+            asked = pipe.recv()
+            if isinstance(asked, TopicFault):
+                faults.add(asked)
+            else:
+                late = [at for at, moves in moved if moves and at > asked]
+                pipe.send(Rest(max(late, default=asked) - asked, len(late)))
+        due = max(due + robot.period_s, time.monotonic() - robot.period_s)
+        time.sleep(max(0.0, due - time.monotonic()))
+
+
+def swing_arm(pipe: Connection) -> None:
+    """Move a joint to and fro and the fingers, each period; send "drives", then how it ended."""
+    words = "moved to its end"
+    try:
+        with RosBackend(librarian()) as backend:
+            arm, gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
+            assert arm is not None and gripper is not None
+            begun, step = arm.command(), SPEED_RAD_S * backend.period
+            for period in range(1200):
+                way = period % 40 if period % 80 < 40 else 40 - period % 40
+                arm.move(begun + step * way * np.eye(len(begun))[0])
+                if period % 40 == 0:
+                    gripper.move(0.03 if period % 80 else 0.05)
+                backend.step()
+                if period == 10:
+                    pipe.send("drives")
+    except (RobotFault, HandcartError) as error:
+        words = str(error)
+    pipe.send(Ended(time.monotonic(), words, {}))
+
+
+def _rival(pipe: Connection) -> None:
+    """Send a goal to the arm, as another program does."""
+    link, robot = RosLink("rival"), librarian()
+    assert robot.arm is not None
+    sender = link.goal_sender(TRAJECTORY_ACTION, ARM)
+    while not sender.is_ready():
+        time.sleep(0.05)
+        link.receive()
+    goal = trajectory_goal(link, sender, robot.arm.joints, [0.0] * len(robot.arm.joints), 5.0)
+    sender.send(goal)
+    while True:
+        link.receive()
+        time.sleep(0.05)
+
+
+if __name__ == "__main__":
+    main()
