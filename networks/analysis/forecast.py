@@ -7,16 +7,19 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from itertools import accumulate
 
-from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.effort import Effort, TooMuch
 from handcart.networks.chains.ends import AT_GOAL, Ends
-from handcart.networks.chains.policy import TooLarge, budget_of, explored, likely_policy
+from handcart.networks.chains.policy import State, TooLarge, budget_of, explored, likely_policy
 from handcart.networks.chains.policy_chain import Chain, Chances, policy_chain
+from handcart.networks.chains.rule_flow import RuleFlow, can_flow
 from handcart.networks.chains.stage import Stage
 from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import MAX_COST_S, ActionNetwork
 
 IMPOSSIBLE_SHARE = 0.05
 """Share of the budget for states that only Fails of probability 0 lead to; slopes need them."""
+LIKELY_SHARE = 0.3
+"""Share of the rest of the budget for likely states, where a flow follows many more of them."""
 STAGE_STEPS = 20
 """Steps of effort for a stage whose chain is known already."""
 Change = Callable[[Stage, Collection[int]], Stage]
@@ -180,5 +183,19 @@ def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bo
     if not found.is_complete:
         if not partly:
             raise TooLarge(network, len(found.steps))
-        found = likely_policy(network, chances, effort, found.start)
+        return _likely(network, chances, effort, found.start)
     return policy_chain(found, chances)
+
+
+def _likely(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Chain:
+    """Return the chain of likely states, with the ends of a flow if one can follow more of them."""
+    flows = can_flow(network)
+    states = effort.part(LIKELY_SHARE) if flows else effort
+    chain = policy_chain(likely_policy(network, chances, states, start), chances)
+    if not flows:
+        return chain
+    try:
+        flow = RuleFlow(network, chances, effort).result(start)
+    except TooMuch:
+        return chain
+    return chain.with_flow(flow) if flow.ends.unknown.p < chain.ends.unknown.p else chain

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from .linear_solver import LinearSolver
 from .moments import Moments
 from .policy import Chances as Chances
 from .policy import Policy
+from .rule_flow import FlowResult
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,15 @@ class Chain:
     slopes: tuple[float, ...]
     """Derivative of P(goal) by each action's probability of Success, with the Fails becoming fewer."""
     rows: ChainRows
-    visits: FloatArray
-    """Average number of times that a run comes to each row."""
+    ended: FloatArray
+    """(situations, ends) probability that a run ends there, by `ChainEnd`."""
+    skips: float
+    """Average number of skips."""
+
+    def with_flow(self, flow: FlowResult) -> Chain:
+        """Return the chain with the ends of a flow that has followed more states."""
+        starts = tuple(map(float, flow.starts))
+        return replace(self, ends=flow.ends, starts=starts, ended=flow.ended, skips=flow.skips)
 
 
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
@@ -41,15 +49,17 @@ def policy_chain(policy: Policy, chances: Chances) -> Chain:
     count = len(policy.network.actions)
     rows = ChainRows(policy, chances)
     if policy.start not in policy.steps:
-        return Chain(AT_GOAL, (0.0,) * count, (0.0,) * count, rows, np.zeros(len(rows.action)))
-    return _Solution(rows, policy.circles).chain(count)
+        nowhere = np.zeros((len(policy.network.situations), len(ChainEnd)))
+        return Chain(AT_GOAL, (0.0,) * count, (0.0,) * count, rows, nowhere, 0.0)
+    return _Solution(rows, policy).chain(count)
 
 
 class _Solution:
     """Solution of a chain's equations."""
 
-    def __init__(self, rows: ChainRows, circles: bool) -> None:
-        self._rows, self._size = rows, len(rows.action)
+    def __init__(self, rows: ChainRows, policy: Policy) -> None:
+        self._rows, self._size, circles = rows, len(rows.action), policy.circles
+        self._situations = len(policy.network.situations)
         links = [*rows.succeeds, *rows.fails]
         lost = _endless(rows, [*links, *rows.skips]) if circles else set[int]()
         self._lost = sorted(lost)
@@ -72,7 +82,14 @@ class _Solution:
         visits = self._every.solve(begins, True)
         starts = self._by_action(count, visits)
         slopes = self._by_action(count, self._plain.solve(begins, True) * self._gain(complete[:, 0, 0]))
-        return Chain(known, starts, slopes, rows, visits)
+        skips = [*(link.row for link in rows.skips), *rows.skipped_to_goal]
+        return Chain(known, starts, slopes, rows, self._ended(visits), float(visits[skips].sum()))
+
+    def _ended(self, visits: FloatArray) -> FloatArray:
+        """Return the probabilities (situations, ends) that a run ends in each situation."""
+        found = np.zeros((self._situations, len(ChainEnd)))
+        np.add.at(found, self._rows.places, self._into(skips=True) * visits[:, None])
+        return found
 
     def _by_action(self, count: int, values: FloatArray) -> tuple[float, ...]:
         found, actions = np.zeros(count), np.array(self._rows.action)

@@ -6,6 +6,8 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from handcart.networks.analysis.forecast import Forecast, Forecaster
 from handcart.networks.chains.chain_rows import ChainEnd
 from handcart.networks.chains.chain_times import Quantile, time_quantile
@@ -97,17 +99,7 @@ def _price(process: Process, part: _Part, stopping: Collection[ChainEnd] = STOP_
         part: the part.
         stopping: ends that cost a person's time.
     """
-    rows, visits = part.chain.rows, part.chain.visits
-    stops = [process.stop_price(part.names[place]) for place in rows.places]
-    price = sum(often * cost for often, cost in zip(visits, rows.cost, strict=True))
-    price += process.person_s * sum(visits[link.row] for link in rows.skips)
-    price += process.person_s * sum(visits[row] for row in rows.skipped_to_goal)
-    circling = part.chain.ends.no_way.p
-    for row, end, p, _ in rows.ends:
-        if end in stopping:
-            price += visits[row] * p * stops[row]
-        if end is ChainEnd.NO_WAY:
-            circling -= visits[row] * p
-    if rows.start >= 0:
-        price += max(0.0, circling) * stops[rows.start]
-    return part.comes * float(price)
+    stops = np.array([process.stop_price(name) for name in part.names])
+    ended = part.chain.ended[:, list(stopping)].sum(axis=1)
+    price = part.chain.ends.total().first + process.person_s * part.chain.skips + float(ended @ stops)
+    return part.comes * price

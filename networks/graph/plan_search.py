@@ -251,16 +251,16 @@ class PlanSearch:
         """Return the ways out of each situation, with those by Fails; None if no Fail leads elsewhere."""
         if self._hopes is None:
             self._hopes = []
-            if any(_hopes_of(action) for action in self._actions):
+            if any(hopes_of(action) for action in self._actions):
                 self._hopes = [[] for _ in self._ways]
                 for action in self._actions:
                     out = self._hopes[self._place[action.source]]
                     out.append((self._place[action.target], action.index, 0))
-                    out += [(self._place[to], action.index, 1) for to in _hopes_of(action)]
+                    out += [(self._place[to], action.index, 1) for to in hopes_of(action)]
         return self._hopes or None
 
 
-def _hopes_of(action: Action) -> list[str]:
+def hopes_of(action: Action) -> list[str]:
     """Return the situations that it may lead to besides its target, with a probability above zero."""
     others = [each.target for each in action.others if each.p != 0.0]
     certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12

@@ -1,0 +1,129 @@
+"""The rule's routes for many counts of Fails at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.plan_search import SKIP_WEIGHT, hopes_of
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, Uint16Array
+
+NO_ACTION = -1
+TIE_SLACK = 1e-9
+"""Relative difference of costs below which two routes count as equal, because sums are rounded."""
+
+
+class CountRoutes(NamedTuple):
+    """First actions of the cheapest routes from all situations, for several counts of Fails."""
+
+    action: IntArray
+    """(situations, n) number of the action; `NO_ACTION` without a route."""
+    is_tied: BoolArray
+    """(situations, n) True if another route costs the same."""
+    has_to_fail: BoolArray
+    """(situations, n) True if the action leads on by its Fail only."""
+
+
+class _Way(NamedTuple):
+    """Actions between the same two situations, or one action's Fail."""
+
+    source: int
+    target: int
+    actions: tuple[int, ...]
+    fails: int
+
+
+class RouteFinder:
+    """Finds routes by relaxation (Bellman, 1958) over all counts of Fails at once.
+
+    The weights are those of `PlanSearch`: each Fail doubles the weight of an action, and used-up attempts
+    exclude it.
+    """
+
+    def __init__(self, network: ActionNetwork) -> None:
+        """Prepare the ways of a network without further results, renewals and unlimited attempts."""
+        self._place = {name: number for number, name in enumerate(network.situations)}
+        self._goal = self._place[network.goal]
+        column = {counter: number for number, counter in enumerate(network.shared)}
+        self._column = [column[action.counter] for action in network.actions]
+        self._weight = [_weights(a.cost_s, a.attempts, a.binding is None) for a in network.actions]
+        plain = list(self._ways(network))
+        by_fails = [
+            _Way(self._place[a.source], self._place[to], (a.index,), 1)
+            for a in network.actions
+            for to in hopes_of(a)
+            if a.source != network.goal
+        ]
+        self._plain, self._hoping = self._in_order(plain), self._in_order([*plain, *by_fails])
+
+    def _ways(self, network: ActionNetwork) -> Iterator[_Way]:
+        for name in network.situations:
+            if name != network.goal:
+                for to, edges in network.graph[name].items():
+                    yield _Way(self._place[name], self._place[to], tuple(sorted(edges)), 0)
+
+    def _in_order(self, ways: Sequence[_Way]) -> list[_Way]:
+        """Return the ways, those near the goal first: few rounds of relaxation then suffice."""
+        far = np.full(len(self._place), np.inf)
+        far[self._goal] = 0.0
+        for _ in range(len(far)):
+            before = far.copy()
+            for way in ways:
+                far[way.source] = min(far[way.source], far[way.target] + self._weight[way.actions[0]][0])
+            if np.array_equal(before, far):
+                break
+        return sorted(ways, key=lambda way: (float(far[way.source]), way.source))
+
+    def routes(self, counts: Uint16Array) -> CountRoutes:
+        """Return the routes of Successes for counts of Fails (n, counters)."""
+        return self._search(counts, self._plain)
+
+    def hoping(self, counts: Uint16Array) -> CountRoutes:
+        """Return the routes that need the fewest Fails, for counts (n, counters) without another one."""
+        return self._search(counts, self._hoping)
+
+    def _search(self, counts: Uint16Array, ways: Sequence[_Way]) -> CountRoutes:
+        size = len(self._place), len(counts)
+        weights = [self._weight[a][counts[:, column]] for a, column in enumerate(self._column)]
+        weight = [np.minimum.reduce([weights[a] for a in way.actions]) for way in ways]
+        fails, cost = np.full(size, np.inf), np.full(size, np.inf)
+        fails[self._goal] = cost[self._goal] = 0.0
+        while True:
+            before = fails.copy(), cost.copy()
+            for way, own in zip(ways, weight, strict=True):
+                _relax(fails, cost, way, own)
+            if np.array_equal(before[0], fails) and np.array_equal(before[1], cost):
+                break
+        action, count = np.full(size, NO_ACTION), np.zeros(size, np.int64)
+        needs = np.zeros(size, bool)
+        for way, own in reversed(list(zip(ways, weight, strict=True))):
+            there, come = fails[way.target] + way.fails, cost[way.target] + own
+            source, known = way.source, cost[way.source]
+            best = (there == fails[source]) & (come < math.inf)
+            near = best & (come <= known + TIE_SLACK * known)
+            count[source] += near
+            best &= come <= known
+            for each in reversed(way.actions):
+                chosen = best & (weights[each] == own)
+                action[source][chosen] = each
+                needs[source][chosen] = way.fails > 0
+        return CountRoutes(action, count > 1, needs)
+
+
+def _relax(fails: FloatArray, cost: FloatArray, way: _Way, weight: FloatArray) -> None:
+    """Improve the routes (situations, n) by a way with its weights (n,), those with fewer Fails first."""
+    come = cost[way.target] + weight
+    there = np.where(come < math.inf, fails[way.target] + way.fails, math.inf)
+    better = (there < fails[way.source]) | ((there == fails[way.source]) & (come < cost[way.source]))
+    if better.any():
+        fails[way.source][better], cost[way.source][better] = there[better], come[better]
+
+
+def _weights(cost_s: float, attempts: int, is_skip: bool) -> FloatArray:
+    """Return the weight of an action for each count of its Fails."""
+    base = SKIP_WEIGHT if is_skip else cost_s
+    return np.array([*(math.ldexp(base, fails) for fails in range(attempts)), math.inf])

@@ -1,0 +1,94 @@
+"""States of the rule as rows of integers, each with the probability that a run comes to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.networks.graph.network import ActionNetwork
+from handcart.robotics.numerics.arrays import FloatArray, IntArray, Uint16Array
+
+from .step_maker import Aftermath, State
+
+MAX_CODE = 2**62
+"""Upper limit of the codes in one word."""
+
+
+class FlowStates(NamedTuple):
+    """States with the moments of the cost of the runs that come to them, as in `Moments`."""
+
+    counts: Uint16Array
+    """(n, counters) counts of Fails."""
+    place: IntArray
+    """(n,) number of the situation."""
+    mass: FloatArray
+    """(n, 3 or 6) moments of the runs; the second three are those that have left elements undone."""
+
+    @property
+    def p(self) -> FloatArray:
+        """(n,) probability that a run comes to each state."""
+        return np.asarray(self.mass[:, ::3].sum(axis=1))
+
+    def at(self, chosen: IntArray) -> FlowStates:
+        """Return some of the states, by their places (m,)."""
+        return FlowStates(self.counts[chosen], self.place[chosen], self.mass[chosen])
+
+
+class StateCodes:
+    """Rows of the states in one network, and their codes, by which equal ones are found."""
+
+    def __init__(self, network: ActionNetwork, after: Aftermath) -> None:
+        """Prepare the codes of a network."""
+        self._names, self._counters = list(network.situations), list(network.shared)
+        self.place = {name: number for number, name in enumerate(self._names)}
+        """Number of each situation."""
+        goal = network.goal
+        every = [
+            [name != goal and after.matters(name, each) for each in self._counters] for name in self._names
+        ]
+        self._keeps = np.array(every, np.uint16)
+        self._factors = self._code_factors(network)
+
+    def _code_factors(self, network: ActionNetwork) -> IntArray:
+        """Return the factors (counters, words) of counts in codes, a mixed radix."""
+        words = [[0] * len(self._counters)]
+        factor = len(self._names)
+        for number, counter in enumerate(self._counters):
+            width = network.actions[counter].allowance.width
+            if factor * width > MAX_CODE:
+                words.append([0] * len(self._counters))
+                factor = 1
+            words[-1][number] = factor
+            factor *= width
+        return np.array(words, np.int64).T
+
+    def one(self, state: State, mass: FloatArray) -> FlowStates:
+        """Return a state with the moments (3 or 6,) of the runs that come to it."""
+        counts = np.zeros((1, len(self._counters)), np.uint16)
+        for counter, fails in state.fails:
+            counts[0, self._counters.index(counter)] = fails
+        return FlowStates(counts, np.array([self.place[state.situation]]), mass[None, :])
+
+    def state(self, counts: Uint16Array, place: int) -> State:
+        """Return the state with counts (counters,) in a situation."""
+        failed = np.flatnonzero(counts)
+        fails = sorted((self._counters[number], int(counts[number])) for number in failed)
+        return State(self._names[place], tuple(fails))
+
+    def forgotten(self, states: FlowStates) -> FlowStates:
+        """Return the states without the Fails that cannot matter in their situations any more."""
+        return states._replace(counts=states.counts * self._keeps[states.place])
+
+    def merged(self, every: Sequence[FlowStates]) -> FlowStates:
+        """Return all states, each once, in the order of their counts."""
+        counts, place, mass = (np.concatenate(each) for each in zip(*every, strict=True))
+        if not len(place):
+            return FlowStates(counts, place, mass)
+        codes = counts.astype(np.int64) @ self._factors
+        codes[:, 0] += place
+        order = np.argsort(codes[:, 0]) if codes.shape[1] == 1 else np.lexsort(codes.T)
+        codes = codes[order]
+        first = np.flatnonzero(np.append(True, (codes[1:] != codes[:-1]).any(axis=1)))
+        return FlowStates(counts[order[first]], place[order[first]], np.add.reduceat(mass[order], first))
