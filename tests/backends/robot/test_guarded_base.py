@@ -10,6 +10,7 @@ import pytest
 
 from handcart.backends.capabilities.base import Base, DriveCommand, WheelTravel
 from handcart.backends.capabilities.range_sensor import Scan
+from handcart.backends.description.footprint_spec import FootprintSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.guarded_base import SIDE_MARGIN_M, GuardedBase, steady_points
@@ -241,3 +242,17 @@ def test_share_of_the_speed_that_people_leave_is_of_one_period(spec: RobotFile) 
     rolling.base.taken()
     assert rolling.base.share_for_people == 1.0
     assert not rolling.base.yields
+
+
+@pytest.mark.parametrize(("sigma_mm", "passes"), [(5.0, True), (30.0, False)])
+def test_polygon_keeps_off_by_the_noise_of_its_lidar(spec: RobotFile, sigma_mm: float, passes: bool) -> None:
+    """Something stands 20 mm beside the way of a rectangle's corner."""
+    rectangle = FootprintSpec(rectangle_m=(0.6, 0.4))
+    assert spec.range_sensor is not None
+    noisy = spec.range_sensor.model_copy(update={"sigma_mm": sigma_mm})
+    spec = spec.model_copy(update={"footprint": rectangle, "range_sensor": noisy})
+    beside = np.array([[0.6, 0.22], [0.61, 0.22]])
+    rolling = Rolling(spec, 2.0, lambda pose: beside - [pose.x - 2.0, 0.0])
+    for _ in range(100):
+        rolling.drive(0.3)
+    assert (rolling.pose.x > 2.9) is passes

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.primitives.restoring.retrace import EXACT_REACH_S, WIDENING_S, _travelled, _widened
+from handcart.primitives.restoring.retrace import EXACT_REACH_S, WIDENING_S, _stretches, _travelled, _widened
 from handcart.primitives.restoring.trace import NEAR_PERIODS, Moment, Trace
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
@@ -66,3 +66,24 @@ def test_nearest_moment_is_among_the_last_ones() -> None:
     trace = Trace(ROBOT)
     trace.moments = [moment(Pose2(float(number), 0.0, 0.0)) for number in range(NEAR_PERIODS + 3)]
     assert trace.nearest(HERE) == 3
+
+
+def test_trace_is_split_where_the_base_starts_and_stops() -> None:
+    ways = [0.0, 0.0, 0.0, 0.05, 0.1, 0.1, 0.1]
+    moments = [moment(Pose2(way, 0.0, 0.0)) for way in ways]
+    numbers = {id(each): number for number, each in enumerate(moments)}
+    found = [[numbers[id(each)] for each in stretch] for stretch in _stretches(moments)]
+    assert found == [[0, 1, 2], [2, 3, 4], [4, 5, 6]]
+
+
+def test_turn_on_the_spot_is_a_stretch_and_jitter_is_not() -> None:
+    turns = [0.0, 9e-5, 0.0, 0.02, 0.04, 0.04]
+    moments = [moment(Pose2(0.0, 0.0, turn)) for turn in turns]
+    assert [len(stretch) for stretch in _stretches(moments)] == [3, 3, 2]
+
+
+def test_single_moment_is_one_stretch() -> None:
+    only = moment(HERE)
+    (stretch,) = _stretches([only])
+    assert stretch[0] is only
+    assert len(stretch) == 1
