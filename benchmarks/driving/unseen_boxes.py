@@ -98,7 +98,7 @@ def try_world(seed: int, backend: str) -> Trial:
             eye = Eye(prepared.backend.scene, result)  # type: ignore[attr-defined]
             done = execute(prepared, folder / "run", RunOptions(observers=(eye,)))
         result.outcome = str(done.summary["outcome"])
-        result.reasons.append(str(done.summary["reason"])[:200])
+        result.reasons.append(str(done.summary["reason"])[:900])
     result.seconds = time.process_time() - begun
     return result
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from handcart.backends.capabilities.base import WheelTravel
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.locating.scan_jump import ScanJump
 
 from .crowd import Crowd
@@ -19,7 +20,7 @@ class LiftWatch:
         """Begin without scans; `tread` of the wheels in [m]."""
         self._tread, self._jump, self._people_before = tread, ScanJump(), False
 
-    def take(self, lidar: Lidar, rolled: WheelTravel, still: int, crowd: Crowd) -> Lost | None:
+    def take(self, lidar: Lidar, rolled: WheelTravel, still: int, crowd: Crowd, pose: Pose2) -> Lost | None:
         """Return the evidence that the base was lifted in the last periods, or None.
 
         Args:
@@ -27,13 +28,14 @@ class LiftWatch:
             rolled: travel of the wheels in this period, in [m].
             still: periods that the base has been at rest.
             crowd: people around it: they change scans, too.
+            pose: estimated map_T_base.
         """
         self._jump.roll(rolled.left, rolled.right, self._tread, rolled.sideways)
         if (still > 0 and still % LOOK_AGAIN != 0) or lidar.silence:  # the latter takes a scan
             return None
         if not self._jump.is_doubtful:  # another place seems full of people
             self._people_before = crowd.is_near
-        if self._jump.take(beams_of(lidar), still > 0) and not self._people_before:
+        if self._jump.take(beams_of(lidar), still > 0, pose) and not self._people_before:
             return lifted_by(self._jump.share)
         return None
 

@@ -283,7 +283,7 @@ class Localization(ABC):
         lidar = self._range_sensor
         if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
-        if (lifted := self._lift_watch.take(lidar, rolled, self.still, self.crowd)) is not None:
+        if (lifted := self._lift_watch.take(lidar, rolled, self.still, self.crowd, self.pose)) is not None:
             self.lifted = lifted
             self._displaced()
 

@@ -22,12 +22,16 @@ MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last
 
 
 class ScanJump:
-    """Compares each scan with the last one that fitted, moved as the wheels say."""
+    """Compares each scan with the last one that fitted, moved as the wheels say, and as the estimate does.
+
+    A base that slides off what it ran into moves while its wheels stand; its scans show how.
+    """
 
     def __init__(self) -> None:
         """No scan yet."""
         self._reference: ScanBeams | None = None
         self._moved = Pose2(0.0, 0.0, 0.0)  # since the reference, in its frame
+        self._pose = Pose2(0.0, 0.0, 0.0)  # estimated at the reference
         self._changes = 0
         self.share = 0.0
         """Share of the last scan's beams that differ from those of the reference."""
@@ -44,43 +48,52 @@ class ScanJump:
         """True if the last scans have changed, not yet often enough to show that the base was lifted."""
         return self._changes > 0
 
-    def take(self, beams: ScanBeams, at_rest: bool) -> bool:
+    def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2) -> bool:
         """Return whether the base must have been lifted, by this scan and the previous ones.
 
         Args:
             beams: beams of the scan.
             at_rest: True if the base is at rest: scans are then taken more rarely.
+            pose: estimated map_T_base.
         """
         before = self._reference
         if before is not None and same_ranges(before.ranges, beams.ranges):
             return False  # an old scan given again says nothing of where the base is now
-        changed = self._reference is not None and self._is_changed(self._reference, beams)
+        changed = before is not None and self._is_changed(before, beams, pose.relative_to(self._pose))
         self._changes = self._changes + 1 if changed else 0
         if self._changes >= (CONFIRMED_CHANGES_AT_REST if at_rest else CONFIRMED_CHANGES):
             self.reset()
             return True
         if not changed:
-            self._reference, self._moved = beams, Pose2(0.0, 0.0, 0.0)
+            self._reference, self._moved, self._pose = beams, Pose2(0.0, 0.0, 0.0), pose
         return False
 
     def reset(self) -> None:
         """Discard all scans so far."""
         self._reference, self._moved, self._changes = None, Pose2(0.0, 0.0, 0.0), 0
 
-    def _is_changed(self, before: ScanBeams, beams: ScanBeams) -> bool:
+    def _is_changed(self, before: ScanBeams, beams: ScanBeams, estimated: Pose2) -> bool:
+        """Return whether neither the wheels' motion nor the estimated one explains a scan."""
         far = math.hypot(self._moved.x, self._moved.y) > MAX_REFERENCE_M
         if far or abs(self._moved.theta) > MAX_REFERENCE_RAD or len(before.angles) != len(beams.angles):
             return False
-        back = self._moved.inverse()
-        changed, compared = _changed_beams(
-            (before.origin, before.angles, before.ranges),
-            (back.x, back.y, back.theta),
-            beams.origin,
-            beams.angles,
-            beams.ranges,
-        )
-        self.share = changed / compared if compared >= MIN_COMPARED else 0.0
+        self.share = _changed_share(before, beams, self._moved)
+        if self.share > MAX_CHANGED_SHARE:
+            self.share = min(self.share, _changed_share(before, beams, estimated))
         return self.share > MAX_CHANGED_SHARE
+
+
+def _changed_share(before: ScanBeams, beams: ScanBeams, moved: Pose2) -> float:
+    """Return the share of an earlier scan's echoes that a motion before_T_now does not lead to; 0 if few."""
+    back = moved.inverse()
+    changed, compared = _changed_beams(
+        (before.origin, before.angles, before.ranges),
+        (back.x, back.y, back.theta),
+        beams.origin,
+        beams.angles,
+        beams.ranges,
+    )
+    return changed / compared if compared >= MIN_COMPARED else 0.0
 
 
 @compiled
