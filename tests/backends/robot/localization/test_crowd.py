@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.scan import Scan
-from handcart.backends.robot.localization.crowd import NOBODY, Crowd
+from handcart.backends.robot.localization.crowd import NO_DISCS, Crowd
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 
@@ -35,7 +35,7 @@ def test_person_is_near_from_first_sight_until_base_moves() -> None:
     assert not crowd.is_near
     crowd.put(PERSON)
     assert crowd.is_near
-    crowd.put(NOBODY)
+    crowd.put(NO_DISCS)
     crowd.passed()
     assert crowd.is_near
     crowd.moved()
