@@ -304,8 +304,9 @@ class Robot:
             return
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
         command = arm.command() if arm else np.empty(0)
-        at_rest = self.localization.still > 0 and np.array_equal(command, self._arm_command)
-        self._arm_command = command
+        before, self._arm_command = self._arm_command, command
+        at_rest = len(command) == len(before) and bool((command == before).all())
+        at_rest = at_rest and self.localization.still > 0
         self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
     def picture(self) -> ByteArray:

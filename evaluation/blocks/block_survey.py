@@ -13,6 +13,7 @@ from typing_extensions import override
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.world.suspension import leaning
+from handcart.backends.simulation.world.thing import Rest
 from handcart.evaluation.judging.survey import Survey, SurveyedRun
 from handcart.primitives.blocks.blocks import Blocks, Fixed
 from handcart.primitives.blocks.building import BlockPlace
@@ -68,7 +69,7 @@ class BlockSurvey(Survey):
         self._fixed: Fixed | None = None
         self._reference: BaseAttitude | None = None
         self._held: Any = None
-        self._rested: dict[str, str] = {}
+        self._rested: dict[str, Rest] = {}
         self._gripped: dict[str, FloatArray] = {}
         """Shift (3,) of each block when it was gripped off a table, in the base frame, in [m]."""
         self._released: dict[str, FloatArray] = {}
@@ -83,13 +84,13 @@ class BlockSurvey(Survey):
         self._fixed = blocks.fixed
         held = self.scene.held
         if held is not self._held:
-            if held is not None and self._rested.get(held.name) == "table":
+            if held is not None and self._rested.get(held.name) is Rest.TABLE:
                 self._gripped[held.name] = self._shift(held)
             if self._held is not None and self._held.rest.value == "table":
                 self._released[self._held.name] = self._shift(self._held)
                 self._moved[self._held.name] = self._moved_since()
             self._held = held
-        self._rested = {block.name: block.rest.value for block in self._props.blocks.values()}
+        self._rested = {block.name: block.rest for block in self._props.blocks.values()}
 
     @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:

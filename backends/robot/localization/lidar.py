@@ -34,6 +34,7 @@ class Lidar(RangeSensor):
         """Its limits; where the file has none, any reading is one."""
         self._raw: Scan | None = None
         self._read: Scan | None = None
+        self._blind: tuple[Scan, float] | None = None
 
     def scan(self) -> Scan:
         """See `RangeSensor`; `Scan.validity` is set."""
@@ -67,6 +68,11 @@ class Lidar(RangeSensor):
     def blind_share(self) -> float:
         """Share of this period's beams, without masked ones, that are too close or invalid."""
         scan = self.scan()
+        if self._blind is None or self._blind[0] is not scan:
+            self._blind = scan, self._blind_share(scan)
+        return self._blind[1]
+
+    def _blind_share(self, scan: Scan) -> float:
         blind = scan.blind()
         if self.spec.masked_deg:
             blind = blind[~self.spec.masked(scan.angles)]

@@ -291,10 +291,12 @@ class ArmContact:
         if len(boxes) != len(self._boxes):
             self._take_in(boxes, things)
             return
-        for number, (box, before) in enumerate(zip(boxes, self._boxes, strict=True)):
+        for number, (thing, box) in enumerate(zip(things, standing, strict=True), start=len(self._fixed)):
+            before = self._boxes[number]
             if box is not before:
                 self._boxes[number] = box
-                self._solids[number] = _rigid(things[number - len(self._fixed)], _GIVE)
+                if box.size != before.size or box.name != before.name:
+                    self._solids[number] = _rigid(thing, _GIVE)
                 self._arrays.place(number, np.array(box.size), box.pose)
 
     def _take_in(self, boxes: list[Box], things: Sequence[Thing]) -> None:

@@ -154,12 +154,11 @@ class CollisionModel:
 
     def _pair(self) -> None:
         joints = [body.parentJoint for body in self._bodies.geometryObjects]
-        parents = list(self._model.parents)
-        for first in self._links:
-            for second in range(first + 1, len(joints)):
-                a, b = joints[first], joints[second]
-                neighbours = second in self._links and (parents[a] == b or parents[b] == a)
-                if a != b and not neighbours:
+        parents, links = list(self._model.parents), len(self._links)
+        for first, a in enumerate(joints[:links]):
+            near = (parents[a], a)
+            for second, b in enumerate(joints[first + 1 :], start=first + 1):
+                if a != b and (second >= links or (b not in near and parents[b] != a)):
                     self._add_pair(first, second)
         if self._held is not None:
             for second in self._obstacles:

@@ -51,6 +51,9 @@ class BlockedWheels:
             before: estimated map_T_base before the period.
             now: estimated map_T_base after the period.
         """
+        if command[0] == command[1] == 0.0:
+            self.clear()
+            return None
         motion, half = now.relative_to(before), 0.5 * self._tread
         found = {}
         for (name, side), sign, way in zip(self._sides.items(), (-1.0, 1.0), rolled, strict=True):
