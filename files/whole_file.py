@@ -44,6 +44,19 @@ def write_whole(path: Path, content: bytes | str, *, sync: bool = True, private:
         raise
 
 
+def sync_folder(folder: Path) -> None:
+    """Write a folder's list of files to the disk, so that a power cut does not lose a new file.
+
+    Raises:
+        OSError: the folder cannot be opened or written.
+    """
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
 def _mode(path: Path) -> int | None:
     try:
         there = path.lstat().st_mode

@@ -10,7 +10,7 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.evaluation.judging.at_most import at_most
 from handcart.evaluation.judging.survey import Claim, Effect, Survey
 from handcart.primitives.books.books import Books
-from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.perception.books.call_number import parse
 
 from .shelving import Shelving, longest_rising
@@ -19,6 +19,7 @@ SEEN_MM = 8.0  # that a book may be seen away from where it stands
 SLOT_MM = 15.0  # the same of a slot's middle, along the shelf
 EDGE_MM = 8.0  # that a leading edge may be beside the middle of its slot: further out it jams
 PROUD_MM = 60.0  # that a spine may stand before the shelf when its book is inserted
+NO_BOOK_HELD = "the hand holds no book"
 APPROACH, RELEASE = "APPROACH", "RELEASE"
 
 
@@ -60,26 +61,33 @@ def _searched(survey: Survey, _: Claim) -> list[str]:
     return wrong if fits else [*wrong, "the slot is not where the book belongs"]
 
 
-def _approached(survey: Survey, claim: Claim) -> list[str]:
-    scene, shelf = survey.run.world, claim.primitive.shelf
-    held, books = scene.held, scene.of(BookProps)
+def _held_before_shelf(survey: Survey, claim: Claim) -> tuple[SimulatedBook, Transform] | None:
+    """Return the held book and its pose (4, 4) in the frame of the action's shelf; None if none is held."""
+    held, books = survey.run.world.held, survey.run.world.of(BookProps)
     if not isinstance(held, SimulatedBook):
-        return ["the hand holds no book"]
-    pose = inverse(books.shelves[shelf].pose) @ held.pose
+        return None
+    return held, inverse(books.shelves[claim.primitive.shelf].pose) @ held.pose
+
+
+def _approached(survey: Survey, claim: Claim) -> list[str]:
+    found = _held_before_shelf(survey, claim)
+    if found is None:
+        return [NO_BOOK_HELD]
+    held, pose = found
     edge = float(pose[1, 3] + pose[1, 0] * held.depth)
-    middle = 0.5 * sum(_gap_at(books, held, shelf, edge))
+    middle = 0.5 * sum(_gap_at(survey.run.world.of(BookProps), held, claim.primitive.shelf, edge))
     return at_most(
         "the leading edge is {:.1f} mm beside its slot's middle", 1e3 * abs(edge - middle), EDGE_MM
     )
 
 
 def _inserted(survey: Survey, claim: Claim) -> list[str]:
-    scene, shelf = survey.run.world, claim.primitive.shelf
-    held, books = scene.held, scene.of(BookProps)
-    if not isinstance(held, SimulatedBook):
-        return ["the hand holds no book"]
-    pose = inverse(books.shelves[shelf].pose) @ held.pose
-    left, right = _gap_at(books, held, shelf, float(pose[1, 3]))
+    found = _held_before_shelf(survey, claim)
+    if found is None:
+        return [NO_BOOK_HELD]
+    held, pose = found
+    books, middle = survey.run.world.of(BookProps), float(pose[1, 3])
+    left, right = _gap_at(books, held, claim.primitive.shelf, middle)
     half = held.thickness / 2
     inside = right - 1e-3 <= pose[1, 3] - half and pose[1, 3] + half <= left + 1e-3
     wrong = [] if inside else ["the book isn't between the sides of a slot"]

@@ -14,16 +14,10 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.faults.fail_is_true import Batch
-from handcart.evaluation.conformance.faults.fault import FaultKind
-from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
 from handcart.evaluation.conformance.planted.mutant import (
-    FAULT_INSTANTS,
-    TRIAL_LIMIT_S,
     Mutant,
-    first_violations,
+    task_violations,
 )
-from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
@@ -54,15 +48,7 @@ class DeniesHold(PickUp):
     hand: ClassVar = NEEDS_EMPTY
 
 
-def _violations(kind: type[PickUp], bench: KitBench) -> list[str]:
-    """Return the violations of a faulty PICK_UP in the task return_book."""
-    rehearsal = Rehearsal(
-        RETURN_BOOK_TASK, bench.backend, instead={"PICK_UP": kind}, simulated=bench.simulated
-    )
-    batch = Batch(rehearsal, PICK_UP_NUMBER, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
-    return first_violations(batch)
-
-
+_violations = partial(task_violations, RETURN_BOOK_TASK, "PICK_UP", PICK_UP_NUMBER)
 NEEDED_CAPABILITIES = (Arm, Gripper, Camera, RangeSensor)
 BOOK_MUTANTS: Sequence[Mutant] = (
     Mutant(

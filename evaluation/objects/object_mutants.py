@@ -14,17 +14,11 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.faults.fail_is_true import Batch
-from handcart.evaluation.conformance.faults.fault import FaultKind
-from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
 from handcart.evaluation.conformance.planted.mutant import (
-    FAULT_INSTANTS,
-    TRIAL_LIMIT_S,
     Mutant,
-    first_violations,
+    task_violations,
 )
-from handcart.evaluation.conformance.rig.bench import KitBench
-from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.objects.look_for import LookFor
@@ -91,13 +85,7 @@ class PlacesBlindly(PlaceObject):
         yield from settle(robot)
 
 
-def _violations(name: str, number: int, kind: type[ActionPrimitive], bench: KitBench) -> list[str]:
-    """Return the violations of a faulty primitive in the task set_aside."""
-    rehearsal = Rehearsal(SET_ASIDE_TASK, bench.backend, instead={name: kind}, simulated=bench.simulated)
-    batch = Batch(rehearsal, number, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
-    return first_violations(batch)
-
-
+_violations = partial(task_violations, SET_ASIDE_TASK)
 NEEDED_CAPABILITIES = (Arm, Gripper, Camera, RangeSensor)
 OBJECT_MUTANTS: Sequence[Mutant] = (
     Mutant(

@@ -15,6 +15,7 @@ from pydantic import BaseModel
 
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
+from handcart.files.whole_file import sync_folder
 
 from .journal_record import FIRST_CHECKSUM, JournalContents, JournalError, seal
 from .syncing import DiskSync, Sync
@@ -60,7 +61,7 @@ class Journal:
             self._file = os.open(path, _FLAGS, 0o600)
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._identity = _identity(os.fstat(self._file))
-            _sync_folder(path.parent)
+            sync_folder(path.parent)
         except OSError as error:
             raise JournalError(path, f"can't be created: {error.strerror}") from None
         self._size = 0
@@ -230,14 +231,6 @@ def plain_json(value: Any) -> Any:
 
 def _identity(stat: os.stat_result) -> tuple[int, int]:
     return stat.st_dev, stat.st_ino
-
-
-def _sync_folder(folder: Path) -> None:
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _plain(value: object) -> Any:

@@ -57,6 +57,14 @@ def opening(robot: Robot, book: Book | None) -> Measured:
     return Measured("Gripper", "opening off the book's thickness", off, 1e3 * THICKNESS_ERROR, "mm")
 
 
+def watch_grip(robot: Robot, book: Book | None) -> None:
+    """Raise `Discrepancy` if the book has slipped out of the hand."""
+    if not robot.gripper.closed_on_something():
+        raise Discrepancy(
+            "the book slipped out of the hand", measured=opening(robot, book), cause=causes.SLIPPED
+        )
+
+
 def close_on(robot: Robot, book: Book) -> Periods:
     """Close the fingers on a book.
 

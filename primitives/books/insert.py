@@ -19,7 +19,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.books import book_causes
 from handcart.primitives.books.book_boxes import held_box
-from handcart.primitives.books.book_grip import hand_to_spine, holds, opening
+from handcart.primitives.books.book_grip import hand_to_spine, holds, opening, watch_grip
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.tree_primitive import Step, leaves
@@ -172,12 +172,8 @@ class Insert(HeldBookPrimitive):
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Raise a Discrepancy if the book slips out of the hand."""
-        if self._base_T_end is not None and not robot.gripper.closed_on_something():
-            raise Discrepancy(
-                "the book slipped out of the hand",
-                measured=opening(robot, model.of(Books).book),
-                cause=causes.SLIPPED,
-            )
+        if self._base_T_end is not None:
+            watch_grip(robot, model.of(Books).book)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Return whether the book is still held; raise `Discrepancy` if the hand is not at its goal."""

@@ -22,7 +22,7 @@ from handcart.primitives.books.book_grip import (
     close_on,
     hand_to_spine,
     holds,
-    opening,
+    watch_grip,
 )
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, name_of_book
@@ -172,12 +172,8 @@ class PickUp(TreePrimitive):
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Raise a Discrepancy if the book slips out of the hand."""
-        if self._held and not robot.gripper.closed_on_something():
-            raise Discrepancy(
-                "the book slipped out of the hand",
-                measured=opening(robot, model.of(Books).book),
-                cause=causes.SLIPPED,
-            )
+        if self._held:
+            watch_grip(robot, model.of(Books).book)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Return whether the fingers press on something as thick as the book."""

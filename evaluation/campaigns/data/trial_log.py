@@ -15,6 +15,7 @@ import orjson
 from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import printable
 from handcart.files.regular_file import check_regular, open_regular
+from handcart.files.whole_file import sync_folder
 
 from .trial import ActionEnd, Trial
 
@@ -113,7 +114,7 @@ class TrialLog:
                 os.ftruncate(self._file, self._size)
             if sync:
                 os.fsync(self._file)
-                _sync_folder(path.parent)
+                sync_folder(path.parent)
         except OSError as error:
             os.close(self._file)
             raise TrialLogError(path, f"can't be continued: {error.strerror}") from None
@@ -232,11 +233,3 @@ def _read_at(file: BinaryIO, offset: int, path: Path) -> Trial:
     if trial is None:
         raise TrialLogError(path, f"the line at byte {offset} isn't what was written")
     return trial
-
-
-def _sync_folder(folder: Path) -> None:
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from handcart.backends.capabilities.capability import Capability
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
+from handcart.evaluation.conformance.faults.fault import FaultKind
+from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
 from handcart.evaluation.conformance.rig.bench import KitBench
+from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 FAULT_INSTANTS = 10
 """Number of fault instants in a mutant's run; the first violation ends it."""
@@ -34,3 +38,21 @@ def first_violations(batch: Batch) -> list[str]:
     """Return the violations of the first trial that has any."""
     found = ([f"{trial.fault}: {wrong}" for wrong in trial.ending.wrong] for trial in batch.trials())
     return next((wrong for wrong in found if wrong), [])
+
+
+def task_violations(
+    task: Path, name: str, number: int, kind: type[ActionPrimitive], bench: KitBench
+) -> list[str]:
+    """Return the violations of a faulty primitive in the first cancelled trial that has any.
+
+    Args:
+        task: file of the task in which it takes a primitive's place.
+        name: name of that primitive in the file.
+        number: number of the tried action.
+        kind: class of the faulty primitive.
+        bench: bench whose backend runs the task.
+    """
+    rehearsal = Rehearsal(task, bench.backend, instead={name: kind}, simulated=bench.simulated)
+    return first_violations(
+        Batch(rehearsal, number, FAULT_INSTANTS, kinds=(FaultKind.CANCEL,), seconds=TRIAL_LIMIT_S)
+    )

@@ -148,11 +148,7 @@ def _same(one: Pose2, other: Pose2) -> bool:
 def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
     """Poses all over the map from which the points lie near what it shows, the best first."""
     grid = field.map
-    free = ~grid.occupied & (field.distance > CLEAR_M)
-    area = float(free.sum()) * grid.resolution**2
-    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADING_COUNT / MAX_POSES))
-    every = max(1, round(stride / grid.resolution))
-    cells = np.argwhere(free[::every, ::every]) * every
+    cells, _ = search_cells(field, HEADING_COUNT, MAX_POSES)
     some = np.ascontiguousarray(points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)])
     turns = np.linspace(-math.pi, math.pi, HEADING_COUNT, endpoint=False)
     scores = score_poses(field.distance, cells, turns, some / grid.resolution, COARSE_M)
@@ -167,6 +163,22 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
         if len(kept) == MAX_CANDIDATES:
             break
     return kept
+
+
+def search_cells(field: LikelihoodField, headings: int, most: int) -> tuple[IntArray, float]:
+    """Return free cells (n, 2) all over a map, row and column, and their distance in [m].
+
+    Args:
+        field: likelihood field of the map.
+        headings: number of headings that are tried at each cell.
+        most: number of poses above which the cells are farther apart than `MIN_STRIDE_M`.
+    """
+    grid = field.map
+    free = ~grid.occupied & (field.distance > CLEAR_M)
+    area = float(free.sum()) * grid.resolution**2
+    stride = max(MIN_STRIDE_M, math.sqrt(area * headings / most))
+    every = max(1, round(stride / grid.resolution))
+    return np.argwhere(free[::every, ::every]) * every, stride
 
 
 @compiled

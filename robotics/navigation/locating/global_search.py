@@ -10,11 +10,11 @@ import numpy as np
 from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.scan_matching import ANNEALING_SCALES_M, descend_scan
 from handcart.robotics.navigation.localization.start_search import (
-    CLEAR_M,
     COARSE_M,
     COARSE_POINTS,
     ScanBeams,
     score_poses,
+    search_cells,
 )
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, Uint16Array
 from handcart.robotics.numerics.compiled import compiled
@@ -22,7 +22,6 @@ from handcart.robotics.numerics.compiled import compiled
 from .beam_evidence import explain
 
 MAX_POSES = 1_600_000
-MIN_STRIDE_M = 0.1
 HEADING_COUNT = 90
 BIN_M, BIN_HEADINGS = 0.4, 4  # within which only the best pose is refined
 MAX_REFINED = 1200
@@ -134,11 +133,7 @@ def _distinct(poses: FloatArray, order: IntArray) -> IntArray:
 def _coarse(field: LikelihoodField, points: FloatArray) -> FloatArray:
     """Return (n, 3) poses all over the map from which the points lie near what it shows, one for each bin."""
     grid = field.map
-    free = ~grid.occupied & (field.distance > CLEAR_M)
-    area = float(free.sum()) * grid.resolution**2
-    stride = max(MIN_STRIDE_M, math.sqrt(area * HEADING_COUNT / MAX_POSES))
-    every = max(1, round(stride / grid.resolution))
-    cells = np.argwhere(free[::every, ::every]) * every
+    cells, stride = search_cells(field, HEADING_COUNT, MAX_POSES)
     if not len(cells):
         return np.empty((0, 3))
     some = points[np.linspace(0, len(points) - 1, COARSE_POINTS).astype(np.int64)]

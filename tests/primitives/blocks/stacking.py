@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
-from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.outcomes.outcome import Outcome, Success
+from handcart.primitives.outcomes.outcome import Success
+from tests.primitives.changed_scene import scene_of as scene_of
 
 TASK = Path(__file__).parents[3] / "tasks" / "stack_blocks"
 
@@ -31,25 +29,3 @@ def with_block(rig: Rig, number: int = 1) -> Rig:
     for primitive in (Fixate(landmark="stacking"), PickUpBlock(number=number, at="robot")):
         assert isinstance(rig.do(primitive), Success)
     return rig
-
-
-def scene_of(rig: Rig) -> Any:
-    """The ground truth."""
-    return rig.backend.scene  # type: ignore[attr-defined]
-
-
-def do_with(
-    rig: Rig, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
-) -> Outcome:
-    """Run a primitive; as soon as `once` holds of the scene, `change` it."""
-    scene, step = scene_of(rig), rig.robot.step
-    done: list[bool] = []
-
-    def stepping(paused: bool = False) -> None:
-        if not done and once(scene):
-            done.append(True)
-            change(scene)
-        step(paused)
-
-    rig.robot.step = stepping  # type: ignore[method-assign]
-    return rig.do(primitive)

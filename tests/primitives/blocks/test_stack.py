@@ -23,8 +23,9 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.transform import inverse, transform
+from tests.primitives.changed_scene import do_when, scene_of
 
-from .stacking import at_the_wall, do_with, scene_of, with_block
+from .stacking import at_the_wall, with_block
 
 ROBOT = Path(__file__).parents[3] / "backends" / "robots" / "toyama"
 
@@ -196,7 +197,7 @@ def test_a_block_that_is_taken_away_once_placed_is_no_success() -> None:
         scene.changes += 1
 
     with with_block(at_the_wall()) as rig:
-        outcome = do_with(
+        outcome = do_when(
             rig,
             Stack(number=1, onto="goal", method="fix_once"),
             lambda scene: scene.of(BlockProps).blocks["1"].rest.value == "table",
@@ -212,7 +213,7 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
         scene.changes += 1
 
     with with_block(at_the_wall()) as rig:
-        outcome = do_with(
+        outcome = do_when(
             rig,
             Stack(number=1, onto="goal", method="fix_once"),
             lambda scene: scene.of(BlockProps).blocks["1"].rest.value == "table",

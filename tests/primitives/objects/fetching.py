@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import Success
+from tests.primitives.changed_scene import scene_of as scene_of
 
 TASK = Path(__file__).parents[3] / "tasks" / "fetch_and_carry"
 
@@ -22,11 +22,6 @@ def rig_with(
     """Return a rig with the robot at home."""
     files = RigFiles(world, TASK / "map.yaml", TASK / "places.yaml", {"objects": objects}, "home")
     return build_rig(files, robot=robot, seed=seed, backend=backend)
-
-
-def scene_of(rig: Rig) -> Any:
-    """The ground truth."""
-    return rig.backend.scene  # type: ignore[attr-defined]
 
 
 def changed(folder: Path, name: str, *changes: tuple[str, str]) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.trials.rig import Rig
-from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.move_arm import MoveArm
@@ -19,33 +17,15 @@ from handcart.primitives.objects.objects import Objects
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject
 from handcart.primitives.objects.stow import Stow
-from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.transform import transform
+from tests.primitives.changed_scene import do_when
 
 from .fetching import at_table_a, changed, rig_with, scene_of
 
 
 def thing(rig: Rig, name: str = "parcel_1") -> Any:
     return scene_of(rig).thing_named(f"object {name}")
-
-
-def do_when(
-    rig: Rig, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
-) -> Outcome:
-    """Run a primitive; as soon as `once` holds of the scene, `change` it."""
-    scene, step = scene_of(rig), rig.robot.step
-    done: list[bool] = []
-
-    def stepping(paused: bool = False) -> None:
-        if not done and once(scene):
-            done.append(True)
-            change(scene)
-        step(paused)
-
-    rig.robot.step = stepping  # type: ignore[method-assign]
-    outcome = rig.do(primitive)
-    assert done
-    return outcome
 
 
 def look_and_pick(rig: Rig, **parameters: Any) -> None:
