@@ -53,8 +53,7 @@ def resolve_inside(root: Path, relative: str, *, start: Path | None = None) -> P
         start: folder inside `root` that `relative` starts from (default: `root`).
 
     Raises:
-        UnsafePath: the path is not a portable relative one, or leads to `root` itself or out of it, by
-            `..`
+        UnsafePath: the path is not a portable relative one, or leads to `root` itself or out of it, by `..`
             or by a link.
     """
     portable(relative)

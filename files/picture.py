@@ -36,8 +36,7 @@ def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
     """Return the grey levels of a picture; of 16 bits the upper eight.
 
     Raises:
-        FileError: the picture is missing or not a regular file, has too many bytes or pixels, is not one
-            of
+        FileError: the picture is missing or not a regular file, has too many bytes or pixels, is not one of
             the `PICTURE_FORMATS`, or is broken.
     """
     from PIL import Image, UnidentifiedImageError

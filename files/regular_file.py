@@ -76,8 +76,7 @@ def decode_text(content: bytes, file: str, longest_line: int | None = MAX_LINE) 
     """Return the text of UTF-8 bytes.
 
     Raises:
-        FileError: at the first byte that is not UTF-8, at a control character, at a byte order mark or at
-            a
+        FileError: at the first byte that is not UTF-8, at a control character, at a byte order mark or at a
             line of more than `longest_line` characters.
     """
     for mark, name in _MARKS:

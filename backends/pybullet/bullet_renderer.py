@@ -82,9 +82,8 @@ class BulletRenderer:
             view: (4, 4) camera_T_world in OpenGL's axes, in [m].
             projection: (4, 4) OpenGL's projection.
             size: width and height in [px].
-            lit: True for a picture for people, with light from above and shadows; otherwise each surface
-                is as
-                bright as its paint.
+            lit: True for a picture for people, with light from above and shadows; otherwise each surface is
+                as bright as its paint.
         """
         width, height = size
         # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.

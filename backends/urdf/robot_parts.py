@@ -145,9 +145,8 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
     """Return the mesh files of all links, by name.
 
     Raises:
-        FileError: a mesh is at a forbidden path; or a collision mesh is missing, cannot be read or
-            encloses no
-            volume.
+        FileError: a mesh is at a forbidden path; or a collision mesh is missing, cannot be read or encloses
+            no volume.
     """
     found: dict[str, _MeshFile] = {}
     faults = []
@@ -238,8 +237,7 @@ def read_urdf_file(path: Path, shown: str | None = None, without: Sequence[str] 
         without: joints that are not looked at, nor what they carry.
 
     Raises:
-        FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a
-            sound
+        FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a sound
             URDF.
         UnknownJoint: the URDF has no such joint.
     """

@@ -38,9 +38,8 @@ def score_bound(
         arm: an arm in closed form.
         path: path of the tool.
         rule: measure and limits.
-        corner: (2,) lower corner of the rectangle that holds the shoulders, in [m]. The shoulder of a
-            planar arm
-            is its base; that of a pitch arm is its yaw axis.
+        corner: (2,) lower corner of the rectangle that holds the shoulders, in [m]. The shoulder of a planar
+            arm is its base; that of a pitch arm is its yaw axis.
         size: (2,) sides of the rectangle, in [m].
         count: maximum number of placements.
         step: distance of the discs that cover it, in [m].

@@ -165,9 +165,8 @@ def replay(
         passed: called from time to time with the completed share.
         period: minimum time between fixes that the localizer receives, in [s]; earlier fixes are
             skipped, but those that jump are listed.
-        white: error of a fix per axis used by the detection of jumps, in [m]; None: jumps are detected
-            by
-            the localizer alone.
+        white: error of a fix per axis used by the detection of jumps, in [m]; None: jumps are detected by the
+            localizer alone.
     """
     log = log.one_row_a_time()
     gate, latest = None if white is None else JumpGate(white), -math.inf

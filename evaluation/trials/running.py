@@ -163,8 +163,7 @@ def resume_task(
         confirm: number of the journal's last record, as a person has seen it; required where a real
             robot moves.
         options: options of the continuation. Only `permits`, `interrupts`, `sync`, `draw`, `report`,
-            `playback`
-            and `observers` are used; the journal holds the others.
+            `playback` and `observers` are used; the journal holds the others.
         seed: seed of random numbers from now on; None: the run's original seed.
 
     Returns:

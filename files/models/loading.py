@@ -51,8 +51,7 @@ def load(
     Args:
         path: the file.
         model: type of the value.
-        overrides: unparsed values of `--set KEY=VALUE` by key of the file's section `parameters`;
-            checked
+        overrides: unparsed values of `--set KEY=VALUE` by key of the file's section `parameters`; checked
             like values in the file.
         context: passed to the validators of the model (`info.context`).
 

@@ -90,8 +90,7 @@ class Coordinator:
 
         Args:
             what: the request. A stop is always accepted, and precedes all other requests.
-            number: number of the action that is meant, as `running` gives it; None: the run, or for a
-                restore
+            number: number of the action that is meant, as `running` gives it; None: the run, or for a restore
                 the action that runs now.
 
         Returns:

@@ -139,8 +139,7 @@ def read_past(folder: Path, network: ActionNetwork) -> Past:
         NoRun: it is not a run's folder.
         JournalError: the journal cannot be read, or is damaged inside.
         NotAState: the checkpoint is not valid.
-        NeedsOperator: the journal does not fit the task, the checkpoint is not the journal's, or the run
-            gave
+        NeedsOperator: the journal does not fit the task, the checkpoint is not the journal's, or the run gave
             up and that was not acknowledged.
     """
     contents = read_run_journal(folder)

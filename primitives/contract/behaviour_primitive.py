@@ -28,8 +28,7 @@ def behaviour_primitive(
     Args:
         name: name of the class, in CamelCase: `WaterPlants` is WATER_PLANTS in task files.
         make: makes a new behaviour for each attempt. It commands the robot in `update`, once a period, and
-            never
-            steps it.
+            never steps it.
         needs: capabilities that it needs.
         reads: sections of the world model that it reads.
         writes: sections of the world model that it writes.

@@ -42,8 +42,7 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
         axis: whose drive it describes.
 
     Returns:
-        What is wrong, each at its place in that file; and what the drive lacks that its robot's file
-            doesn't
+        What is wrong, each at its place in that file; and what the drive lacks that its robot's file doesn't
         accept.
     """
     try:

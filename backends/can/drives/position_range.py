@@ -71,8 +71,7 @@ def wrap_inside_travel(
         limits: limits of the axis.
         period: control period [s].
         counted: the range in which the drive counts.
-        is_positioned: whether the axis gets positions. A rolling one may wrap, in less than half a range
-            each
+        is_positioned: whether the axis gets positions. A rolling one may wrap, in less than half a range each
             period.
     """
     size = f"its position (6064h) wraps every {counted.size} counts ({counted.size / abs(units.scale):.3g}"

@@ -59,8 +59,7 @@ def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, FloatArray]
     The arm is left in another posture.
 
     Returns:
-        Torque in [N] for each metre between the hand and the centre, and torque about roll and pitch (2,)
-            in
+        Torque in [N] for each metre between the hand and the centre, and torque about roll and pitch (2,) in
         [Nm] with the hand over the centre.
     """
     rng = keyed(0, "suspension's postures")
@@ -83,8 +82,7 @@ def _load(body: RobotBody, pivot: float) -> tuple[FloatArray, float, FloatArray]
     """Return the load of the sprung masses in their current posture.
 
     Returns:
-        Torque about roll and pitch (2,) in [Nm], its growth with the tilt in [Nm/rad], and moments of
-            inertia
+        Torque about roll and pitch (2,) in [Nm], its growth with the tilt in [Nm/rad], and moments of inertia
         (2,) in [kg m²].
     """
     base_T_world: Transform = inverse(body.base_pose())

@@ -30,8 +30,7 @@ def slide(
         normal: (3,) unit vector away from the surface, in the base frame.
 
     Returns:
-        (n,) joints within the limits, in [rad] or [m]; None if the hand sticks, or is commanded away from
-            the
+        (n,) joints within the limits, in [rad] or [m]; None if the hand sticks, or is commanded away from the
         surface.
     """
     tip_point = np.linalg.inv(arm.forward(stands)) @ np.append(point, 1.0)

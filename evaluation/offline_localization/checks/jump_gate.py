@@ -55,8 +55,7 @@ class JumpGate:
             heading: heading in the world, in [rad]; None while it is unknown.
             sigma: standard deviation per axis that the receiver states, in [m]; NaN if it states none.
             heading_sigma: standard deviation of the heading, in [rad], which adds a sideways error to the
-                motion
-                since the latest good fix.
+                motion since the latest good fix.
         """
         turn = None if heading is None else wrap(heading - odometry.theta)
         if not self._good:

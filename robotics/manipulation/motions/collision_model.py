@@ -35,9 +35,8 @@ class CollisionModel:
         world_T_base: (4, 4) pose of the arm's base link in the frame of the obstacles; None: the same
             frame.
         margin: pairs closer than this count as in collision, in [m].
-        allowed: pairs of names (links, obstacles' names, "held") that may touch in addition to those of
-            the arm
-            itself, such as a held book and the tray below it.
+        allowed: pairs of names (links, obstacles' names, "held") that may touch in addition to those of the
+            arm itself, such as a held book and the tray below it.
     """
 
     def __init__(
@@ -125,9 +124,8 @@ class CollisionModel:
         Args:
             q_from: (n,) joint angles, in [rad] or [m].
             q_to: (n,) joint angles, in [rad] or [m].
-            step: largest joint motion between two checks, in [rad]. At 0.9 m reach 0.01 rad is at most 9
-                mm at
-                the fingertips; a `margin` of half of that covers the gaps between checks.
+            step: largest joint motion between two checks, in [rad]. At 0.9 m reach 0.01 rad is at most 9 mm
+                at the fingertips; a `margin` of half of that covers the gaps between checks.
         """
         count = max(1, int(np.ceil(float(np.abs(q_to - q_from).max()) / step)))
         if self.in_collision(q_to) or self.in_collision(q_from):

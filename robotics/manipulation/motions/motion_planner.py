@@ -47,8 +47,7 @@ def plan_motion(
         step: distance of checks on a line, in [rad].
 
     Returns:
-        (m, n) in [rad] or [m]; None also if an end is in collision (`collision.contacts` names the pairs)
-            or
+        (m, n) in [rad] or [m]; None also if an end is in collision (`collision.contacts` names the pairs) or
         beyond the limits.
     """
     if not (arm.within(q_start, LIMIT_ROUNDING) and arm.within(q_goal, LIMIT_ROUNDING)):

@@ -29,8 +29,7 @@ def time_path(
         acceleration: limits (n,), in [rad/s²]; second differences of the set-points keep them.
         period: time between set-points, in [s].
         deviation: allowed distance of the set-points from the lines at a corner, in [rad] over all joints;
-            check
-            the path with a margin that covers it (0.005 rad move a fingertip by at most 5 mm).
+            check the path with a margin that covers it (0.005 rad move a fingertip by at most 5 mm).
 
     Raises:
         ValueError: a limit, the period or the deviation isn't above zero.

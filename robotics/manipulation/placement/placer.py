@@ -54,8 +54,7 @@ class Placer(BaseScorer):
             cost: score that one more placement must gain, in [m].
 
         Raises:
-            Untrackable: no set of placements tracks the path, with the first bad point and the nearest
-                that
+            Untrackable: no set of placements tracks the path, with the first bad point and the nearest that
                 can be reached; or more than `count` are needed.
         """
         kept = _thinned(len(path.points), self.grid.points)

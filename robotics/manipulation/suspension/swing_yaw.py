@@ -30,8 +30,7 @@ def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
     """Return the turn of each swing, taken to be independent of the others.
 
     Args:
-        headings: (n, m) of the base in [rad], to the left: n stops at the same posture, m looks at each
-            with
+        headings: (n, m) of the base in [rad], to the left: n stops at the same posture, m looks at each with
             no swing between them.
         swings: made between one stop and the next.
 

@@ -183,8 +183,7 @@ def read_field(
         sectors: (n,) which of the k distances each point reads.
 
     Returns:
-        (n, 4): distance in [cells], its slopes along x and y, without unit, and 1 in solid cells. Outside
-            the
+        (n, 4): distance in [cells], its slopes along x and y, without unit, and 1 in solid cells. Outside the
         map infinity and zeros.
     """
     _, height, width = facing.shape

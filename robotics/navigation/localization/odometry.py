@@ -221,9 +221,8 @@ class Odometry:
         Args:
             pose: map_T_base.
             covariance: (3, 3) of x, y in [m] and heading in [rad], with the prior already in it.
-            kept: (3, 3) share of the prior's error that is still in the pose: identity less the gain.
-                None: that
-                of an optimal filter with this covariance.
+            kept: (3, 3) share of the prior's error that is still in the pose: identity less the gain. None:
+                that of an optimal filter with this covariance.
         """
         prior = self._state[:3, :3] + _LEAST
         gain = lapack_solved(prior, self._state[:3]).T  # (6, 3): what a change of the pose says of all states

@@ -210,9 +210,8 @@ def inconsistency_of(squares: Sequence[tuple[float, float | None]], axes: int = 
     """Return the contradiction between the latest readings and their expected values; None while they agree.
 
     Args:
-        squares: times in [s], and squared distances of readings from their expected values, in sigmas;
-            None of
-            those that were rejected.
+        squares: times in [s], and squared distances of readings from their expected values, in sigmas; None
+            of those that were rejected.
         axes: number of axes of each reading.
     """
     if len(squares) < MIN_READINGS:

@@ -75,8 +75,7 @@ def car_path(start: Pose2, goal: Pose2, discs: FloatArray, radius: float) -> Car
         start: world_T_base at the start.
         goal: world_T_base to reach, with its heading.
         discs: (n, 3) x, y and radius of obstacles in the world, in [m], grown by what the body needs to
-            either
-            side.
+            either side.
         radius: radius of the car's turning circle, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)

@@ -17,8 +17,7 @@ def narrowest_spot(
     one is it (a maximum spanning tree's bottleneck; Hu, 1961).
 
     Args:
-        clearance: (h, w) distance of each cell from obstacles, in any one unit; not above zero where
-            nothing
+        clearance: (h, w) distance of each cell from obstacles, in any one unit; not above zero where nothing
             can pass.
         start: row and column.
         goal: row and column.

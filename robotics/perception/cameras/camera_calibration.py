@@ -56,10 +56,8 @@ def calibrate_camera(
     them.
 
     Raises:
-        ValueError: too few views, or views too much alike (a board that is always seen straight on does
-            not
-            determine the focal length; lens distortion isn't seen without corners there), or the fit is
-                worse
+        ValueError: too few views, or views too much alike (a board that is always seen straight on does not
+            determine the focal length; lens distortion isn't seen without corners there), or the fit is worse
             than `worst_rms` [px].
     """
     _check_views(views, width, height)

@@ -60,10 +60,8 @@ def calibrate_hand_eye(
     exact, and is worse than the closed forms.)
 
     Raises:
-        ValueError: too few views, or the hand turned too little or around one axis only (the camera's
-            offset
-            along that axis is then unknown), or a view puts the board's centre more than `worst_offset`
-                [m]
+        ValueError: too few views, or the hand turned too little or around one axis only (the camera's offset
+            along that axis is then unknown), or a view puts the board's centre more than `worst_offset` [m]
             from the common one.
     """
     _check(views)
