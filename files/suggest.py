@@ -60,7 +60,7 @@ def similar_file(path: Path) -> Path | None:
 
 
 def did_you_mean(path: Path) -> str:
-    """Return the question in the message of a missing file, "" if no file has a similar name.
+    """Return "did you mean ...? " for the message of a missing file; "" if no file has a similar name.
 
     It names the last part of the path, from the first folder on that is spelled differently.
     """

@@ -28,7 +28,7 @@ class XmlTag:
 
 
 Check = Callable[[XmlTag], Iterable[str]]
-"""Function that yields the problems of an element, each as "what is wrong; what is allowed"."""
+"""Function that yields the problems of an element, each as "problem; allowed values"."""
 
 
 def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int = MAX_BYTES) -> str:

@@ -69,10 +69,9 @@ def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) 
 
 
 def usable_kinds(capabilities: Iterable[Capability]) -> list[type[Capability]]:
-    """Return the classes of capabilities as primitives need them.
+    """Return the classes of capabilities that primitives can require.
 
-    A camera that is not on the hand is any camera, no `Camera`; other sensors that are not there are left
-    out.
+    A camera elsewhere than on the hand counts as `AnyCamera`; other such sensors are skipped.
     """
     kinds: list[type[Capability]] = []
     for capability in capabilities:

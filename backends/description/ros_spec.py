@@ -54,7 +54,7 @@ class RosGpsSpec(RosTopicSpec):
     origin_lon_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
     """East positive."""
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
-    """Sigma of a fix on each axis, where its message tells none."""
+    """Sigma of a fix on each axis, if its message states none."""
 
 
 class RosCameraSpec(RosTopicSpec):

@@ -61,7 +61,7 @@ class GoalStream:
         self._answer, self._clock, self._may_miss = answer, clock, may_miss
         self._watched: list[_Watched] = []
         self.trouble = ""
-        """What went wrong with a goal; "" if nothing did."""
+        """Fault of a goal in words; "" without a fault."""
 
     def send(self, goal: Any) -> None:
         """Send a goal in place of the one before."""
@@ -114,7 +114,7 @@ class GoalStream:
         return ""
 
     def _may_abort(self, result: Any, expected: bool) -> bool:
-        """Return whether an abort is no fault: fingers press on something, or a newer goal came."""
+        """Return whether an abort is expected: fingers press on something, or a newer goal came."""
         error = _error_name(result)
         if self._may_miss and (getattr(result, "stalled", False) or error == ERROR_NAMES[-5]):
             return True

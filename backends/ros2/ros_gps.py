@@ -55,7 +55,7 @@ class RosGps(TopicSensor, Gps):
         self._fix = Fix(np.array(place), self._sigma(last))
 
     def _sigma(self, message: Any) -> float:
-        """Return the receiver's sigma of the worse axis in [m], or the usual one if it tells none."""
+        """Return the receiver's sigma of the worse axis in [m]; the usual one if it states none."""
         if message.position_covariance_type == UNKNOWN_COVARIANCE:
             return self._usual_sigma
         worst = max(float(message.position_covariance[0]), float(message.position_covariance[4]))

@@ -27,7 +27,7 @@ class TopicSensor(LiveSensor):
     KIND: str
     """Type of its messages, such as `sensor_msgs/LaserScan`."""
     KEEPS_FRAME = True
-    """Whether all messages have the frame of the first one, if the robot's file names none."""
+    """True if all messages must have the frame of the first one, where the robot's file names none."""
 
     def __init__(
         self,

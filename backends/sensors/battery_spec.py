@@ -15,7 +15,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class ChargerSpec(FileModel):
-    """A charger that charges the battery while the base stands on it."""
+    """A charger that charges the battery while the base is on it."""
 
     x_m: float
     y_m: float
@@ -44,7 +44,7 @@ class BatterySpec(SensorSpec):
     sigma_percent: NotNegative = 0.2
     """Sigma of a reading."""
     charger: ChargerSpec | None = None
-    """Where it is charged (default: nowhere)."""
+    """Charger of the battery (default: none)."""
 
     @override
     def without_errors(self) -> Self:

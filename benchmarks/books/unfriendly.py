@@ -55,7 +55,7 @@ class Tried(NamedTuple):
 
     seed: int
     no_slot: str
-    """Reason why there is no slot; empty if there is one."""
+    """Reason why no slot was found; empty if one was found."""
     done: bool
     """True if RELEASE ended in Success."""
     reason: str

@@ -71,7 +71,7 @@ def without_fault(log: DriveLog) -> DriveLog:
 
 
 def parked(log: DriveLog) -> DriveLog:
-    """Let the vehicle stand still from the middle of a log; the errors of its receiver continue."""
+    """Return a log whose vehicle is at rest from the middle on, with the errors of its receiver."""
     half = _half(log)
     wheels, turns = _zero_from(log.wheels, half), _zero_from(log.odometry_turns, half)
     rates, felt = log.rates.copy(), log.accelerations.copy()

@@ -29,9 +29,9 @@ from .random_networks import NETWORK_FAMILIES, Drawn, drawn
 MAX_DECISIONS = 3
 """Decisions of one run that are looked at."""
 MOST_SITUATIONS = 8
-"""Of a network: the solver in plain Python moves probability from state to state."""
+"""Maximum number of situations of a network that the solver in plain Python can handle."""
 VALUE_TOLERANCE = 1e-3
-"""Of P(goal), and relative of the time."""
+"""Tolerance of P(goal), and relative tolerance of the time."""
 COST_MARGIN = 1e-6
 
 

@@ -1,4 +1,4 @@
-"""What is lost in trees and state machines, found by their text alone, to compare with what is reported."""
+"""Constructs that are lost from trees and state machines, found in their text alone."""
 
 from __future__ import annotations
 

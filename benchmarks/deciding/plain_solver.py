@@ -159,7 +159,7 @@ def _unlimited(net: PlainNetwork, person: float) -> dict[str, float]:
 
 
 class RuleEnds(NamedTuple):
-    """What runs of the rule come to."""
+    """Results of runs by the rule."""
 
     goal: Bounds
     """Probability of the goal."""

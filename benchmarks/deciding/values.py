@@ -29,7 +29,7 @@ class Row(NamedTuple):
     rule_off: float
     """Distance of the rule's P(goal), and width of its interval, from the independent value; the larger."""
     best_off: float
-    """The same of the least cost, relative to it."""
+    """Error of the least cost, relative to it."""
     over_best: float
     """Cost of the policy that is followed over the independent lower bound, relative to it."""
     over_rule: float

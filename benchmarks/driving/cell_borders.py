@@ -51,7 +51,7 @@ class Case(NamedTuple):
 
     seed: int
     offsets: tuple[float, float]
-    """Of both surfaces from a border, in cells."""
+    """Distances of both surfaces from a border, in cells."""
     thickness_m: float
     is_drawn: bool
     """True if a lidar drew the map."""
@@ -68,7 +68,7 @@ class Arrival(NamedTuple):
     pose_off_mm: float
     """Error of the estimated pose."""
     pose_sigmas: float
-    """The same by the claimed covariance."""
+    """Pose error in sigmas of the claimed covariance."""
     false: bool
 
 

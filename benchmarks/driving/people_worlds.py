@@ -28,7 +28,7 @@ KINDS = ("office", "corridor")
 
 
 class Person(NamedTuple):
-    """Somebody who walks to and fro."""
+    """Person who walks to and fro."""
 
     points: FloatArray
     """(n, 2) waypoints in [m]."""
@@ -94,7 +94,7 @@ def _somewhere(rng: np.random.Generator, size: tuple[float, float]) -> Pose2:
 def _person(
     rng: np.random.Generator, grid: GridMap, size: tuple[float, float], kind: str, start: Pose2
 ) -> Person:
-    """Return somebody who walks between two places, by ways that lead through doors."""
+    """Return a person who walks between two places, along routes through doors."""
     for _ in range(MAX_TRIES):
         begin, end = _somewhere(rng, size), _somewhere(rng, size)
         if begin.distance(start) < AWAY_FROM_START_M or begin.distance(end) < WALK_LENGTH_M:

@@ -1,4 +1,4 @@
-"""Whether a way exists for a polygon: a flood of (x, y, heading), independent of the measured planner."""
+"""Search whether a polygon has any route: a flood of (x, y, heading), independent of the measured planner."""
 
 from __future__ import annotations
 

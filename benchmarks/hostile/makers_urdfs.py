@@ -291,7 +291,7 @@ def _check(
 
 
 def _for_people(status: int, path: Path, wrong: list[str]) -> tuple[str, str]:
-    """Return the output without `--json`; for a sound robot, that of `--allow`."""
+    """Return the output without `--json`; for a sound robot, the output of `--allow`."""
     if status == 0 and path.suffix != ".urdf":
         return "", ""
     again, out, err = _said("check", str(path))

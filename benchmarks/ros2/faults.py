@@ -33,14 +33,14 @@ REST_TIMEOUT_S = COMMAND_TIMEOUT_S + 0.1
 
 
 class Noticed(NamedTuple):
-    """What came of a trial."""
+    """Result of a trial."""
 
     wrong: str
     """Why it counts as missed; "" if it doesn't."""
     after_s: float = 0.0
-    """From the fault to the report."""
+    """Time from the fault to the report."""
     rest_s: float = 0.0
-    """From the report until the base rests."""
+    """Time from the report until the base is at rest."""
 
 
 def main() -> None:

@@ -44,12 +44,12 @@ two of a busy machine."""
 
 
 class Trial(NamedTuple):
-    """What came of a trial."""
+    """Result of a trial."""
 
     wrong: str
     """Why it counts as missed; "" if it doesn't."""
     rest: Rest = Rest(0.0, 0)
-    """Of the arm, after the program's end."""
+    """Rest of the arm after the program's end."""
 
 
 def main() -> None:

@@ -33,10 +33,10 @@ Pipe = Any
 
 
 class Ended(NamedTuple):
-    """How the driving program ended."""
+    """End of the driving program."""
 
     time: float
-    """Of the monotonic clock, in [s]."""
+    """Time of the end by the monotonic clock, in [s]."""
     words: str
     figures: dict[str, Any]
 
@@ -45,7 +45,7 @@ class Rest(NamedTuple):
     """When the base of the bench came to rest after an instant."""
 
     seconds: float
-    """By the wall clock."""
+    """Duration by the wall clock, in [s]."""
     periods: int
     """Number of periods of the bench in which it still moved; a busy machine stretches periods, not this."""
 

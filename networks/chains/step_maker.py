@@ -47,7 +47,7 @@ class Step(NamedTuple):
     """True if the action is missing because calling a person is better."""
 
     def following(self) -> Iterator[State]:
-        """Yield the states that may follow."""
+        """Yield the states that may follow this step."""
         for each in (*self.succeeded, *self.all_failed, self.for_good):
             if each is not None:
                 yield each

@@ -17,7 +17,10 @@ from .best_values import Decision
 
 
 def chances_of(network: ActionNetwork) -> list[Chance | None]:
-    """Return the outcome probabilities of a network's actions; None for a skip, 1 where it has none."""
+    """Return the outcome probabilities of a network's actions.
+
+    None for a skip; an action without stated probabilities succeeds with probability 1.
+    """
     return [None if action.binding is None else _chance(action) for action in network.actions]
 
 

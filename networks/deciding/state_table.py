@@ -160,7 +160,9 @@ class StateTable:
         return Choices(cost, option)
 
     def improved(self, values: FloatArray) -> FloatArray:
-        """Return the least expected cost of expanded states, by the values of what follows; else these."""
+        """Return the least expected cost of expanded states by the values of their successors; others keep
+        theirs.
+        """
         found = np.where(self.expanded, self.stop, values)
         if len(self._first.all):
             order = self._order.all

@@ -36,7 +36,7 @@ class DueEntry(FileModel):
     """Charge of the battery below which it is due."""
 
     until_percent: Annotated[float, Field(gt=0.0, le=100.0)] | None = None
-    """Charge up to which the robot waits at the interrupt's goal (default: it goes on at once)."""
+    """Charge up to which the robot waits at the interrupt's goal (default: it continues at once)."""
 
     @model_validator(mode="after")
     def _has_one(self) -> Self:

@@ -35,7 +35,7 @@ class FactSpace:
 
     @cached_property
     def values(self) -> dict[str, list[Fact]]:
-        """Possible values of all of them, physical facts first."""
+        """Possible values of each fact, physical facts first."""
         return {name: list(each) for name, each in (*self.facts.items(), *self.known.items())}
 
     @cached_property

@@ -34,7 +34,9 @@ class Interrupt:
     priority: int = 0
     """An interrupt of a higher priority comes before one of a lower one."""
     battery_until: float | None = None
-    """Charge up to which the robot waits once the interrupt's goal is reached, in [%]; None: it goes on."""
+    """Charge up to which the robot waits once the interrupt's goal is reached, in [%]; None: it continues at
+    once.
+    """
 
     def fields(self) -> dict[str, Any]:
         """Return it, ready for JSON."""

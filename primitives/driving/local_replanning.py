@@ -137,7 +137,7 @@ class LocalReplanning:
         return look
 
     def update(self, robot: Robot, tracker: PathTracker) -> None:
-        """Look whether the route still is the one to drive, and change it; once a period."""
+        """Check once a period whether the route is still free and short, and replace it if not."""
         self.speed_limit = self.people.limit(robot, tracker)
         self._note_progress(robot, tracker)
         if self._job is not None:

@@ -32,7 +32,9 @@ class Rock(FileModel):
 
 
 class Field(FileModel):
-    """A field: x is east, y north, from an origin of its own."""
+    """Area outdoors with its bounds and known obstacles, in coordinates of its own: x east, y north, in
+    [m].
+    """
 
     format: Literal["handcart-field/1"]
     x_m: tuple[float, float]

@@ -38,7 +38,7 @@ SQUARE_M = 0.001  # difference of two sides that are taken for the same
 
 
 class ObjectBelief(NamedTuple):
-    """Where an object of a kind is believed to be, in the base frame."""
+    """Believed pose of an object of a kind, in the base frame."""
 
     object: str
     place: tuple[float, float] | None
@@ -50,7 +50,7 @@ class ObjectBelief(NamedTuple):
 
 
 class Standing(NamedTuple):
-    """Something that stands on a surface, and all that it may be."""
+    """Thing that was seen on a surface, with the kinds and poses that would explain it."""
 
     cluster: PointCluster
     may_be: tuple[SolidCandidate, ...]

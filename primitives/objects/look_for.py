@@ -56,9 +56,9 @@ class LookFor(ActionPrimitive):
     max_views: Annotated[int, Field(ge=1, le=30)] = 10
     """Maximum number of views."""
     tolerance_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 25.0
-    """How exactly its place has to be known: 3 sigma."""
+    """Required accuracy of the position: 3 sigma."""
     tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 3.0
-    """How exactly its heading has to be known; that of a round object does not matter."""
+    """Required accuracy of the heading: 3 sigma; a round object has none."""
 
     needs: ClassVar = (Arm, AnyCamera)
     reads: ClassVar = ("objects", "held_object")

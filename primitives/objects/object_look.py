@@ -33,9 +33,9 @@ from .tag_readings import Located, NotUpright, ReadTag, SeenTwice, locate, read_
 from .view_plan import Direction, directions, view_joints
 
 CLOSE_DISTANCES_M = (0.28, 0.34, 0.24)
-"""From the camera to the top of an object whose place is known."""
+"""Distances from the camera to the top of an object whose place is known."""
 DEPTH_DISTANCES_M = (0.42, 0.48, 0.54)
-"""Likewise, for a depth camera, which sees nothing from nearer."""
+"""Distances of a depth camera, which has a minimum range, to the top of such an object."""
 SEEN_SIGMA_M = 0.02  # of where something was seen or put
 PICTURES_PER_VIEW = 2  # at most, until something is read
 MAX_OFF_SURFACE_M = 0.02  # that the middle of a foot may be beyond an edge
@@ -80,7 +80,7 @@ class ObjectLook:
             self.depths.append(depth)
 
     def understand(self, robot: Robot, model: ModelView, surface: str) -> Periods:
-        """Work out what stands on a surface by all depth pictures so far; it is kept as `found`."""
+        """Find the things on a surface from all depth pictures so far; they are kept as `found`."""
         if self.depths:
             file, top = model.of(Objects).objects, base_T_top(robot, model, surface)
             known = file.surfaces[surface]

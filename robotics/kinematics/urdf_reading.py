@@ -17,7 +17,7 @@ class UrdfFault(NamedTuple):
     line: int
     column: int
     message: str
-    """Message "what is wrong; what is allowed", with the name of the link or joint."""
+    """Message "problem; allowed values", with the name of the link or joint."""
     mild: bool = False
     """True if the URDF is usable nevertheless."""
 

@@ -68,7 +68,7 @@ def robot_table(robots: dict[str, Path] | None = None) -> Iterator[RobotRow]:
 
 
 def kinds_of(robot: RobotFile) -> Iterator[type[Capability]]:
-    """Yield the capabilities that a robot has by its file; a camera off the hand is no `Camera`."""
+    """Yield the capabilities that a robot has by its file; only a camera on the hand counts as `Camera`."""
     yield Base
     if robot.arm is not None:
         yield Arm
@@ -112,6 +112,6 @@ def _primitive(name: str) -> type[ActionPrimitive] | None:
 
 
 def _short(error: str) -> str:
-    """Return what to do about a missing package, or the first line of another error."""
+    """Return the remedy for a missing package, or the first line of another error."""
     head, install, command = error.partition("pip install ")
     return f"needs: {install}{command}" if install else head.splitlines()[0]

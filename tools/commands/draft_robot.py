@@ -23,7 +23,7 @@ def robot(
         str | None, typer.Option(help="listen to a bench of this robot in this process instead")
     ] = None,
 ) -> None:
-    """Draft a robot's file from what is on the air; what is marked is to be measured or chosen."""
+    """Draft a robot's file from its published topics; marked values are to be measured or chosen."""
     from handcart.files.errors import InputError
 
     if not from_ros:

@@ -42,7 +42,9 @@ class WaitingRecord(NamedTuple):
 
 
 def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:
-    """Start a program in a session of its own, so that it outlives this one; its words go to a file."""
+    """Start a program in a new session (`setsid`), so that it outlives this one; its output goes to a
+    file.
+    """
     return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=said, stderr=said, start_new_session=True)
 
 

@@ -45,7 +45,11 @@ class LineRangeSensor(LineSensor, RangeSensor):
         self._ranges = np.full(spec.beams, np.inf)
 
     def scan(self) -> Scan:
-        """See `RangeSensor`; raises `StaleSensor`."""
+        """Return the last scan of the line's device.
+
+        Raises:
+            StaleSensor: no new scan has arrived in time.
+        """
         self.check_fresh()
         return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
 

@@ -37,7 +37,7 @@ class GrowingModel:
         self._grown = True
 
     def links(self) -> Any:
-        """Return the data, with poses of all links as of now."""
+        """Return MuJoCo's `MjData`, with the current poses of all links."""
         model, data = self.both()
         if self._stale:
             mujoco().mj_kinematics(model, data)

@@ -107,7 +107,7 @@ class MujocoEngine(Engine):
         return self._grown.links()
 
     def displaced(self) -> None:
-        """Note that coordinates have changed: poses are computed when they are needed."""
+        """Note that coordinates have changed, so that poses are computed again when they are read."""
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:

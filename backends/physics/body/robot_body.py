@@ -36,7 +36,7 @@ class PlanarDrive(ABC):
 
 
 class RobotBody(ABC):
-    """The URDF of a robot's file, on the floor.
+    """Bodies and joints of a robot in the physics engine, built from its URDF, with the floor under it.
 
     If the file lets the base tilt, the body is on a chassis with a suspension; see `sprung`.
     """

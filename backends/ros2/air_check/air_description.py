@@ -30,13 +30,13 @@ HEARD_KINDS = (
 
 
 class AirDescription(NamedTuple):
-    """What a robot tells of itself."""
+    """Description of a robot, as it publishes it."""
 
     urdf: str
     srdf: str
     """"" without one."""
     topics: Mapping[str, tuple[str, ...]]
-    """Topics of each type that somebody publishes, or takes if it is a command."""
+    """Topics of each type: published ones, or for a command those with a subscriber."""
     messages: Mapping[str, Any]
     """One message of topics whose content is of use, by the topic."""
     controllers: Mapping[str, tuple[str, ...]]
@@ -93,7 +93,7 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
 
 
 def _in_use(link: Link, kind: str) -> list[str]:
-    """Return the topics of a type that somebody publishes, or takes if it is a command."""
+    """Return the topics of a type that are published or, for a command, have a subscriber."""
     look = link.listeners if kind in COMMAND_KINDS else link.publishers
     return [topic for topic in link.topics_of(kind) if any(f"({kind})" in each for each in look(topic))]
 

@@ -1,4 +1,4 @@
-"""How the robot behind a bench differs from the robot's file."""
+"""Differences between the robot behind a bench and the robot's file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Goals of actions: what this program asks for, and what a simulated driver is asked for."""
+"""Goals of actions, as this program sends them and as a simulated driver receives them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 
 class GoalStage(Enum):
-    """What has become of a goal."""
+    """State of a goal."""
 
     SENT = "sent"
     RUNNING = "running"

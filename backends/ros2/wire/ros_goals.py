@@ -30,7 +30,7 @@ Came = Callable[[], None]
 
 
 class RosGoalSender(GoalSender):
-    """Client of an action; what comes back is handed over as its node is spun."""
+    """Client of an action; its results are delivered when the node is spun."""
 
     def __init__(self, node: Any, kind: str, name: str, came: Came) -> None:
         """Connect to servers of an action such as `control_msgs/FollowJointTrajectory`.
@@ -56,7 +56,7 @@ class RosGoalSender(GoalSender):
         return self._others
 
     def _heard(self, message: Any) -> None:
-        """Take the states of all goals of the server, whoever sent them."""
+        """Take the states of all goals of the server, of other clients as well."""
         self._came()
         active = (each for each in message.status_list if each.status in ACTIVE_NUMBERS)
         self._others = any(bytes(each.goal_info.goal_id.uuid) not in self._own for each in active)

@@ -230,7 +230,7 @@ class RosLink(Link):
         return action_servers(self._node, name)
 
     def _note(self) -> None:
-        """Note that something has arrived: `receive` goes on."""
+        """Note that a message has arrived, so that `receive` returns."""
         self._came += 1
 
     @override

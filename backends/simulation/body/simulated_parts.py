@@ -85,7 +85,7 @@ class SimulatedArm(Arm):
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, model: ArmModel, stands: FloatArray, seed: int) -> None:
-        """Create an arm whose encoders read `stands` (n,) in [rad] at first."""
+        """Create an arm whose encoders first read the joints `stands` (n,), in [rad] or [m]."""
         self._model, self._errors, self._seed = model, robot.errors, seed
         top = np.inf if robot.arm is None else robot.joint_speeds()
         self._most = np.minimum(model.velocity, top) * robot.period_s

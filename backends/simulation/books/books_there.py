@@ -58,7 +58,7 @@ class BooksThere(Props[BooksSection]):
         return [solid for each in spec.shelves for solid in SimulatedShelf(each).solids()]
 
     def set_up(self) -> None:
-        """See `Props`: spines not quite in line, and a book on the tray."""
+        """Place the books of the world's shelves, spines not quite in line, and the book on the tray."""
         for shelf in self.shelves.values():
             rng = keyed(self.seed, f"row of {shelf.name}")
             for spec, y in shelf.standing():

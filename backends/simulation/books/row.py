@@ -51,7 +51,10 @@ class FreeInterval(NamedTuple):
 
 
 class Pusher(NamedTuple):
-    """The front of what the hand moves into the row, in S: its `lead` (x), and its extent in y and z [m]."""
+    """Front face that the hand pushes into a row of books, in the frame S of the row.
+
+    Its position `lead` is along x, its extent along y and z, all in [m].
+    """
 
     lead: float
     right: float

@@ -66,14 +66,14 @@ def true_motion(before: Pose2, now: Pose2) -> Motion:
 
 
 class DriveTrial(NamedTuple):
-    """What a drive with constant speeds did."""
+    """Result of a drive at constant speeds."""
 
     commanded: Motion
     """Speeds times their duration."""
     measured: Motion
-    """By the odometry."""
+    """Motion by the odometry."""
     true: Motion
-    """By the ground truth of a bench; zero for a real robot."""
+    """Motion by the ground truth of a bench; zero for a real robot."""
     latency_s: float
     """Time from the first command until the odometry moved; NaN if it never did."""
 

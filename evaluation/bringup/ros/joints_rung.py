@@ -38,9 +38,9 @@ class JointTrial(NamedTuple):
 
     commanded: float
     read: float
-    """By `joint_states`."""
+    """Motion by `joint_states`."""
     true: float
-    """By the ground truth of a bench; 0 for a real robot."""
+    """Motion by the ground truth of a bench; 0 for a real robot."""
 
 
 class JointsRung(Rung[RosSite]):

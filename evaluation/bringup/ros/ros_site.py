@@ -27,7 +27,7 @@ class RosSite(RobotSite):
     """Robot by topics, or its bench in this process."""
 
     differences: RobotDifferences = field(default_factory=RobotDifferences)
-    """How the bench's robot differs from the file."""
+    """Differences between the bench's robot and the file."""
 
     @property
     @override

@@ -1,4 +1,4 @@
-"""What a ratio of two measurements of one motion suggests."""
+"""Likely causes of a ratio between two measurements of one motion."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class BrokenRun(HandcartError):
 
 
 class Stopped(NamedTuple):
-    """A run that is stopped at a level."""
+    """Run that was stopped when it reached a level of the splitting."""
 
     folder: Path
     seed: SplitSeed

@@ -95,7 +95,9 @@ class Underway:
         return None
 
     def finish(self, fault: Fault | None = None) -> AttemptEnding:
-        """Go on to the end, with a fault from now on, and hold the outcome against the truth."""
+        """Continue to the end of the action, with a fault from now on, and compare the outcome with the
+        ground truth.
+        """
         count = [0]
         try:
             outcome = self._to_the_end(fault, count)

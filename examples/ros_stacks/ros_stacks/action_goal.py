@@ -11,7 +11,7 @@ from .stacks import GoalState, NoStack
 
 SERVER_TIMEOUT_S = 5.0
 GOAL_STATES = {4: GoalState.SUCCEEDED, 5: GoalState.CANCELED, 6: GoalState.ABORTED}
-"""By the numbers of `action_msgs/GoalStatus`."""
+"""States of a goal by the numbers of `action_msgs/GoalStatus`."""
 
 
 class ActionGoal:

@@ -1,4 +1,4 @@
-"""What the primitives need of Nav2 and MoveIt: a small seam, so that tests need neither."""
+"""Interfaces to Nav2 and MoveIt that the primitives use, so that tests need neither."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class ArmPlanner(Protocol):
         """Return the path, once it has succeeded."""
 
     def why(self) -> str:
-        """Return why there is no path."""
+        """Return the reason for a missing path."""
 
     def close(self) -> None:
         """Cancel, and leave; a second call does nothing."""

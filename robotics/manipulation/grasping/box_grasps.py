@@ -24,7 +24,7 @@ class Grasp(NamedTuple):
     box_T_hand: Transform
     """(4, 4); the hand's x is the approach, its y the closing direction; the box's origin is in its foot."""
     width: float
-    """Of the box between the pads, in [m]."""
+    """Width of the box between the pads, in [m]."""
     face: str
     """Side that the hand comes from, by its outward normal: `+z` is from above."""
     tilt: float

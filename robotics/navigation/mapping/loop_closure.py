@@ -61,7 +61,7 @@ class KeyframeView(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """A loop that was tried."""
+    """Candidate of a loop closure between two keyframes, and the result of its test."""
 
     first: int
     second: int

@@ -106,7 +106,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def best(self) -> FieldKalman:
-        """The filter of the likeliest supposition."""
+        """Kalman filter of the most likely hypothesis."""
         return self.filters[int(np.argmax(self._weights))]
 
     @property

@@ -1,4 +1,4 @@
-"""Which solids of known sizes a group of points on a surface may be, and where they then are."""
+"""Recognition of solids of known sizes in a group of points on a surface, with their poses."""
 
 from __future__ import annotations
 

@@ -31,9 +31,9 @@ class OutlineFit(NamedTuple):
     y: float
     """[m]"""
     heading: float
-    """Of its first side in [rad]; 0 for a circle."""
+    """Heading of its first side in [rad]; 0 for a circle."""
     inset: float
-    """By which the points are inside of it, in [m]."""
+    """Distance of the points inwards from the outline, in [m]."""
     covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad]; a circle's heading has a very large variance."""
     rms: float

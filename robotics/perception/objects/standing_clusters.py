@@ -1,4 +1,4 @@
-"""Groups of points that stand on a level surface."""
+"""Groups of points above a level surface."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BORDER_CELLS = 2.5  # from a point at the picture's edge within which an outline
 
 
 class PointCluster(NamedTuple):
-    """Something that stands on a surface; in the frame of `OverSurface`."""
+    """Points of a thing on a surface, in the frame of `OverSurface`."""
 
     points: FloatArray
     """(n, 3) in [m]."""
