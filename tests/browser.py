@@ -64,7 +64,9 @@ def _launched() -> tuple[Playwright, Browser]:
 
 
 def axe_findings(page: Page) -> list[str]:
-    """What axe-core finds on a page, of whatever impact: rule, impact, and the first element of each."""
+    """Return the findings of axe-core on a page, of any impact: rule, impact, and the first element of
+    each.
+    """
     from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-untyped]
 
     found = Axe().run(page).response["violations"]

@@ -1,4 +1,4 @@
-"""For all tests: Hypothesis draws the same examples in every run."""
+"""Fixtures of all tests; Hypothesis draws the same examples in every run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ settings.load_profile("handcart")
 
 
 class Clock:
-    """Goes when it is told to."""
+    """A clock that advances on request."""
 
     now = 0.0
 
@@ -25,7 +25,7 @@ class Clock:
 
 
 class Copier(RunObserver):
-    """Copies a run's folder when an action has ended: what would be left if it were killed then."""
+    """Observer that copies a run's folder after each action, as it would be left by a kill at that time."""
 
     def __init__(self, number: int, to: Path) -> None:
         self.number, self.to, self.folder = number, to, Path()

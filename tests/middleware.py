@@ -1,4 +1,4 @@
-"""A node of rclpy, for tests through the middleware; only imported where rclpy is."""
+"""A node of rclpy, for tests through the middleware; imported only where rclpy is installed."""
 
 from __future__ import annotations
 

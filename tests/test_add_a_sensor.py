@@ -150,5 +150,5 @@ def test_broken_kind_is_reported_with_its_package(package: Path, code: str, wron
 
 
 def test_new_kind_edits_one_file_beside_its_own() -> None:
-    """A depth camera is the kind that came last; its name is in the registry, and nowhere else."""
+    """A depth camera is the latest kind; its name is in the registry alone."""
     assert named_outside("depth_camera") == ["backends/sensors/sensor_kind.py"]

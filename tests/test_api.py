@@ -1,4 +1,4 @@
-"""`import handcart`: what it offers, what it costs, and the examples of docs/reference/api.md."""
+"""`import handcart`: its public names, its import time, and the examples of docs/reference/api.md."""
 
 from __future__ import annotations
 

@@ -203,7 +203,7 @@ def test_a_plugin_that_cannot_be_imported_is_told(
 
 @contextmanager
 def fresh_registries() -> Iterator[dict[str, Callable[[str], type]]]:
-    """Functions that give a class by its name; what is on the path is read anew, and forgotten after."""
+    """Functions that return a class by its name; the path is read again, and forgotten after the test."""
     cached = (backends._all, primitives._all, primitives._own)
     for each in cached:
         each.cache_clear()

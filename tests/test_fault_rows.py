@@ -1,4 +1,4 @@
-"""Every row that docs/reference/faults.md tells has a test that names it."""
+"""Every row of docs/reference/faults.md has a test that names it."""
 
 from __future__ import annotations
 

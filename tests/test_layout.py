@@ -22,7 +22,7 @@ ROOMS = ("robotics", "files", "backends", "primitives", "networks", "evaluation"
 
 
 def python(code: str, where: Path, **more: str) -> str:
-    """What a program prints that is run in another folder."""
+    """Return the output of a program that is run in another folder."""
     command = [sys.executable, "-c", code]
     ended = subprocess.run(
         command, cwd=where, env=os.environ | more, capture_output=True, text=True, check=False

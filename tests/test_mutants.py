@@ -1,4 +1,4 @@
-"""The table of planted bugs fits the code; what plants them tells a noticed bug from one that is missed."""
+"""The table of planted bugs fits the code; the runner distinguishes noticed bugs from missed ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mutants drawn by a seed: they change code, and what the nearest tests kill is told from survivors."""
+"""Mutants drawn by a seed: they change code; killed ones are distinguished from survivors."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def test_the_nearest_tests_are_of_the_same_name_or_import_it(parts: Any) -> None
 
 @pytest.fixture
 def recorded(parts: Any, project: Path, tmp_path: Path) -> Any:
-    """What a run would have recorded: a near test of 2 s, a far one of 1 s, a far one of 20 s."""
+    """Return a run's recording: a near test of 2 s, a far one of 1 s, a far one of 20 s."""
     data = coverage.CoverageData(str(tmp_path / "covered"))
     for name, lines in ((SUM, [5, 6, 10]), (FAR, [5]), (LONG, [5, 10]), ("", [4, 9, 13])):
         data.set_context(name)

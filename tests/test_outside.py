@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Of a process that has it installed."""
+    """Return the environment of a process that has the package installed."""
     site, copy = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("source")
     for path in OUTSIDE.rglob("*"):
         if path.suffix in (".py", ".yaml", ".toml") and "build" not in path.parts:

@@ -119,7 +119,7 @@ def test_unequal_wheels_turn_a_base_that_drives_sideways(make: Make, name: str) 
 
 
 def test_mujoco_pushes_it_no_harder_than_rollers_hold(make: Make) -> None:
-    """From rest to 0.5 m/s in one period of 0.05 s takes more than their friction."""
+    """To accelerate to 0.5 m/s in one period of 0.05 s would take more than the rollers' friction."""
     backend = make("mujoco")
     speeds = []
     for _ in range(5):

@@ -1,4 +1,4 @@
-"""What no robot is commanded, whatever its backend."""
+"""Commands that no robot receives, whatever its backend."""
 
 from __future__ import annotations
 

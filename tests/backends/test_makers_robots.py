@@ -59,7 +59,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def changed(file: Path, old: str, new: str) -> str:
-    """What is told of the robot with that changed in its file."""
+    """Return the findings on the robot with that change in its file."""
     assert old in ROBOT
     file.write_text(ROBOT.replace(old, new), encoding="utf-8")
     with pytest.raises(FileError) as error:

@@ -1,4 +1,4 @@
-"""How a robot's file says that its simulation errs, and that it doesn't."""
+"""Errors of a simulated robot as its file declares them, or declares none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""States as bytes: what comes back is what was kept, or it is refused."""
+"""States as bytes: a state is restored as it was saved, or it is refused."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def run(backend: Any, periods: int, speed: float = 0.0, turn_rate: float = 0.0) 
 
 
 def targets(backend: Any) -> list[int]:
-    """Velocities that the drives were told last, in counts/s."""
+    """Return the last commanded velocities of the drives, in counts/s."""
     return [drive.rpdo[1][0x60FF].raw for drive in backend.bench.drives.values()]
 
 

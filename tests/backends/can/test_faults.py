@@ -1,4 +1,4 @@
-"""What goes wrong on the bus before anything moves, and what a fault means for commands."""
+"""Faults of the bus before anything moves, and their effect on commands."""
 
 from __future__ import annotations
 

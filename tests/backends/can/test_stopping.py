@@ -1,4 +1,4 @@
-"""What a stop sends, and in which order, so that nothing that comes later moves an axis."""
+"""Messages of a stop and their order, so that no later one moves an axis."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .faulty import BEFORE, JOINT_1, fault_of, move
 
 
 def orders(line: CanLine) -> dict[int, list[int]]:
-    """From now on: the controlwords that are sent, by node."""
+    """Record the controlwords that are sent from now on, by node."""
     sent: dict[int, list[int]] = {}
 
     def heard(frame: can.Message, ours: bool) -> None:
@@ -65,7 +65,7 @@ def test_set_points_that_are_taken_are_forgiven(
 
 
 def test_a_quick_stop_ends_the_handshake(make: Make, robot: RobotFile) -> None:
-    """C12 C22: a set-point that was asked for is not taken back by enabling the drive again."""
+    """C12 C22: a requested set-point is not taken when the drive is enabled again."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
     joint = backend.axes["joint 1"]
@@ -81,7 +81,7 @@ def test_a_quick_stop_ends_the_handshake(make: Make, robot: RobotFile) -> None:
 
 
 def test_of_two_set_points_between_two_answers_the_second_counts(make: Make, robot: RobotFile) -> None:
-    """B6: as a stop in the middle of a period sends them; bit 4 has to rise anew for it."""
+    """B6: as sent by a stop in the middle of a period; bit 4 has to rise again for it."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
     joint, there = backend.axes["joint 1"], backend.axes["joint 1"].position
@@ -99,7 +99,7 @@ def test_of_two_set_points_between_two_answers_the_second_counts(make: Make, rob
 
 
 def test_after_a_fault_the_drives_take_no_commands(make: Make, robot: RobotFile) -> None:
-    """C6 C12: a command that comes late, in the last queue of all, finds nobody who takes it."""
+    """C6 C12: a late command, in the last of all queues, is not executed."""
     backend = make(robot=robot, room=False)
     fault_of(backend, "emergency")
     drives = backend.bench.drives
@@ -112,7 +112,7 @@ def test_after_a_fault_the_drives_take_no_commands(make: Make, robot: RobotFile)
 
 
 def test_wheels_lose_torque_at_the_end_despite_quick_stop_hold(make: Make, robot: RobotFile) -> None:
-    """C12: they are told so, whatever their own quick stop ends in."""
+    """C12: they are commanded so, whatever state their own quick stop ends in."""
     for ends in ("close", "fault"):
         backend = make(robot=robot, room=False)
         move(backend, BEFORE)

@@ -1,4 +1,4 @@
-"""Whatever is raised while drives have torque, they are stopped; what answers wrongly is a `CanFault`."""
+"""Any exception while drives have torque stops them; a wrong answer is a `CanFault`."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_drive_booting_before_the_first_step_gets_no_torque(make: Make) -> None:
 
 
 def lies(drive: Any, data: bytes) -> None:
-    """From now on it does what it is asked by SDO, and answers with these bytes."""
+    """Make a drive execute SDO requests from now on, but answer with these bytes."""
     drive.sdo.send_response = lambda _: drive.network.send_message(0x580 + drive.number, data)
 
 
@@ -67,7 +67,7 @@ def lies(drive: Any, data: bytes) -> None:
 def test_sdo_answers_that_are_none_are_told(
     make: Make, monkeypatch: pytest.MonkeyPatch, data: bytes, message: str, when: str
 ) -> None:
-    """C14 C20: of any length, about something else; nothing stays enabled."""
+    """C14 C20: of any length, about another object; no drive stays enabled."""
     if when == "set-up":
         plain = DriveNode.associate_network
 
@@ -139,7 +139,7 @@ def test_a_mapping_that_is_refused_is_told(make: Make, monkeypatch: pytest.Monke
 def test_whatever_ends_a_period_ends_the_torque(
     make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch, error: BaseException
 ) -> None:
-    """K4 C12: a person's Ctrl-C, a fault in the program: all axes stop, each in its own way, for good."""
+    """K4 C12: a person's Ctrl-C, a fault in the program: all axes stop for good, each in its own way."""
     backend = make(robot=robot, room=False)
     move(backend, 10)
 
@@ -254,7 +254,7 @@ def test_the_same_noise_again() -> None:
 
 
 def test_noise_finds_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The fuzzer itself: a stop that leaves the torque, an error that is no `CanFault`."""
+    """The fuzzer itself finds a stop that leaves the torque, and an error that is not a `CanFault`."""
     for kind, name in ((Axes, "quick_stop"), (Axes, "disable"), (CanBackend, "_brake")):
         monkeypatch.setattr(kind, name, lambda self: None)
     assert any("OPERATION ENABLED after the fault" in each.wrong for each in attacks(4, 0))
@@ -263,7 +263,7 @@ def test_noise_finds_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_robot_drives_on_in_a_little_noise(make: Make) -> None:
-    """C20: what isn't a CANopen frame of ours, below the limit, is dropped and counted."""
+    """C20: frames that are not CANopen frames of ours, below the limit, are dropped and counted."""
     backend = make(room=False)
     for number in range(20):
         backend.get(Base).drive(0.2, 0.0)

@@ -26,7 +26,7 @@ def at_desk(puppet: Puppet) -> Puppet:
 
 
 def hand(puppet: Puppet) -> FloatArray:
-    """Where the hand truly is, in the base frame."""
+    """Return the true position of the hand, in the base frame."""
     return np.asarray(puppet.scene.arm.forward(puppet.scene.joints)[:3, 3])
 
 

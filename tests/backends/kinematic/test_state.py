@@ -1,4 +1,4 @@
-"""A world put back where it stood goes on as if nothing had happened."""
+"""A restored world continues as if nothing had happened."""
 
 from __future__ import annotations
 

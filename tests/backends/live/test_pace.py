@@ -8,7 +8,7 @@ from handcart.backends.live.pace import Pace
 
 
 class Clock:
-    """Whoever sleeps is woken `late` seconds late."""
+    """A clock that ends each sleep `late` seconds late."""
 
     def __init__(self) -> None:
         self.now, self.late, self.slept = 100.0, 0.0, 0.0
@@ -62,7 +62,7 @@ def test_k7_three_missed_in_a_row_stop(clock: Clock, pace: Pace) -> None:
 
 
 def test_k7_one_gap_stops(clock: Clock, pace: Pace) -> None:
-    """K7: one gap of more than 50 ms, computed through or slept through; told for good."""
+    """K7: one gap of more than 50 ms, by computing or sleeping; reported for good."""
     clock.late = 0.063
     pace.wait()
     clock.late = 0.0
@@ -76,7 +76,7 @@ def test_k7_one_gap_stops(clock: Clock, pace: Pace) -> None:
 
 
 def test_k9_suspended(clock: Clock, pace: Pace) -> None:
-    """K9: the machine was suspended; the clock that counts periods stood still meanwhile."""
+    """K9: the machine was suspended; the clock that counts periods did not run meanwhile."""
     pace.wait()
     clock.slept = 12.0
     pace.wait()

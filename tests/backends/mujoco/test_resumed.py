@@ -1,4 +1,4 @@
-"""A world in MuJoCo that is put back goes on as the one that was kept, to the last bit."""
+"""A restored world in MuJoCo continues as the saved one, to the last bit."""
 
 from __future__ import annotations
 

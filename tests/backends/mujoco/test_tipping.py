@@ -1,4 +1,4 @@
-"""A base that does not stand by itself is named as it tips."""
+"""A base that cannot balance is named as it tips."""
 
 from __future__ import annotations
 

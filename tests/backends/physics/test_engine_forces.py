@@ -1,4 +1,4 @@
-"""What weighs, what drives give, and what is too heavy to hold."""
+"""Weights, forces of drives, and loads that are too heavy to hold."""
 
 from __future__ import annotations
 

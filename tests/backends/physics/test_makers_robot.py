@@ -1,4 +1,4 @@
-"""A maker's robot in the engine: a telescope that mimics, a head that nobody moves, links that overlap."""
+"""A maker's robot in the engine: a telescope that mimics, a passive head, links that overlap."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def handcart(*words: object) -> subprocess.Popen[bytes]:
 
 
 def ended(process: subprocess.Popen[bytes]) -> dict[str, Any]:
-    """What a run that was let go on says at its end."""
+    """Return the summary that a resumed run prints at its end."""
     out, _ = process.communicate(timeout=LONGEST)
     assert process.returncode == 0
     summary: dict[str, Any] = orjson.loads(out.splitlines()[-1])

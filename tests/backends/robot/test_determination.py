@@ -1,4 +1,4 @@
-"""Whether a covariance determines a pose as exactly as needed, by direction."""
+"""Decision whether a covariance determines a pose as exactly as needed, by direction."""
 
 from __future__ import annotations
 

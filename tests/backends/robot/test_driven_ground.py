@@ -1,4 +1,4 @@
-"""Which ground behind a lidar of half a turn the base may drive back over, and for how long."""
+"""Ground behind a lidar of half a turn over which the base may drive back, and for how long."""
 
 from __future__ import annotations
 

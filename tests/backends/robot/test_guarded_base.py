@@ -1,4 +1,4 @@
-"""What of a command the guarded wheels pass on."""
+"""Commands that the guarded wheels pass on."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WALL_AT = 5.0
 
 
 class Wheels(Base):
-    """Wheels that are told a speed and a turn rate, and do nothing by themselves."""
+    """Wheels that note their commanded speed and turn rate, and do nothing by themselves."""
 
     def __init__(self) -> None:
         self.command = (0.0, 0.0)
@@ -39,7 +39,7 @@ class Wheels(Base):
 
 
 class Rolling:
-    """A robot that stands where its wheels were told to, on a map with a wall from x = 5 m on."""
+    """A robot that moves exactly as its wheels are commanded, on a map with a wall from x = 5 m on."""
 
     def __init__(self, spec: RobotFile, x: float, scan: Callable[[Pose2], FloatArray]) -> None:
         solid = np.zeros((100, 60), dtype=np.bool_)
@@ -73,7 +73,7 @@ def test_it_is_never_faster_than_it_can_brake_from(spec: RobotFile) -> None:
 
 
 def test_held_back_it_gains_speed_no_faster_than_it_can(spec: RobotFile) -> None:
-    """Who drives doesn't know of it and goes on asking for full speed."""
+    """The driving primitive does not know of it and keeps commanding full speed."""
     ahead = [np.array([[spec.footprint_radius_m + 0.02, 0.0]])]
     rolling, top = Rolling(spec, 1.0, lambda _: ahead[0]), spec.drive.top_speed_m_s
     rolling.base.drive(0.0, 0.0)
@@ -91,7 +91,7 @@ def test_held_back_it_gains_speed_no_faster_than_it_can(spec: RobotFile) -> None
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_held_back_it_keeps_the_direction_of_its_command(spec: RobotFile, way: float) -> None:
-    """Forwards and backwards: what is passed on is never the other way, and comes to full speed."""
+    """Forwards and backwards: the passed command never has the other sign, and reaches full speed."""
     near = [np.array([[way * (spec.footprint_radius_m + 0.02), 0.0]])]
     rolling, top = Rolling(spec, 2.5, lambda _: near[0]), spec.drive.top_speed_m_s
     rolling.base.drive(0.0, 0.0)
@@ -246,7 +246,7 @@ def test_share_of_the_speed_that_people_leave_is_of_one_period(spec: RobotFile) 
 
 @pytest.mark.parametrize(("sigma_mm", "passes"), [(5.0, True), (30.0, False)])
 def test_polygon_keeps_off_by_the_noise_of_its_lidar(spec: RobotFile, sigma_mm: float, passes: bool) -> None:
-    """Something stands 20 mm beside the way of a rectangle's corner."""
+    """An obstacle is 20 mm beside the path of a rectangle's corner."""
     rectangle = FootprintSpec(rectangle_m=(0.6, 0.4))
     assert spec.range_sensor is not None
     noisy = spec.range_sensor.model_copy(update={"sigma_mm": sigma_mm})

@@ -1,4 +1,4 @@
-"""The robot above any backend: its time, who moves it, what it makes of its readings."""
+"""The robot above any backend: its time, exclusive motion, and estimates from its readings."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_computing_takes_its_time_and_the_robot_holds(robot: Robot) -> None:
 def test_s2_driven_wheels_that_read_the_same_tell_nothing(
     make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """S2: a robot that reckons by its wheels alone, whose encoders stand still, says that it is lost."""
+    """S2: a robot with wheel odometry alone, whose encoders are frozen, reports that it is lost."""
     robot = make_stage("toyama").robot
     wheels = robot.get(Base)  # type: ignore[type-abstract]
     stood = wheels.wheel_travel()
@@ -90,7 +90,7 @@ def test_s2_driven_wheels_that_read_the_same_tell_nothing(
 
 
 def test_two_that_move_it_are_noticed_in_the_next_period_too(robot: Robot) -> None:
-    """N12: whoever of them is asked first."""
+    """N12: in either order of their commands."""
     one, other = object(), object()
     seen = []
     for movers in ((one,), (one,), (one, other), (one,), (one,)):
@@ -111,7 +111,7 @@ def test_lowered_hand_is_masked_in_the_scan_and_a_raised_one_not(
 def test_base_shifted_while_driving_is_not_reported_as_pushed(
     make_stage: Callable[..., Rig],
 ) -> None:
-    """By an indoor positioning; it takes the place over in either case."""
+    """With indoor positioning, which takes over the new pose in either case."""
     robot = make_stage("atrv", HALL).robot
     scene = simulated_world(robot.backend)
     assert scene is not None
@@ -131,7 +131,7 @@ def test_base_shifted_while_driving_is_not_reported_as_pushed(
 def test_base_at_rest_that_deflects_stands_but_creeping_does_not(
     make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Encoders of 65,536 counts tell a hundredth of a millimetre; no scan tells that."""
+    """Encoders of 65,536 counts resolve a hundredth of a millimetre; no scan does."""
     robot = make_stage("librarian", HALL).robot
     base: Base | None = robot.backend.get(Base)  # type: ignore[type-abstract]
     travel = robot.base.wheel_travel()

@@ -1,4 +1,4 @@
-"""What is sent consists of finite floats."""
+"""Sent messages consist of finite floats."""
 
 import math
 

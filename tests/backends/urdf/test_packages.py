@@ -62,7 +62,7 @@ def test_package_of_python_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 def test_links_of_a_workspace_are_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As after `colcon build --symlink-install`."""
+    """The links are those of `colcon build --symlink-install`."""
     source = package(tmp_path / "src" / "robot")
     (tmp_path / "install" / "share" / "robot").mkdir(parents=True)
     (tmp_path / "install" / "share" / "robot" / "r.urdf").symlink_to(source / "r.urdf")

@@ -60,7 +60,7 @@ def robot(tmp_path: Path) -> Path:
 
 
 def error_of(path: Path) -> str:
-    """What is told of a robot that is wrong."""
+    """Return the findings on a faulty robot."""
     with pytest.raises(FileError) as error:
         load_robot(str(path))
     return str(error.value)

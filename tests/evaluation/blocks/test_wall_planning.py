@@ -1,4 +1,4 @@
-"""From a drawing to stops, order and a task."""
+"""Planning of stops, order and a task from a drawing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which files a campaign depends on."""
+"""Files that a campaign depends on."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from handcart.networks.task.task_file import load_task
 
 
 def sums(task: Path, settings: dict[str, str] | None = None) -> dict[str, str]:
-    """Of a campaign that walks through the task's network."""
+    """Return the checksums of a campaign that walks through the task's network."""
     setting = CampaignSetting(task, settings=settings or {}, level="network")
     return checksums(setting, load_task(task, setting.settings))
 

@@ -1,4 +1,4 @@
-"""Trials on a real Dask scheduler and real workers: what becomes of these loses none."""
+"""Trials on a real Dask scheduler and real workers: no failure of theirs loses a trial."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def test_a_silent_or_foreign_server_is_refused_in_time(sent: bytes) -> None:
 
 
 def _answer_with(server: socket.socket, sent: bytes) -> None:
-    """Say the same to whoever comes, and keep their connections."""
+    """Send the same answer to every client, and keep the connections open."""
     with ExitStack() as stack, suppress(OSError):
         while True:
             line, _ = server.accept()

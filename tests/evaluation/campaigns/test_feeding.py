@@ -1,4 +1,4 @@
-"""What each process of a campaign is given, and what becomes of it: with processes played by hand."""
+"""Work of each process of a campaign, and its results, with stub processes."""
 
 from __future__ import annotations
 

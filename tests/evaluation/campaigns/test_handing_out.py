@@ -1,4 +1,4 @@
-"""Which worker of a cluster is given which trial, and when: with a scheduler that is played by hand."""
+"""Assignment of trials to a cluster's workers, with a stub scheduler."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from handcart.evaluation.campaigns.workers import TrialFault
 from tests.conftest import Clock
 
 WORKER: Any = None
-"""The last one that had a trial; nobody asks for it."""
+"""The last worker that had a trial; the code under test does not read it."""
 
 
 @dataclass(eq=False)

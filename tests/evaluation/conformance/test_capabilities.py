@@ -1,4 +1,4 @@
-"""What stands around a backend follows from what a capability declares, and from nothing else."""
+"""Wrappers of a backend follow from the declarations of its capabilities alone."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Load(NamedTuple):
 
 
 class Scale(Capability):
-    """A scale in the hand, as somebody else might add it."""
+    """A scale in the hand, as an outside package might add it."""
 
     READINGS: ClassVar = {"load": Reading("scale", ("grams", "raw"))}
     COMMANDS = ("tare",)
@@ -155,7 +155,7 @@ def test_what_can_fail_is_declared_and_there() -> None:
 
 
 def test_few_files_know_all_kinds() -> None:
-    """Those that have to be edited when one is added, beside its own file, and no others."""
+    """Besides its own file, only these have to be edited when a kind is added."""
     listing = {
         path.relative_to(ROOT).as_posix()
         for folder in ("backends", "evaluation", "networks", "src", "tools")

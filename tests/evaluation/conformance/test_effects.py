@@ -33,7 +33,7 @@ HERE = Pose2(0.0, 0.0, 0.0)
 
 
 def truth(base: Pose2, **places: float) -> GroundTruth:
-    """The base, and things by how far along x they stand."""
+    """Return a stub of the ground truth: the base, and things with their x."""
     bodies = {}
     for name, x in places.items():
         pose = np.eye(4)
@@ -43,7 +43,7 @@ def truth(base: Pose2, **places: float) -> GroundTruth:
 
 
 def false(kind: type[Survey], do: str, claim: Claim, **run: Any) -> list[str]:
-    """What a survey says of a Success; of the run it sees nothing but what is given."""
+    """Return a survey's objections to a Success, given only these facts of the run."""
     if "world" in run:
         run.setdefault("base_on_map", getattr(run["world"], "base", None))
     survey: Any = SimpleNamespace(run=SimpleNamespace(**run))
@@ -55,7 +55,7 @@ def claimed(primitive: Any = None, before: Pose2 = HERE, after: Pose2 = HERE) ->
 
 
 def test_every_primitive_has_a_check_of_its_success() -> None:
-    """Those of all domains, the calibrations too; and no two surveys check the same."""
+    """Of all domains, calibrations included; and no two surveys check the same claim."""
     checked = [name for kind in survey_kinds() for name in kind.effects]
     assert sorted(checked) == sorted(primitive_names())
 

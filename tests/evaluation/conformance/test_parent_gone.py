@@ -1,4 +1,4 @@
-"""What the kit does where whoever started it is killed."""
+"""Behaviour of the kit when its parent process is killed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LINUX = Path("/proc/self/task").exists()
 
 
 def running(process: int) -> bool:
-    """Whether it exists, and hasn't ended without anybody having asked how."""
+    """Return whether a process exists and is not a zombie."""
     stat = Path(f"/proc/{process}/stat")
     try:
         return stat.read_text(encoding="utf-8").rpartition(")")[2].split()[0] != "Z"

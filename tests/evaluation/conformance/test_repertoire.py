@@ -1,4 +1,4 @@
-"""What the kit tries on which robot follows from what the domains declare."""
+"""The trials of the kit on a robot follow from the declarations of the domains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a total station sees of the robot's reflector."""
+"""Sight of a total station to the robot's reflector."""
 
 from pathlib import Path
 
@@ -14,7 +14,9 @@ CRATE = "surprises: [{{name: crate, x_m: {}, y_m: {}, size_m: [0.6, 0.6, 2.0]}}]
 
 
 def sights(tmp_path: Path, side: float, crate: tuple[float, float] = (50.0, 50.0)) -> TotalStation:
-    """Of a station 8 m to that side (+1 left, -1 right) of a robot at the origin, after three seconds."""
+    """Return the sights of a station 8 m to that side (+1 left, -1 right) of a robot at the origin, after
+    three seconds.
+    """
     world = tmp_path / "world.yaml"
     words = "format: handcart-world/1\nstart: {x_m: 0.0, y_m: 0.0}\nground: {}\nsensors: {count: 1}\n"
     world.write_text(words + CRATE.format(*crate), encoding="utf-8")

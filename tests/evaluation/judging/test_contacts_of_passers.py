@@ -1,4 +1,4 @@
-"""Contacts with passers: the robot drove into somebody, or somebody ran into it while it stood."""
+"""Contacts with passers: the robot drove into a person, or a person ran into the robot at rest."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ ANGLES = np.linspace(-1.0, 1.5, 6)
 RANGES = np.array([[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [1.5, 2.5, 3.5, math.inf, 5.5, math.nan]])
 MOUNT = (0.3, -0.2, 0.4)
 ON_PLATE = (0.05, 0.02, 0.1)
-"""Of the lidar on a plate, which is at MOUNT on the base, and may be upside down."""
+"""Pose of the lidar on a plate, which is at MOUNT on the base, and may be upside down."""
 ODOMETRY = ((0.0, 0.0, 0.0), (0.5, 0.25, 0.1), (1.0, 0.5, 0.2))
 
 

@@ -1,4 +1,4 @@
-"""CARMEN logs: their two kinds of scans, what a line may lack, and lines that nobody wrote."""
+"""CARMEN logs: both kinds of scans, optional fields of a line, and malformed lines."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RANGES = [1.25, 2.5, 81.83, 3.75, 0.5]
 
 
 def flaser(time: float, ranges: list[float], odometry: tuple[float, float, float]) -> str:
-    """Return a line whose first pose is somebody's correction, which must not be read."""
+    """Return a line whose first pose is a corrected one, which must not be read."""
     cells = [len(ranges), *ranges, 9.0, 9.0, 9.0, *odometry, time]
     return " ".join(["FLASER", *map(str, cells), "host", str(time)])
 

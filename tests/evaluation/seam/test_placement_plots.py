@@ -1,4 +1,4 @@
-"""The pictures are drawn; what they show is looked at by people."""
+"""The pictures are drawn; their content is judged by people."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a run goes on after the robot was lifted between two actions."""
+"""Continuation of a run after the robot was lifted between two actions."""
 
 from __future__ import annotations
 

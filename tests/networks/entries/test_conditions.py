@@ -63,7 +63,7 @@ WRONG = {
     "unknown budget 'none'": ("p: 0.9", "p: 0.9, attempts: {budget: none}"),
     "unknown key 'nme'": ("p: 0.9, with: {name: take}", "p: 0.9, with: {nme: take}"),
 }
-"""What is replaced in the task, by what is reported."""
+"""Replacements in the task, with the expected reports."""
 
 
 def names(task: Task, stand: Stand, journal: Journal | None = None, **script: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Actions that do the same between the same situations are told apart in every message."""
+"""Equal actions between the same situations are named differently in every message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What explain says of each alternative: probability of the goal, time, and what would change the choice."""
+"""Values of each alternative in `explain`: P(goal), time, and the change that would alter the choice."""
 
 from __future__ import annotations
 

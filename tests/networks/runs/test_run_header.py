@@ -19,7 +19,9 @@ def network(stand: Stand) -> ActionNetwork:
 
 @pytest.fixture
 def header(network: ActionNetwork) -> dict[str, Any]:
-    """As a version wrote it whose primitives had fewer parameters: with another fingerprint."""
+    """Return the header of an older version, whose primitives had fewer parameters and another
+    fingerprint.
+    """
     fields = {"network": "of an older version", "plan_on": network_fields(network)}
     read: dict[str, Any] = orjson.loads(orjson.dumps(fields))
     return read

@@ -1,4 +1,4 @@
-"""What is known of plants."""
+"""Knowledge of plants."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class PlantsFile(FileModel):
 
 @dataclass
 class Plants(Section):
-    """Of a robot that waters them."""
+    """Knowledge of a robot that waters plants."""
 
     FILES: ClassVar = {"garden": PlantsFile}
     LEARNED: ClassVar = ("watered",)

@@ -50,7 +50,7 @@ class Vessel(PlacedThing):
         return {"+z": np.full((16, 16), min(255, 20 + round(self.level_ml)), np.uint8)}
 
     def rim(self) -> NDArray[np.float64]:
-        """Where water runs over it, (3,) in [m] in the world: the lowest side of its upper rim."""
+        """Point over which water runs out, (3,) in [m] in the world: the lowest side of its upper rim."""
         sides = np.array([(0.5, 0, 1, 1), (-0.5, 0, 1, 1), (0, 0.5, 1, 1), (0, -0.5, 1, 1)])
         rim = (sides * (*self.size, 1.0)) @ self.pose.T
         return np.asarray(rim[np.argmin(rim[:, 2]), :3])

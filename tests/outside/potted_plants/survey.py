@@ -1,4 +1,4 @@
-"""What ground truth says of watering."""
+"""Ground truth of watering."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _watered(survey: Survey, claim: Claim) -> list[str]:
 
 
 class Watering(Survey):
-    """How much each plant got, and what was spilt."""
+    """Amounts of water that each plant got, and that were spilt."""
 
     name = "plants"
     effects: ClassVar[Mapping[str, Effect]] = {"WATER": _watered}

@@ -109,7 +109,7 @@ def _over(robot: Robot, plant: Plant, can: Box) -> list[Transform]:
 
 
 def _pots(robot: Robot, garden: PlantsFile) -> tuple[Box, ...]:
-    """What the arm goes around, in the base frame."""
+    """Return the obstacles of the arm, in the base frame."""
     base_T_map, pots = robot.pose.inverse().lift(), garden.plants.values()
     return tuple(pot.body(pot.size_m, "a pot").seen_from(base_T_map) for pot in pots)
 

@@ -109,7 +109,7 @@ def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Ca
 def test_where_no_label_is_read_the_slot_is_not_seen(
     docked: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The cause tells that another look may help."""
+    """The cause indicates that another look may help."""
     rig = docked(0)
     monkeypatch.setattr(OcrLabelReader, "read", lambda *_: [])
     outcome = rig.run(Search(shelf="shelf_1"))

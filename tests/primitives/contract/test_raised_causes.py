@@ -1,4 +1,4 @@
-"""Which causes a primitive can raise, as read from its code."""
+"""Causes that a primitive can raise, as read from its code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Primitives that end in every way, for tests of the attempt around them."""
+"""Primitives with every kind of end, for tests of the attempt around them."""
 
 from __future__ import annotations
 

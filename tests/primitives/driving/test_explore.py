@@ -94,7 +94,7 @@ def test_explore_without_way_left_comes_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize("robot", ["cart", "toyama"])
 @pytest.mark.slow
 def test_cancelled_exploration_is_restored(robot: str, tmp_path: Path) -> None:
-    """By scans at the start, whatever the wheels say, with both localizers."""
+    """The start is found again by scans, with both localizers."""
     from handcart.primitives.contract.attempt import attempt
 
     with build_rig(world(tmp_path, TWO_ROOMS), robot=robot) as rig:

@@ -31,9 +31,9 @@ class Seen(NamedTuple):
     pushed_s: float
     """Longest time of contact while the base was driven, in [s]."""
     people: int
-    """Most people in a period; there are none."""
+    """Maximum number of people in a period; zero is expected."""
     errors: list[tuple[bool, float, float]]
-    """In each period whether the pose was settled, and its error in sigmas and in [deg]."""
+    """Whether the pose was settled in each period, and its error in sigmas and in [deg]."""
 
 
 def attempt_of(rig: Rig, place: Place) -> Seen:

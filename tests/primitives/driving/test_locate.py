@@ -1,4 +1,4 @@
-"""LOCATE: a robot that is told nothing of where it starts finds out, or says that places look alike."""
+"""LOCATE finds an unknown start, or reports that places look alike."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def truth_of(rig: Rig) -> Pose2:
 
 
 def symmetric_room(folder: Path, surprises: list[dict[str, object]] | None = None) -> RigFiles:
-    """Write a map that looks the same after half a turn, and a robot that stands in it."""
+    """Write a map that looks the same after half a turn, and a robot in it."""
     cells = np.full((120, 200), 254, np.uint8)
     cells[:2] = cells[-2:] = cells[:, :2].T[:] = cells[:, -2:].T[:] = 0
     cells[30:40, 40:50] = cells[80:90, 150:160] = 0
@@ -78,7 +78,7 @@ def test_move_to_refuses_by_name_until_the_pose_is_known(twins: Rig) -> None:
 
 @pytest.mark.parametrize("unmapped", [False, True])
 def test_a_symmetric_room_is_ambiguous_and_restored(unmapped: bool, tmp_path: Path) -> None:
-    """Also with a box that no map shows: it tells nothing."""
+    """Also with a box that is on no map and so gives no information."""
     box = {"name": "box", "x_m": 5.5, "y_m": 2.0, "heading_deg": 20.0, "size_m": [0.5, 0.4, 0.6]}
     files = symmetric_room(tmp_path, [box] if unmapped else None)
     with build_rig(files, robot="cart", is_start_known=False) as rig:
@@ -108,7 +108,7 @@ def test_a_known_pose_resolves_a_symmetric_room(tmp_path: Path) -> None:
 
 
 def test_the_map_is_no_obstacle_while_the_pose_is_unknown(tmp_path: Path) -> None:
-    """The base believes to be at the map's corner, where it could not stand."""
+    """The base believes to be at the map's corner, where it would collide."""
     with build_rig(symmetric_room(tmp_path), robot="cart", is_start_known=False) as rig:
         for _ in range(20):
             rig.robot.base.drive(0.2, 0.0)

@@ -58,7 +58,7 @@ def people(*lines: str, more: str = "") -> str:
 
 @pytest.mark.slow
 def test_person_who_steps_in_front_of_the_base_is_let_pass(make_rig: Callable[..., Rig]) -> None:
-    """K15: the base brakes in time and goes on behind the person."""
+    """K15: the base brakes in time and continues behind the person."""
     rig = make_rig(people("name: anna, waypoints_m: [[4.4, 0.6], [4.4, 5.4]], starts_s: 5.5, at_end: stay"))
     found = drive(rig, MoveTo(place="shelf_1"))
     assert isinstance(found.outcome, Success), found
@@ -68,7 +68,7 @@ def test_person_who_steps_in_front_of_the_base_is_let_pass(make_rig: Callable[..
 
 @pytest.mark.slow
 def test_person_who_stands_on_the_goal_is_a_named_restored_fail(make_rig: Callable[..., Rig]) -> None:
-    """K16: waiting is bounded; the Fail names the person, who is not kept as an obstacle."""
+    """K16: waiting is bounded; the Fail names the person, which is not kept as an obstacle."""
     rig = make_rig(people("name: anna, waypoints_m: [[4.5, 2.6], [6.5, 4.6]], starts_s: 9, at_end: stay"))
     before = rig.scene.base
     found = drive(rig, MoveTo(place="shelf_1", wait_s=2.0))
@@ -83,7 +83,7 @@ def test_person_who_stands_on_the_goal_is_a_named_restored_fail(make_rig: Callab
 
 @pytest.mark.slow
 def test_crowd_that_never_ends_is_a_fail_within_the_wait(make_rig: Callable[..., Rig]) -> None:
-    """K17: two who never leave the only doorway; the drive ends restored, and touches nobody."""
+    """K17: two people never leave the only doorway; the drive ends restored, without a contact."""
     crowd = "name: crowd, waypoints_m: [[5.9, 3.9], [5.9, 4.7]], speed_m_s: 0.6, group_m: [0.5]"
     rig = make_rig(people(crowd, more="surprises:\n" + DOORWAY))
     before = rig.scene.base
@@ -96,7 +96,7 @@ def test_crowd_that_never_ends_is_a_fail_within_the_wait(make_rig: Callable[...,
 
 @pytest.mark.slow
 def test_person_from_behind_while_restoring_is_let_pass(make_rig: Callable[..., Rig]) -> None:
-    """K18: the base stands until the person has gone on, and is restored after."""
+    """K18: the base waits until the person has passed, and is restored after."""
     walk = "name: anna, waypoints_m: [[1.0, 5.2], [1.0, 3.4], [4.4, 0.9]], starts_s: 8, speed_m_s: 0.8"
     rig = make_rig(people(f"{walk}, at_end: stay"))
     before = rig.scene.base

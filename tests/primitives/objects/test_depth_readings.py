@@ -1,4 +1,4 @@
-"""Objects without tags: told by their sizes and beliefs, or said to be ambiguous."""
+"""Objects without tags: identified by their sizes and beliefs, or reported as ambiguous."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run learns about objects survives a checkpoint."""
+"""Learned poses of objects survive a checkpoint."""
 
 from __future__ import annotations
 

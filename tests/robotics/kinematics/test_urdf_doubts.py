@@ -17,7 +17,7 @@ URDF = """\
 
 
 def doubts(kind: str, low: float, high: float, mimic: str = "") -> list[str]:
-    """What is told of such a URDF; it can be used all the same."""
+    """Return the remarks on such a URDF, which is usable nevertheless."""
     found = urdf_faults(URDF.format(kind=kind, low=low, high=high, mimic=mimic))
     assert all(each.mild for each in found)
     return [f"{each.line}: {each.message}" for each in found]

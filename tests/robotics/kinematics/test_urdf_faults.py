@@ -1,4 +1,4 @@
-"""What is wrong in a URDF is told with its line and its link or joint, before a library sees it."""
+"""Faults of a URDF are reported with line and link or joint, before a library reads it."""
 
 from __future__ import annotations
 

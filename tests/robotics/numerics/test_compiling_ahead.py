@@ -1,4 +1,4 @@
-"""What a first run needs later is compiled by other processes."""
+"""Other processes compile functions that a first run needs later."""
 
 import os
 import signal
@@ -73,7 +73,7 @@ def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:
-    """It imports nothing from the folder that it stands in."""
+    """It imports nothing from its working folder."""
     (tmp_path / "random.py").write_text("raise SystemExit\n", encoding="utf-8")
     words = [sys.executable, "-P", "-m", ahead.__name__, NEAR]
     env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "code")}
@@ -107,7 +107,7 @@ def _runs(process: int) -> bool:
 
 
 class Begun:
-    """In place of a process: what it was told."""
+    """Stub of a process: its arguments."""
 
     every: list["Begun"]
 
@@ -177,7 +177,7 @@ def test_a_check_knows_the_domains_kernels_before_the_map_s() -> None:
 
 
 def test_functions_that_a_caller_asked_for_are_compiled_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever asks for functions of another module calls them soon; other modules may never be used."""
+    """A caller of another module's functions needs them soon; other modules may never be used."""
     begun: list[list[str]] = []
 
     class Started:

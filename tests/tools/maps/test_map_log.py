@@ -1,4 +1,4 @@
-"""`handcart map` on small logs: what it writes, what it says, and what it refuses."""
+"""`handcart map` on small logs: files, messages, and refused logs."""
 
 from __future__ import annotations
 

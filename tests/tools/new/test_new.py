@@ -1,4 +1,4 @@
-"""`handcart new`: what it writes works as it is, and bad names write nothing."""
+"""`handcart new`: written files work as they are, and invalid names write nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs with scripted ends, for commands that read them."""
+"""Runs with scripted ends, for commands that read runs."""
 
 from tests.networks.conftest import new_stand as new_stand
 from tests.networks.conftest import primitives as primitives

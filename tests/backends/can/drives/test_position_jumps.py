@@ -1,4 +1,4 @@
-"""How far the position of a drive can move between two answers."""
+"""Largest motion of a drive's position between two answers."""
 
 from __future__ import annotations
 

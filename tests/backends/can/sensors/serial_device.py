@@ -1,4 +1,4 @@
-"""Device on a pseudo-terminal, for tests of sensors on a serial line."""
+"""A serial device on a pseudo-terminal, for tests of sensors."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def test_beams_end_where_mujoco_has_them_end(engine: Any, height: float, tilt: f
 
 
 def _first(engine: Any, start: Any, end: Any) -> float:
-    """Where one way ends, by MuJoCo's function for a single one."""
+    """Return the end of one beam, by MuJoCo's function for a single one."""
     groups, met = np.ones(6, np.uint8), np.zeros(1, np.int32)
     groups[ROBOT_GROUP] = 0
     share = mujoco().mj_ray(engine.model, engine.links(), start, end - start, groups, 1, -1, met, None)

@@ -1,4 +1,4 @@
-"""Who presses against whom, of contacts as MuJoCo gives them."""
+"""Pressing bodies, from contacts as MuJoCo gives them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handcart.backends.physics.engine.engine import Touching
 
 ROBOT, FLOOR, BOX = 0, 1, 2
 OWNERS = [(ROBOT, 4), (FLOOR, -1), (BOX, -1), (ROBOT, 5)]
-"""Of four geometries."""
+"""Owners of four geometries."""
 
 
 def data(pairs: list[tuple[int, int]], forces: list[float]) -> Any:

@@ -1,4 +1,4 @@
-"""What MuJoCo's renderer shows, held against the scene and against the painter of it."""
+"""Pictures of MuJoCo's renderer, compared with the scene and with the scene's painter."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def engine_camera(backend: Any) -> MujocoCamera:
 
 
 def drawn_twice(backend: Any, pose: Transform) -> tuple[ByteArray, ByteArray]:
-    """By the scene's painter, and by MuJoCo; both ideal pictures, grey."""
+    """Return both ideal grey pictures: of the scene's painter, and of MuJoCo."""
     camera = engine_camera(backend)
     try:
         painted = Renderer(camera._true.model, backend._robot.errors, 3).ideal(backend.scene, pose)

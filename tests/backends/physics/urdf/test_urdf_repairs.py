@@ -1,4 +1,4 @@
-"""What no engine can take of a URDF is mended alike for all of them, and told."""
+"""Parts of a URDF that no engine accepts are repaired alike for all engines, and reported."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class Room(RangeSensor):
 
 
 class Stub(Backend):
-    """A backend of some capabilities, whose time stands still."""
+    """A backend with some capabilities and constant time."""
 
     name, period = "stub", 0.05
 

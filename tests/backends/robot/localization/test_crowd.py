@@ -1,4 +1,4 @@
-"""People around a base at rest: what they hide, and what they do not excuse."""
+"""People around a base at rest: which beams they hide, and which differences they do not excuse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which localization a robot gets, and what each makes of the readings of stubs of its sensors."""
+"""Choice of a robot's localization, and its results from the readings of stub sensors."""
 
 from __future__ import annotations
 
@@ -200,7 +200,7 @@ def test_what_was_sensed_is_told_as_it_came() -> None:
 
 
 class Asked(GyroOnly):
-    """A filter that keeps what it is given, and contradicts itself where it is told to."""
+    """A filter that keeps its inputs, and contradicts itself on request."""
 
     found: Inconsistency | None = None
 

@@ -77,7 +77,7 @@ def test_a_correction_teaches_how_far_it_drives_sideways() -> None:
 
 @pytest.mark.parametrize("number", range(6))
 def test_a_constant_error_moves_the_pose_as_the_covariance_says(number: int) -> None:
-    """By finite differences."""
+    """The expected shift is computed by finite differences."""
     way, size = (0.03, 0.05, 0.04), 1e-6
     one, other = (
         HolonomicOdometry(Pose2(1.0, 2.0, 0.7), 0.7, OdometryErrors(sideways=SidewaysErrors())) for _ in "ab"

@@ -1,4 +1,4 @@
-"""Contacts of the arm with things, which may stand elsewhere in each period."""
+"""Contacts of the arm with things that may move from period to period."""
 
 from __future__ import annotations
 

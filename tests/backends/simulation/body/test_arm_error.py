@@ -1,4 +1,4 @@
-"""How a simulated arm errs."""
+"""Errors of a simulated arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is near is told by spheres, the same as one pair after the other tells it."""
+"""Bounding spheres find the same near pairs as one pair after the other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two collision libraries tell the same: the one that judges, and the one that plans."""
+"""Two collision libraries agree: the one that judges, and the one that plans."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def random_shape(rng: np.random.Generator) -> Shape:
 
 
 def distance(one: Shape, pose: Transform, other: Shape, other_pose: Transform) -> float:
-    """By coal, in [m]; less than 0 where they overlap."""
+    """Return the distance by coal, in [m]; negative for an overlap."""
     request, result = pin.coal.DistanceRequest(), pin.coal.DistanceResult()
     places = (pin.coal.Transform3s(each[:3, :3], each[:3, 3]) for each in (pose, other_pose))
     here, there = places

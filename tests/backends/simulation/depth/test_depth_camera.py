@@ -50,7 +50,7 @@ objects:
 
 
 def test_points_on_a_cylinder_are_as_far_from_its_axis(make: Make, backend_name: str) -> None:
-    """Of the strips that engines draw, the middle is 1.3 mm nearer."""
+    """Engines draw a cylinder as strips, whose middle is 1.3 mm nearer."""
     backend = make(backend_name, tilt=DOWN, things=DRUM)
     points = first(backend).points(camera_of(backend).model) + np.array([1.0, 1.5, 0.0])
     away = np.hypot(points[:, 0] - 2.1, points[:, 1] - 1.5)

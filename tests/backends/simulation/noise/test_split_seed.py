@@ -1,4 +1,4 @@
-"""Seeds of runs that go on in several ways: what was drawn stays, what comes is each one's own."""
+"""Seeds of runs that branch: earlier draws are kept, later ones differ from branch to branch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Passers in simulated worlds: what lidars see, contacts, checkpoints, findings."""
+"""Passers in simulated worlds: lidar scans, contacts, checkpoints, findings."""
 
 from __future__ import annotations
 

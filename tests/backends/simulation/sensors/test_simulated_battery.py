@@ -1,4 +1,4 @@
-"""The battery of a simulated robot: what discharges and charges it."""
+"""Discharge and charge of a simulated robot's battery."""
 
 from __future__ import annotations
 

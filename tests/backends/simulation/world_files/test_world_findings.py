@@ -1,4 +1,4 @@
-"""What keeps a run from beginning well is found before it begins (row T12)."""
+"""Faults that would spoil a run are found before it begins (row T12)."""
 
 from pathlib import Path
 

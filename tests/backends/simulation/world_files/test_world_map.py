@@ -1,4 +1,4 @@
-"""The map of a world: what a lidar at a height would survey."""
+"""The map of a world, as a lidar at a given height would survey it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the summary of a trial says of it."""
+"""Content of a trial taken from its summary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where things stand in the small plots of a campaign's page."""
+"""Positions in the small plots of a campaign's page."""
 
 from __future__ import annotations
 

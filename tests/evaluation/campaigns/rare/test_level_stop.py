@@ -1,4 +1,4 @@
-"""What a run of a rare-event estimate counts, and when it is stopped."""
+"""Counts of a run in a rare-event estimate, and the level at which it is stopped."""
 
 from __future__ import annotations
 

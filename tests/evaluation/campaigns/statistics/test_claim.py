@@ -1,4 +1,4 @@
-"""Claims about a success rate, and what CI servers read."""
+"""Claims about a success rate, and the reports that CI servers read."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_it_is_seldom_wrong_however_often_it_is_asked() -> None:
 
 
 def test_trials_count_in_the_order_of_their_seeds() -> None:
-    """Else those that end soon would count first."""
+    """Otherwise short trials would count first."""
     settling = Settling(RateClaim.of("p < 0.5"), range(40))
     assert not any(settling.hear(trial(seed, False)) for seed in range(1, 40))
     assert (settling.count, settling.verdict) == (0, None)

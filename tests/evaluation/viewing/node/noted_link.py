@@ -1,4 +1,4 @@
-"""A link to ROS 2 that notes what is published, for tests without rclpy."""
+"""A link to ROS 2 that notes published messages, for tests without rclpy."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ Jacobian = Callable[[np.ndarray], np.ndarray]
 
 
 def printed(q: np.ndarray) -> np.ndarray:
-    """Eq. 5 as it stands in the paper."""
+    """Eq. 5 as printed in the paper."""
     one, both = q[0], q[0] + q[1]
     return np.array(
         [
@@ -42,7 +42,7 @@ def targets(count: int, seed: int = 0) -> np.ndarray:
 
 
 def lead(q: np.ndarray, target: np.ndarray, jacobian: Jacobian | None = None) -> tuple[np.ndarray, float]:
-    """Where the joints end, and how far the tip was off its lines."""
+    """Return the final joints, and the distance of the tip from its lines."""
     astray = 0.0
     way = way_to(ARM, q, target)
     assert way is not None

@@ -31,7 +31,7 @@ def seam(span: float = 4.6) -> ToolPath:
 
 
 def nowhere(bases: FloatArray) -> BoolArray:
-    """Nothing stands anywhere."""
+    """Report that nothing is anywhere."""
     return np.zeros(len(bases), dtype=bool)
 
 
@@ -63,7 +63,7 @@ def test_the_arm_follows_all_of_a_seam_from_one_straight_way(placer: Placer) -> 
 
 
 def test_a_way_keeps_off_what_stands_beside_it(placer: Placer) -> None:
-    """Something stands where the best way leads."""
+    """An obstacle is on the best route."""
     best = place_alongside(placer, seam(), nowhere, 1).bases[0]
     row = level_with(Pose2(*best.tolist()), seam().points)
 

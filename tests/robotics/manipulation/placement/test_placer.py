@@ -24,7 +24,7 @@ def nothing_blocked(bases: np.ndarray) -> np.ndarray:
 
 
 def below(bases: np.ndarray) -> np.ndarray:
-    """A work piece that no base stands under, or behind."""
+    """A work piece that no base may be under, or behind."""
     return np.asarray(bases[:, 1] > -0.3)
 
 

@@ -1,4 +1,4 @@
-"""Where a base can stand, and what could be tracked instead."""
+"""Free places of a base, and the part of the seam that could be tracked instead."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 class Stage:
-    """A base that stands beside its planned place, and frames drawn at random: the paper's Fig. 1."""
+    """A base beside its planned place, with frames drawn at random: the paper's Fig. 1."""
 
     def __init__(self, seed: int) -> None:
         rng = np.random.default_rng(seed)
@@ -131,7 +131,7 @@ def fixate(base: Pose2, rule: StopRule, seed: int) -> tuple[PlannedView, Transfo
 
 
 def block_error(base: Pose2, planned_T_base: Transform) -> float:
-    """How far the block stands from its goal, 0.2 m from the landmark, in [m]."""
+    """Return the distance of the block from its goal, 0.2 m from the landmark, in [m]."""
     planned_T_goal = transform((0.2, 0.60, 0.05))
     placed = base.lift() @ placing_posture(planned_T_base, planned_T_goal)
     return float(np.linalg.norm((placed - planned_T_goal)[:2, 3]))

@@ -101,7 +101,9 @@ def test_one_landmark_is_not_enough() -> None:
 def shifts(
     rng: np.random.Generator, heading: float, distance: float, world_T_base: Transform
 ) -> list[SpotShift]:
-    """Of a laser that points along `heading` at a wall at right angles to it, after 20 swings."""
+    """Return the shifts of a laser that points along `heading` at a wall at right angles to it, after 20
+    swings.
+    """
     start = transform((0.1, 0.05, 0.4), (0.0, 0.0, heading))
     facing = np.eye(4)  # the wall's x to the left, its y up
     facing[:3, 0], facing[:3, 1], facing[:3, 2] = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)

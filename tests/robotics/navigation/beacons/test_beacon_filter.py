@@ -65,7 +65,7 @@ def test_biases_are_found_as_well_as_is_claimed(drives: list[BeaconDrive]) -> No
 
 
 def test_a_scale_of_all_ranges_is_found() -> None:
-    """As of the radios of a lawn mower that told 7 % too much."""
+    """The scale is that of a lawn mower's radios, which measured 7 % too much."""
     drive = beacon_drive(3)
     long = drive._replace(ranges=1.07 * drive.ranges)
     wary, sure = (try_beacons(long, BEACON_ERRORS._replace(scale=scale)) for scale in (0.1, 0.002))
@@ -88,7 +88,7 @@ def test_claims_hold_where_a_bias_is_not_constant(world: BeaconWorld) -> None:
 
 
 def test_a_beacon_that_was_carried_off_is_not_believed(drives: list[BeaconDrive]) -> None:
-    """By more than anything explains, from the start on; two of three are enough beside wheels and gyros."""
+    """From the start on; the other two of three suffice with wheels and gyros."""
     drive = drives[0]
     ranges = drive.ranges.copy()
     ranges[:, 0] += 15.0
@@ -135,7 +135,7 @@ def test_a_beacon_that_is_hidden_for_a_while_is_believed_again(drives: list[Beac
 
 
 def test_what_is_not_heard_tells_nothing(drives: list[BeaconDrive]) -> None:
-    """Ranges that aren't finite, and a tag right below a beacon, from where no direction is told."""
+    """Ranges that are not finite, and a tag right below a beacon, where the range gives no direction."""
     log = drives[0].log
     errors = BEACON_ERRORS._replace(places=np.array([[0.0, 0.0, 2.0]]))
     one, other = (BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE, errors) for _ in range(2))

@@ -1,4 +1,4 @@
-"""What a polygon may sweep over, against exact motion in small steps."""
+"""Area that a polygon may sweep, compared with exact motion in small steps."""
 
 from __future__ import annotations
 

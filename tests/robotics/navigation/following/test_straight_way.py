@@ -1,4 +1,4 @@
-"""A base on a straight way, at somebody's pace."""
+"""A base on a straight path, at a given pace."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LIMITS = DriveLimits(0.4, 0.8, 0.3, 1.5)
 def test_a_base_comes_back_to_its_way_and_keeps_pace(
     ahead: float, beside: float, turned: float, speed: float, slips: float
 ) -> None:
-    """In both directions; with wheels that roll further than they say."""
+    """In both directions, with wheels that roll further than they report."""
     start = Pose2(1.0, -2.0, 0.7)
     way, pose = StraightWay(start, LIMITS), start.compose(Pose2(ahead, beside, turned))
     for period in range(900):

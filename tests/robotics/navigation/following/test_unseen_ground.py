@@ -1,4 +1,4 @@
-"""Where a lidar sees the ground that a disc comes to, and where it does not."""
+"""Ground ahead of a disc that a lidar sees, and ground that it does not see."""
 
 from __future__ import annotations
 

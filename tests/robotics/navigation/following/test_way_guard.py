@@ -1,4 +1,4 @@
-"""How far a disc may be driven, against a sweep in tiny steps."""
+"""Free travel of a disc, compared with a sweep in tiny steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Turn and tilt by inertial sensors: what is learned at rest, and over which times."""
+"""Turn and tilt by inertial sensors: estimates at rest, and their time constants."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A localizer where the map shows less, or something else, than the lidar: its claim holds, or it is lost."""
+"""A localizer whose map differs from the room: its claim holds, or it reports that it is lost."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def glass(pose: Pose2, rng: np.random.Generator) -> np.ndarray:
 
 
 def mirror(pose: Pose2, rng: np.random.Generator) -> np.ndarray:
-    """Half of the right wall is a mirror: what it shows lies behind it, as far as it is before it."""
+    """Half of the right wall is a mirror: reflections appear as far behind it as the things are before it."""
     x, low, high = 9.977, 2.0, 5.0
     near = ranges([*ROOM, *FURNITURE], pose)
     there = near * np.sin(ANGLES + pose.theta) + pose.y
@@ -98,7 +98,7 @@ def drive(mapped: Boxes, see: See, seed: int, resolution: float = 0.05) -> list[
     ids=["empty map", "one wall mapped", "half unmapped", "glass", "mirror", "moved furniture"],
 )
 def test_a_pose_in_a_changed_room_holds_its_claim(mapped: Boxes, see: See, seed: int) -> None:
-    """In two dimensions, a normal error is beyond 3.5 sigma at 2 of 1,000 places."""
+    """A normal error in two dimensions is beyond 3.5 sigma at 2 of 1,000 places."""
     believed = [sigmas for sigmas, is_lost in drive(mapped, see, seed) if not is_lost]
     assert len(believed) > 60
     assert max(believed) < 3.5

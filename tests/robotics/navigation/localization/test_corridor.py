@@ -1,4 +1,4 @@
-"""What a filter of wheels and scans claims where scans say nothing about one direction."""
+"""Claims of a filter of wheels and scans where scans give no information along one direction."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def corridor(angle: float) -> Boxes:
 
 
 def near(points: np.ndarray) -> np.ndarray:
-    """What a lidar of 5 m reach sees of a scan."""
+    """Return a scan as a lidar of 5 m reach measures it."""
     return np.asarray(points[np.hypot(*points.T) < REACH])
 
 

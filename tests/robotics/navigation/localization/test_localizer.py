@@ -82,7 +82,7 @@ def test_poor_scans_are_refused_and_then_the_robot_is_lost(library_field: Likeli
 def test_a_good_scan_makes_up_for_poor_ones(
     library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
 ) -> None:
-    """Only poor ones in a row tell that the robot is lost."""
+    """Only several poor ones in a row mean that the robot is lost."""
     rng = np.random.default_rng(0)
     localizer = ScanLocalizer(library_field, START, TREAD, patience=3)
     for _ in range(2):
@@ -97,7 +97,7 @@ def test_a_good_scan_makes_up_for_poor_ones(
 def test_by_wheels_alone_what_they_drove_is_no_push(
     library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
 ) -> None:
-    """Where it stands is asked again once it has rolled; a push while it stands is added."""
+    """The pose is searched again once it has rolled; a push at rest is added."""
     rng, truth = np.random.default_rng(0), START
     localizer = OdometryLocalizer(START, TREAD, field=library_field)
     for _ in range(3):
@@ -229,7 +229,7 @@ def test_a_push_is_found_and_taken_over(
 def test_a_push_of_less_than_large_cells_tell_is_none(
     resolution: float, found: bool, library_boxes: Boxes, scan: Callable[..., np.ndarray]
 ) -> None:
-    """Several places fit alike there: a base that stands would be taken for pushed."""
+    """Several places fit alike there: a base at rest would be taken for pushed."""
     field = LikelihoodField(from_boxes(library_boxes, resolution, (0.0, 0.0), LIBRARY_SIZE))
     truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
     localizer = ScanLocalizer(field, truth, TREAD)

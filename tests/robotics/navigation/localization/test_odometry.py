@@ -56,7 +56,7 @@ def test_a_base_turns_about_a_wheel_that_stands() -> None:
 def worn_wheels(
     rng: np.random.Generator, errors: OdometryErrors, steps: np.ndarray
 ) -> tuple[Pose2, Odometry]:
-    """Truth and dead reckoning of one drive with errors drawn as the covariance assumes."""
+    """Return the truth and the dead reckoning of one drive, with errors drawn as the covariance assumes."""
     scale = 1.0 + rng.normal(0.0, errors.radius, 2)
     tread = TREAD * (1.0 + rng.normal(0.0, errors.tread))
     truth, odometry = Odometry(Pose2(0, 0, 0.3), tread, EXACT), Odometry(Pose2(0, 0, 0.3), TREAD, errors)
@@ -106,7 +106,7 @@ def test_the_rest_beyond_the_first_order_is_that_of_a_normal_error(variance: flo
 
 
 def test_a_measured_pose_takes_the_bent_way_with_it() -> None:
-    """Along the way too, the covariance is that of the measurement, and grows anew from there."""
+    """Along the path, too, the covariance is that of the measurement, and grows again from there."""
     odometry = Odometry(Pose2(0.0, 0.0, 0.0), TREAD)
     for _ in range(40):
         odometry.predict(0.5, 0.5)
@@ -118,7 +118,7 @@ def test_a_measured_pose_takes_the_bent_way_with_it() -> None:
 
 
 def test_measured_poses_also_calibrate_the_wheels() -> None:
-    """After a corrected drive, the next one is dead reckoned far better than by wheels that nobody knows."""
+    """After a corrected drive, the next one is dead reckoned far better than by uncalibrated wheels."""
     rng = np.random.default_rng(1)
     errors = OdometryErrors(0.005, 0.01, 0.0005)
     off = []
@@ -145,7 +145,9 @@ def test_reset_forgets_the_pose() -> None:
 
 
 def test_the_covariance_grows_with_the_way() -> None:
-    """From nothing: by the slip with its square root, by the wheels' radius in proportion."""
+    """It grows from zero: by slip with the square root of the distance, by the wheels' radius in
+    proportion.
+    """
     odometry, sigmas = Odometry(Pose2(0.0, 0.0, 0.0), 0.5, OdometryErrors(0.01, 0.0, 0.0)), []
     for _ in range(3):
         sigmas.append(float(np.sqrt(odometry.covariance[0, 0])))
@@ -155,7 +157,7 @@ def test_the_covariance_grows_with_the_way() -> None:
 
 
 def arc(left: float, right: float, tread: float, start: Pose2) -> np.ndarray:
-    """Where an arc ends, by its radius."""
+    """Return the end of an arc, by its radius."""
     turn = (right - left) / tread
     radius = 0.5 * (left + right) / turn
     end = start.compose(Pose2(radius * math.sin(turn), radius * (1.0 - math.cos(turn)), turn))

@@ -1,4 +1,4 @@
-"""Where the base is, by readings from outside and the wheels between them."""
+"""Pose of the base by readings from outside, and by the wheels between them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a base that stood among people was moved, by the ranges of the same beams."""
+"""Detection that a base at rest among people was moved, by the ranges of the same beams."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def test_the_weakest_axis_is_the_first_eigenvector() -> None:
 
 @pytest.mark.parametrize("least", [1e-8, 1e-2, -1e-3])
 def test_the_inverse_by_hand_is_that_of_lapack(least: float) -> None:
-    """Of a matrix that is almost singular, or has a negative variance, too."""
+    """Also for a matrix that is almost singular, or has a negative variance."""
     rng = np.random.default_rng(6)
     for each in rng.normal(size=(50, 3, 3)):
         axes = np.linalg.qr(each)[0]

@@ -182,7 +182,7 @@ def test_walls_on_cell_borders_from_one_side_hold_the_claim(
 
 
 def test_points_deep_in_a_drawn_wall_are_not_drawn_to_its_back(scan: Callable[..., np.ndarray]) -> None:
-    """A map that was drawn from echoes has no sides: only the beam's direction tells the back."""
+    """A map that was drawn from echoes has no sides: only the beam's direction distinguishes the back."""
     for thickness, start in ((0.2, 0.12), (0.2, 0.17), (0.3, 0.2)):
         boxes = two_walls(0.3, thickness)
         field = LikelihoodField(from_boxes(boxes, 0.05, (-4.0, -4.0), (14.0, 9.0)), is_drawn=True)
@@ -193,7 +193,7 @@ def test_points_deep_in_a_drawn_wall_are_not_drawn_to_its_back(scan: Callable[..
 
 
 def test_start_behind_a_walls_near_side_finds_the_near_side(scan: Callable[..., np.ndarray]) -> None:
-    """From a start that is wrong by more than a wall's thickness, its near side is still found."""
+    """The start is wrong by more than a wall's thickness."""
     rng = np.random.default_rng(8)
     for thickness in (0.1, 0.15, 0.2):
         boxes = two_walls(0.3, thickness)

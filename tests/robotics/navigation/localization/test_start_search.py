@@ -1,4 +1,4 @@
-"""A scan at the start against the whole map: where a robot stands that was set down wrongly."""
+"""Search of the complete map by the first scan, for a robot that was set down at a wrong place."""
 
 from __future__ import annotations
 
@@ -81,7 +81,9 @@ def test_near_equal_poses_of_a_corridor_hide_no_better_one(truth: Pose2, stated:
 
 
 def test_a_wall_that_does_not_return_contradicts_a_start() -> None:
-    """Along a corridor only the end wall tells; where it should be seen and is not, the start is wrong."""
+    """Along a corridor only the end wall distinguishes places; if it is not seen where expected, the start is
+    wrong.
+    """
     walls = [(20.0, 1.5, 0.0, 40.0, 0.1), (20.0, -1.5, 0.0, 40.0, 0.1), (0.0, 0.0, 0.0, 0.1, 3.0)]
     field = LikelihoodField(from_boxes(walls, 0.05, (-1.0, -2.0), (42.0, 4.0)))
     beams = seen(walls, Pose2(6.0, 0.0, 0.0), reach=4.0)

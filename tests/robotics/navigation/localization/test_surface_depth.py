@@ -1,4 +1,4 @@
-"""By how much a pose is off where all surfaces lie at the front of their cells."""
+"""Shift of a pose if all surfaces lie at the front of their cells."""
 
 from __future__ import annotations
 

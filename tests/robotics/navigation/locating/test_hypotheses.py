@@ -54,7 +54,7 @@ def test_the_image_of_a_symmetric_room_is_never_refuted() -> None:
 
 
 def test_the_same_view_again_is_no_further_evidence() -> None:
-    """What is on no map is seen again, too."""
+    """Unmapped things are seen again, too."""
     unmapped = [*TWINS, (4.5, 2.0, 0.0, 0.5, 0.5)]
     hypotheses = Hypotheses(field_of(TWINS), 0.01)
     for _ in range(3):

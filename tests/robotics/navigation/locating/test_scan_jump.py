@@ -50,7 +50,7 @@ def test_one_wrong_scan_is_no_lifting(library_boxes: Boxes) -> None:
 
 
 def test_an_old_scan_given_again_is_no_lifting(library_boxes: Boxes) -> None:
-    """The wheels go on; the next new scan fits where they say."""
+    """The wheels continue; the next new scan fits their pose."""
     jump, pose = ScanJump(), Pose2(3.0, 3.5, 0.0)
     old = seen(library_boxes, pose, 0)
     for _ in range(15):

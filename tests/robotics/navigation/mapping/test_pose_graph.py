@@ -25,7 +25,7 @@ for _step in (Pose2(1.0, 0.1, 0.5), Pose2(1.2, 0.0, 0.7), Pose2(0.8, -0.2, 0.9),
     TRUE.append(TRUE[-1].compose(_step))
 PAIRS = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 3))
 SPREAD = np.array([[4e-4, 2e-4, 1e-4], [2e-4, 9e-4, -2e-4], [1e-4, -2e-4, 3e-4]])
-"""Of each edge, in the frame of its first node: x, y and heading correlated."""
+"""Covariance of each edge in the frame of its first node, with x, y and heading correlated."""
 
 
 def noisy_edges(rng: np.random.Generator) -> list[Edge]:

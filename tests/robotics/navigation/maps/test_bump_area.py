@@ -1,4 +1,4 @@
-"""What is kept off after a base ran into something."""
+"""Area that is avoided after the base ran into an obstacle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ground that a level scan meets is told from what stands there."""
+"""Ground that a level scan meets is distinguished from things."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ ROOM[10:14, 20:25] = 100
 def test_middle_of_a_cell_is_within_half_a_cell(
     yaw: float, x: float, y: float, column: int, row: int
 ) -> None:
-    """The middle of each old cell lies in a new one whose value stood at most a cell away."""
+    """The middle of each old cell lies in a new one whose value came from at most a cell away."""
     corner = Pose2(x, y, yaw)
     turned = turned_occupancy(ROOM, 0.1, corner)
     middle = corner.apply(np.array([[0.1 * (column + 0.5), 0.1 * (row + 0.5)]]))[0]

@@ -1,4 +1,4 @@
-"""How far the base has come since a moment, which is known better than where it is."""
+"""Displacement of the base since a moment, which is known better than its position."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_fixes_that_are_taken_back_are_taken_back_of_the_way_too(log: FieldLog, 
 
 
 def test_after_a_restart_nothing_is_known_to_cancel(log: FieldLog) -> None:
-    """Who starts half a turn off finds that out on the way; how far that was, the fixes tell."""
+    """A filter that starts half a turn off notices that on the way; the fixes show how far that was."""
     end = int(log.drive.placings[1])
     localizer = GpsFilter(Pose2(0.0, 0.0, log.start_heading + math.pi))
     play(log, localizer, 0, STANDS)
@@ -120,7 +120,7 @@ def test_after_a_restart_nothing_is_known_to_cancel(log: FieldLog) -> None:
 
 
 def test_before_the_heading_is_known_the_way_is(log: FieldLog) -> None:
-    """It is the way from where it stood, whichever way that headed."""
+    """The displacement counts from the start, whatever the heading was."""
     localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf))
     play(log, localizer, 0, STANDS)
     localizer.set_origin()

@@ -1,4 +1,4 @@
-"""One Kalman filter outdoors: when it learns the gyro's bias, and what a fix tells, in exact figures."""
+"""One Kalman filter outdoors: estimation of the gyro's bias, and effect of a fix, in exact figures."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def drive(time: float = 1.0, forward: float = 0.5) -> Advance:
 
 
 def sigma_after(*times: float) -> float:
-    """Of a bias that was averaged over some times at rest, in [rad/s]."""
+    """Return the sigma of a bias that was averaged over some rests, in [rad/s]."""
     return 1.0 / math.sqrt(1.0 / 0.02**2 + sum(times) / 0.005**2)
 
 
 class Levelled(GyroOdometry):
-    """Dead reckoning that has found its tilt at a stop."""
+    """Dead reckoning after its tilt was found at a stop."""
 
     @property
     def levelled(self) -> bool:
@@ -70,7 +70,7 @@ def test_what_a_short_stop_told_is_taken_in_as_it_drives_off() -> None:
 
 
 def test_each_leg_slips_anew_in_its_curves() -> None:
-    """What the last leg's slip did to the place says nothing of this one's."""
+    """The last leg's slip and its effect on the position say nothing of this leg's."""
     kalman, seen = FieldKalman(START, STEADY), []
     turning = Advance(1.0, 0.5, 0.0, 1.0, 0.0, 0.0)
     for advance in (turning, turning, rest(1.0), turning, turning):

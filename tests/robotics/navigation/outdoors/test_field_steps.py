@@ -141,7 +141,7 @@ NONE = ParticleErrors(0.0, 0.0)
 
 
 def test_particles_spread_by_each_figure_as_it_says() -> None:
-    """Over 1 m in 40 steps of 0.1 s; a share of each step is drawn anew in each of them."""
+    """Over 1 m in 40 steps of 0.1 s; a share of each step is drawn again each time."""
     along = spread_of(NONE._replace(forward=0.1), 0.00625, 0.00625, 0.0)
     assert along == pytest.approx([0.1 * math.sqrt(40.0) / 40.0, 0.0, 0.0], rel=0.05, abs=1e-9)
     by_way = spread_of(NONE._replace(along=0.02), 0.00625, 0.00625, 0.0)

@@ -24,7 +24,7 @@ RUNS = range(16)
 
 
 def only(noise: FieldNoise) -> list[Supposition]:
-    """As told, whatever the fixes say."""
+    """Return a filter with this hypothesis alone, whatever the fixes say."""
     return [Supposition(noise, 1.0, 0)]
 
 

@@ -19,7 +19,7 @@ QUIET = REFERENCE_NOISE._replace(
 
 
 def reckon(log: FieldLog, euler: bool) -> tuple[Pose2, Pose2]:
-    """True and dead reckoned pose after the last stop."""
+    """Return the true and the dead reckoned pose after the last stop."""
     odometry = GyroOdometry(euler=euler)
     for rates, accelerations, wheels in zip(log.rates, log.accelerations, log.wheels, strict=True):
         odometry.update(rates, accelerations, wheels, DT)

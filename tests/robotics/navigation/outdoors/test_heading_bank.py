@@ -1,4 +1,4 @@
-"""A start whose heading nobody told; `benchmarks.field.headings` has more runs."""
+"""A start with unknown heading; `benchmarks.field.headings` has more runs."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def driven_until_known(localizer: FieldLocalizer, noise: FieldNoise, seed: int) 
 
 
 def log_pose(noise: FieldNoise, seed: int, seconds: float) -> list[float]:
-    """Where the base is after so many seconds of driving."""
+    """Return the pose of the base after some seconds of driving."""
     drive = record_course(straight_course(3), noise, seed, FieldTimes(wait=10.0, dwell=5.0)).drive
     row = int(np.searchsorted(np.cumsum(drive.driven[:, 0] > 0.0) * PERIOD_S, seconds - 1e-9))
     pose: list[float] = drive.poses[row].tolist()

@@ -1,4 +1,6 @@
-"""Limits of the search for a heading: when one counts as known, when it begins anew, what stays possible."""
+"""Limits of the search for a heading: when it is known, when the search restarts, which headings stay
+possible.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +58,7 @@ def test_a_heading_is_known_from_the_sixth_fix_on() -> None:
 
 
 def test_fixes_that_fit_no_heading_make_it_begin_anew() -> None:
-    """Of which each counts a tenth: four in a row are more than 30 %, nine more than 60 %."""
+    """Each of them counts a tenth: four in a row are more than 30 %, nine more than 60 %."""
     bank, known = HeadingBank(START, REFERENCE_NOISE, 0.2), []
     for _ in range(6):
         bank.fix(np.array([3.0, 4.0]), 1.0, GyroOdometry())

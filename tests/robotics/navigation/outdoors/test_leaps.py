@@ -29,7 +29,7 @@ def standing(noise: FieldNoise, record: bool = False) -> FieldKalman:
 
 
 def seen(filtering: FieldKalman, fixes: FloatArray) -> list[FixResult]:
-    """What comes of fixes (n, 2), a second apart, of a base that stands."""
+    """Return the filter's estimates for fixes (n, 2), a second apart, of a base at rest."""
     odometry, found = GyroOdometry(), []
     for fix in fixes:
         filtering.advance(STANDS)
@@ -38,7 +38,7 @@ def seen(filtering: FieldKalman, fixes: FloatArray) -> list[FixResult]:
 
 
 def fixes(seed: int, count: int, off: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
-    """White ones (count, 2) about a place [m]."""
+    """Return fixes (count, 2) with white noise around a place, in [m]."""
     drawn: FloatArray = np.random.default_rng(seed).standard_normal((count, 2)) + off
     return drawn
 

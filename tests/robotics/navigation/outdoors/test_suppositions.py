@@ -1,4 +1,4 @@
-"""What a filter claims where the world isn't as it is told; `benchmarks.field.mismatches` has more runs."""
+"""Claims of a filter in a world that differs from its model; `benchmarks.field.mismatches` has more runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the multiple models suppose and claim, in exact figures."""
+"""Hypotheses and claims of the multiple models, in exact figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Replanning: what is kept, what is left, and why."""
+"""Replanning: which route is kept, which is replaced, and why."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ def assert_drivable(graph: VoronoiGraph, route: Route) -> None:
 
 
 def shortfall(grid: GridMap, route: Route, rng: np.random.Generator, samples: int) -> float:
-    """By how much any of some random spots of the route is nearer than it says, in [m]."""
+    """Return by how much any of some random points of the route is nearer than it claims, in [m]."""
     i, share = rng.integers(len(route.points) - 1, size=samples), rng.random(samples)
     spots = route.points[i] + share[:, None] * (route.points[i + 1] - route.points[i])
     said = route.clearance[i] + share * (route.clearance[i + 1] - route.clearance[i])

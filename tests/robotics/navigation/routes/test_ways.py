@@ -1,4 +1,4 @@
-"""Where a round robot can stand, how it gets there, and why it doesn't."""
+"""Places and routes of a round robot, and reasons for the missing ones."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_unknown_space_and_the_edge_of_the_map_leave_no_room_either() -> None:
 
 
 def test_before_a_declared_front_its_real_distance_counts() -> None:
-    """The front stands at 0.07 m: its cells reach 3 cm farther out than it does."""
+    """The front is at 0.07 m; its cells reach 3 cm farther out."""
     grid = from_boxes([(2.0, 0.02, 0.0, 4.0, 0.1)], 0.1, (0.0, -0.4), (4.0, 4.0))
     front = np.array([[1.5, 0.07], [2.5, 0.07]])
     ways = Ways(grid, RADIUS, START)

@@ -1,4 +1,4 @@
-"""Tracks of people from simulated scans: who moves, how well it is known, and what is no person."""
+"""Tracks of people from simulated scans: moving persons, their accuracy, and things that are not persons."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_who_left_is_forgotten_and_who_is_hidden_is_remembered() -> None:
     "walks", [[PAUSES], [TURNS_BACK], [GROUP], [PAUSES, CROSSES], [TURNS_BACK, CROSSES], [STAYS, PASSES]]
 )
 def test_somebody_in_view_is_never_unknown_for_long(walks: list[dict[str, Any]]) -> None:
-    """Whoever walks, stops, turns back or passes others has a track, or is a suspect."""
+    """A person who walks, stops, turns back or passes others has a track, or is a suspect."""
     unknown: dict[str, int] = {}
     for walkers, tracks, (time, points, _) in scans(walks, 9.0):
         known = [each.position for each in (*tracks.tracks, *tracks.suspects)]

@@ -1,4 +1,4 @@
-"""A base that yields to walkers as it tracks them, in closed loop: it stands before anybody touches it."""
+"""A base that yields to tracked walkers, in closed loop: it stops before it touches a person."""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def neighbours(seen: View) -> list[Block]:
 
 
 def on_two(seen: View) -> list[Block]:
-    """In the second layer of a wall."""
+    """A block in the second layer of a wall."""
     return [Block(seen.block), *joint(seen)]
 
 
@@ -164,7 +164,7 @@ def joint(seen: View) -> list[Block]:
 
 
 def errors(paint: Painter, seen: View, blocks: list[Block], seed: int) -> tuple[float, float]:
-    """Of the middle in [m], and of the heading in [rad]."""
+    """Return the error of the middle in [m], and of the heading in [rad]."""
     image = paint(blocks, seen.camera_T_plane, seed)
     found = find_block(image, CAMERA, seen.camera_T_plane, SIZE, seen.expected, WITHIN)
     assert found is not None

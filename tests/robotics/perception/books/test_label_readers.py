@@ -80,7 +80,7 @@ def test_what_a_held_book_covers_is_not_read(bookshelf: Bookshelf, ocr: OcrLabel
 
 
 def test_shelf_without_labels_has_none(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:
-    """Titles on bright covers are none."""
+    """Titles on bright covers are not labels."""
     books = bookshelf.row_of_books([None] * 7, 3)
     books[3] = books[3]._replace(grey=230)
     camera_T_shelf = bookshelf.looking_from(0.0)

@@ -1,4 +1,4 @@
-"""Slots between spines on strips that are painted here: what lies deep moves from view to view."""
+"""Slots between spines on painted strips: deep things shift from view to view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Strips are shifted against each other so that edges stand upright."""
+"""Strips are shifted against each other so that edges are upright."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def leaning(tilt: float, rows: int = 20, width: int = 160) -> Strips:
 
 
 def spread(grey: FloatArray) -> float:
-    """How much the strips differ at most."""
+    """Return the largest difference of the strips."""
     return float(np.abs(grey - grey.mean(axis=0)).max())
 
 

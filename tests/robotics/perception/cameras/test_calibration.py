@@ -38,7 +38,9 @@ def view_of(
 
 
 def worst_ray(camera: CameraModel, other: CameraModel) -> float:
-    """How far apart two models see the image's pixels, in [px], after the best turn of the camera."""
+    """Return the distance between two models' rays of the image's pixels, in [px], after the best turn of the
+    camera.
+    """
     grid = np.stack(np.meshgrid(np.linspace(0, 639, 17), np.linspace(0, 479, 13)), axis=-1).reshape(-1, 2)
     rays = []
     for each in (camera, other):

@@ -1,4 +1,4 @@
-"""Which of several landmarks that look alike is which."""
+"""Identification of landmarks that look alike."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def look(
     believed: Pose2 = HERE,
     noise: np.random.Generator | None = None,
 ) -> list[MarkAssignment]:
-    """What is made of pictures about `views`, base frame, from a base that truly stands at `base`."""
+    """Return the result of pictures about `views`, base frame, from a base that is truly at `base`."""
     at = [(kind, base.inverse().compose(place)) for kind, place in lying]
     seen = [{kind: place} for kind, place in at if within(views, [place])[0]]
     if noise is not None:

@@ -31,7 +31,7 @@ def seen_at(
 
 
 def errors(tabletop: Tabletop, pose: Pose2, seed: int) -> tuple[float, float]:
-    """Of the centre in [m] and of the angle in [rad]."""
+    """Return the error of the centre in [m] and of the angle in [rad]."""
     (seen,) = find_landmarks(seen_at(tabletop, pose, seed), tabletop.camera)
     found = planar_pose(seen, facing(HEIGHT))
     return found.distance(pose), found.turn(pose)

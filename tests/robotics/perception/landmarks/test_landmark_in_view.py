@@ -1,4 +1,4 @@
-"""Whether a picture shows the whole of a landmark."""
+"""Decision whether a picture shows a complete landmark."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which known solids stand on a table, by depth pictures with the errors of structured light."""
+"""Recognition of known solids on a table, from depth pictures with the errors of structured light."""
 
 from __future__ import annotations
 
