@@ -66,5 +66,10 @@ def held_shape(model: ModelView) -> Solid | None:
 
 
 def held_box(kind: ObjectKind, hand_T_object: Transform) -> Solid:
-    """Return the solid of a held object, posed in the hand frame."""
+    """Return the solid of a held object, posed in the hand frame.
+
+    Args:
+        kind: kind of the object.
+        hand_T_object: (4, 4) pose of the object.
+    """
     return kind.body(HELD_NAME).seen_from(hand_T_object)

@@ -44,7 +44,14 @@ class ReadTag(NamedTuple):
 def read_objects(
     image: ByteArray, camera: CameraModel, base_T_camera: Transform, file: ObjectsFile
 ) -> list[ReadTag]:
-    """Return all tags in a picture that belong to a family of the file, in the order of their numbers."""
+    """Return all tags in a picture that belong to a family of the file, in the order of their numbers.
+
+    Args:
+        image: (height, width), grey.
+        camera: model of the camera.
+        base_T_camera: (4, 4) pose of the optical frame.
+        file: objects and their tags.
+    """
     owners = {tag.key: (name, tag) for name in file.objects for tag in file.tags_of(name)}
     found: list[ReadTag] = []
     for family in dict.fromkeys(family for family, _ in owners):
