@@ -9,8 +9,11 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.blocked_motion import Blocked, BlockedMotion
 from handcart.robotics.navigation.following.blocked_wheels import BlockedWheel, BlockedWheels
+from handcart.robotics.navigation.locating.moved_scan import rolled_motion
 
 from .localization.localization import Localization
+
+ROUGH_SIGMA_M = 0.1  # of a position: more, and its corrections are no motion
 
 
 class ProgressWatch:
@@ -26,6 +29,7 @@ class ProgressWatch:
         """Begin at rest; the control period is in [s]."""
         self._localization, self._is_car = localization, spec.drive.kind == "ackermann"
         self._motion, self._wheels = BlockedMotion(period), BlockedWheels(period, spec.drive.tread_m)
+        self._tread, self._is_rough = spec.drive.tread_m, False
         self.blocked: Blocked | None = None
         self.blocked_wheel: BlockedWheel | None = None
 
@@ -38,9 +42,13 @@ class ProgressWatch:
             before: estimated pose before it, `Localization.odometry_pose`.
         """
         rolled, way = self._localization.travel, command.direction
-        now = self._localization.odometry_pose
         left, right = rolled.left - travel.left, rolled.right - travel.right
-        along = 0.5 * (left + right) * math.cos(way) + (rolled.sideways - travel.sideways) * math.sin(way)
+        sideways = rolled.sideways - travel.sideways
+        now = self._localization.odometry_pose
+        was_rough, self._is_rough = self._is_rough, self._is_rough_now()
+        if was_rough:
+            now = before.compose(rolled_motion(left, right, sideways, self._tread))
+        along = 0.5 * (left + right) * math.cos(way) + sideways * math.sin(way)
         self.blocked = self._motion.update(command.along, along, before, now, way)
         if self.blocked is not None:
             self._motion.clear()
@@ -52,3 +60,8 @@ class ProgressWatch:
         if self.blocked is None:
             wheels = command.speed, command.turn_rate
             self.blocked_wheel = self._wheels.update(wheels, (left, right), before, now)
+
+    def _is_rough_now(self) -> bool:
+        """Return whether the pose is so unsure that scans may correct it by more than the base moves."""
+        covariance = self._localization.covariance
+        return bool(covariance[0, 0] + covariance[1, 1] > ROUGH_SIGMA_M**2)

@@ -5,7 +5,8 @@ a sigma of 0.2 to 5 %, a lidar of 4 to 12 m range, and in half of the runs a pal
 The robot's file does not state these errors. The ground truth judges, within limits that no claim changes:
 a Success of MOVE_TO is false if the base is farther off than the place's tolerance (40 mm; in a quarter of
 the runs 500 mm, with odd seeds along the corridor alone; 1 degree), a Fail if it is over 45 mm or 2
-degrees from its start. With pillars, a run without a pallet should reach both places.
+degrees from its start. With pillars, a run without a pallet should reach both places. In a hall
+most of the way is farther from every wall than the lidar sees.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
-CELL_M, WIDTH_M, HOME_M = 0.05, 3.2, 3.3
+CELL_M, HOME_M = 0.05, 3.3
+CORRIDOR_M, HALL_M = 3.2, 30.0  # wide
+CRATE_M, CRATES = 0.6, ((-1.6, 1.5), (0.4, -1.9), (1.9, 1.2), (-0.6, 2.2))  # middles from a place
 PILLAR_EVERY_M, PILLAR_M = 3.0, 0.3
 SUCCESS_LIMIT, FAIL_LIMIT = (40.0, 1.0), (45.0, 2.0)  # [mm], [deg]
 SHIFTED_M, TURNED_DEG = (0.4, 1.5), (20.0, 180.0)  # of a wrong start
@@ -50,6 +53,7 @@ class Case(NamedTuple):
     pillars: bool
     backend: str
     wrong_start: bool
+    width_m: float
 
 
 class Ended(NamedTuple):
@@ -62,7 +66,7 @@ class Ended(NamedTuple):
     false: bool
 
 
-def draw(seed: int, pillars: bool, backend: str, wrong_start: bool) -> Case:
+def draw(seed: int, pillars: bool, backend: str, wrong_start: bool, width: float = CORRIDOR_M) -> Case:
     """Return the case of a seed."""
     rng = np.random.default_rng([seed, 77])
     return Case(
@@ -75,12 +79,13 @@ def draw(seed: int, pillars: bool, backend: str, wrong_start: bool) -> Case:
         pillars,
         backend,
         wrong_start,
+        width,
     )
 
 
 def make_files(case: Case, folder: Path) -> RigFiles:
     """Map, places, world and robot in a folder."""
-    columns, rows = round(case.length_m / CELL_M), round(WIDTH_M / CELL_M)
+    columns, rows = round(case.length_m / CELL_M), round(case.width_m / CELL_M)
     cells = np.full((rows, columns), 254, np.uint8)
     cells[:2] = cells[-2:] = 0
     cells[:, :2] = cells[:, -2:] = 0
@@ -88,15 +93,18 @@ def make_files(case: Case, folder: Path) -> RigFiles:
         every, size = round(PILLAR_EVERY_M / CELL_M), round(PILLAR_M / CELL_M)
         for at in range(100, columns - 50, every):
             cells[2 : 2 + size, at : at + size] = cells[-2 - size : -2, at : at + size] = 0
+    along = {"home": HOME_M, "middle": 0.5 * case.length_m, "far": 0.7 * case.length_m}
+    if case.width_m > CORRIDOR_M:
+        for name in ("home", "far")[: 1 + case.seed % 2]:
+            _draw_crates(cells, along[name], 0.5 * case.width_m)
     Image.fromarray(cells).save(folder / "map.png")
     (folder / "map.yaml").write_text(
         "image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
         "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
-    place: dict[str, Any] = {"y_m": WIDTH_M / 2, "heading_deg": 0.0, "tolerance_mm": case.tolerance_mm}
+    place: dict[str, Any] = {"y_m": case.width_m / 2, "heading_deg": 0.0, "tolerance_mm": case.tolerance_mm}
     if is_by_direction(case):
         place["tolerance_mm"] = {"along": case.tolerance_mm, "across": SUCCESS_LIMIT[0]}
-    along = {"home": HOME_M, "middle": 0.5 * case.length_m, "far": 0.7 * case.length_m}
     places = {name: {"x_m": round(x, 3), **place} for name, x in along.items()}
     (folder / "places.yaml").write_text(json.dumps({"format": "handcart-places/1", "places": places}))
     off = moved_start(case)
@@ -105,13 +113,15 @@ def make_files(case: Case, folder: Path) -> RigFiles:
         "map": "map.yaml",
         "start": {
             "x_m": round(HOME_M + off.x, 4),
-            "y_m": round(WIDTH_M / 2 + off.y, 4),
+            "y_m": round(case.width_m / 2 + off.y, 4),
             "heading_deg": round(math.degrees(off.theta), 3),
         },
     }
     if case.pallet:
         x = round(0.6 * case.length_m, 3)
-        world["surprises"] = [{"name": "pallet", "x_m": x, "y_m": WIDTH_M / 2, "size_m": [0.6, 3.0, 0.5]}]
+        world["surprises"] = [
+            {"name": "pallet", "x_m": x, "y_m": case.width_m / 2, "size_m": [0.6, 3.0, 0.5]}
+        ]
     (folder / "world.yaml").write_text(yaml.safe_dump(world))
     (folder / "robot").mkdir()
     source = load_robot("cart").folder
@@ -124,6 +134,15 @@ def make_files(case: Case, folder: Path) -> RigFiles:
     robot["errors"] |= {"wheel_radius_percent": case.wheels_percent, "slip_percent": case.wheels_percent}
     (folder / "robot" / "robot.yaml").write_text(yaml.safe_dump(robot))
     return RigFiles(folder / "world.yaml", folder / "map.yaml", folder / "places.yaml", {})
+
+
+def _draw_crates(cells: np.ndarray, x: float, y: float) -> None:
+    """Draw crates around a place at x, y in [m]; rows of `cells` are from the top."""
+    half, rows = 0.5 * CRATE_M, cells.shape[0]
+    for right, up in CRATES:
+        low, high = (round((x + right + side) / CELL_M) for side in (-half, half))
+        bottom, top = (rows - round((y + up + side) / CELL_M) for side in (-half, half))
+        cells[top:bottom, max(0, low) : high] = 0
 
 
 def moved_start(case: Case) -> Pose2:
@@ -180,13 +199,19 @@ def main() -> None:
     words.add_argument("--first", type=int, default=0, help="the first seed")
     words.add_argument("--backend", choices=["kinematic", "mujoco", "pybullet"], default="kinematic")
     words.add_argument("--pillars", action="store_true", help="a pillar on each side every 3 m")
+    words.add_argument(
+        "--hall",
+        action="store_true",
+        help=f"{HALL_M:g} m wide, with crates around its start, and around its end in every other run",
+    )
     words.add_argument("--wrong-start", action="store_true", help="set down 0.4 to 1.5 m off, or turned")
     words.add_argument("--verbose", action="store_true", help="a line for each MOVE_TO")
     chosen = words.parse_args()
     counts: dict[str, int] = {}
     false, free, free_success, begun = 0, 0, 0, time.process_time()
     for seed in range(chosen.first, chosen.first + chosen.runs):
-        case = draw(seed, chosen.pillars, chosen.backend, chosen.wrong_start)
+        width = HALL_M if chosen.hall else CORRIDOR_M
+        case = draw(seed, chosen.pillars, chosen.backend, chosen.wrong_start, width)
         print(f"\rrun {seed}, {case.length_m:.0f} m ...", end="", file=sys.stderr, flush=True)
         ended = drive(case)
         for each in ended:

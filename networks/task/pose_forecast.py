@@ -14,7 +14,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.localization.determination import NO_SHIFT, PoseNeed, Undetermined, undetermined
 from handcart.backends.robot.localization.lidar import MIN_ECHOES
 from handcart.backends.robot.localization.localizations import START_SIGMA
-from handcart.backends.robot.localization.pose_covariance import repeatability_of
+from handcart.backends.robot.localization.pose_covariance import repeatability_of, worst_sigmas
 from handcart.files.errors import Finding
 from handcart.primitives.knowledge.place import ARRIVED_DEG, ARRIVED_MM
 from handcart.primitives.knowledge.world_model import WorldModel
@@ -44,9 +44,11 @@ class PoseForecast(NamedTuple):
     """Length of the route on which the pose is not determined as exactly as places usually need it."""
     route_m: float
     silent_m: float
-    """Length of the route on which the lidar gets nearly no echoes; the robot would give up there."""
+    """Length of the route on which the lidar gets nearly no echoes: wheels alone carry the pose on there."""
     silent_at: Pose2 | None
     """map_T_base of the first such pose."""
+    silent_sigma_m: float
+    """Largest sigma of the position there, in its worst direction."""
 
 
 def pose_findings(
@@ -85,8 +87,9 @@ def pose_findings(
 def _silence_words(name: str, forecast: PoseForecast, first: Pose2, lidar: RangeSpec) -> str:
     silent = f"on {forecast.silent_m:.1f} of {forecast.route_m:.1f} m of the route"
     few = f"nearly no echoes, first at ({first.x:.2f}, {first.y:.2f}) m"
-    least = f"needed: at least {min(MIN_ECHOES, lidar.beams)} beams of a scan that return"
-    return f"place {name!r}: {silent} a lidar of {lidar.reach_m:g} m reach gets {few}; {least}"
+    unsure = f"its wheels alone carry its pose on there, up to 3 sigma {3e3 * forecast.silent_sigma_m:.0f} mm"
+    least = f"scans need at least {min(MIN_ECHOES, lidar.beams)} beams that return"
+    return f"place {name!r}: {silent} a lidar of {lidar.reach_m:g} m reach gets {few}; {unsure}; {least}"
 
 
 def forecast_pose(
@@ -117,12 +120,13 @@ def forecast_pose(
         START_SIGMA,
         max(MIN_RANGE_SIGMA_M, lidar.sigma_mm / 1e3),
     )
+    localizer.expects_echoes = lambda pose: False  # these scans have few where the map shows few
     points = _expected(field, robot, lidar, start).points
     localizer.correct(points)
     length = float(np.hypot(*np.diff(route, axis=0).T).sum())
     step = max(MIN_STEP_M, length / MAX_SCANS)
     before, blind = start, 0.0
-    silent, silent_at = 0.0, None
+    silent, silent_at, unsure = 0.0, None, 0.0
     for pose in _poses(route, start, step):
         turn, way = pose.theta - before.theta, math.hypot(pose.x - before.x, pose.y - before.y)
         rim = 0.5 * robot.drive.tread_m * math.remainder(turn, 2.0 * math.pi)
@@ -131,13 +135,14 @@ def forecast_pose(
         points = _expected(field, robot, lidar, pose).points
         if len(points) < min(MIN_ECHOES, lidar.beams):
             silent, silent_at = silent + way, silent_at or pose
+            unsure = max(unsure, worst_sigmas(localizer.covariance)[0])
         localizer.correct(points)
         spread = repeatability_of(localizer.covariance, localizer.map_error)
         blind += way if undetermined(spread, USUAL_NEED) is not None else 0.0
         before = pose
     spread = repeatability_of(localizer.covariance, localizer.map_error)
     shift = NO_SHIFT if docks else depth_shifts(field, points, before)
-    return PoseForecast(undetermined(spread, need, shift=shift), blind, length, silent, silent_at)
+    return PoseForecast(undetermined(spread, need, shift=shift), blind, length, silent, silent_at, unsure)
 
 
 def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:

@@ -27,7 +27,7 @@ from choosing import MAX_FILES, ChosenTests, choose_tests  # noqa: E402
 from drawing import MODULE_GROUPS, DrawnMutant, draw  # noqa: E402
 from equivalent import EQUIVALENT_FILE, key_of, read_equivalents  # noqa: E402
 from recording import durations_of, read_recording, record  # noqa: E402
-from warm_bed import WarmBed  # noqa: E402
+from warm_bed import UNSOUND, WarmBed  # noqa: E402
 
 TIMEOUT_S = 60.0
 
@@ -136,6 +136,8 @@ def _try(bed: WarmBed, mutant: DrawnMutant, tests: ChosenTests, seconds: float) 
         return Verdict(mutant, "timed out", answer.blamed, f"in {' '.join(answer.blamed)}")
     if answer.word == "failed":
         return Verdict(mutant, "killed", answer.blamed)
+    if answer.word == UNSOUND:
+        return Verdict(mutant, "SURVIVED", reason="its tests do not pass in time without it")
     chosen = f"{len(tests.tests)} are known to execute it" if tests.executing else "of the nearest files"
     return Verdict(mutant, "SURVIVED", reason=f"{answer.ran} tests ran; {chosen}")
 

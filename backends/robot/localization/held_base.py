@@ -62,8 +62,11 @@ class HeldBase:
         if still >= REST_PERIODS:
             self._check.reset()
             return False
+        if self._lidar.silence:
+            self._check.reset()
+            return False
         self._check.roll(*rolled)
-        found = None if self._lidar.silence else self._check.take(beams_of(self._lidar))
+        found = self._check.take(beams_of(self._lidar))
         if found is None:
             return False
         self._wheels.deny_wheels(*found)

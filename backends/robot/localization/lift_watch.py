@@ -31,7 +31,10 @@ class LiftWatch:
             pose: estimated map_T_base.
         """
         self._jump.roll(rolled.left, rolled.right, self._tread, rolled.sideways)
-        if (still > 0 and still % LOOK_AGAIN != 0) or lidar.silence:  # the latter takes a scan
+        if still > 0 and still % LOOK_AGAIN != 0:
+            return None
+        if lidar.silence:
+            self._jump.reset()  # what changes in a gap does not change at once
             return None
         if not self._jump.is_doubtful:  # another place seems full of people
             self._people_before = crowd.is_near

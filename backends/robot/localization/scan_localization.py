@@ -11,10 +11,12 @@ from typing_extensions import override
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
 from handcart.robotics.navigation.localization.start_search import SURE_FIT
 from handcart.robotics.navigation.localization.surface_depth import depth_shifts
 from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.maps.expected_echoes import expected_echoes
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .determination import NO_SHIFT
@@ -24,6 +26,7 @@ from .localization import Localization
 from .lost import Lost, silenced_for
 from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
 
+CLEAR_ECHOES_RATIO = 2.0  # of the fewest echoes that show a pose, which the map must exceed to expect them
 MIN_SHARE_FOUND = 0.85  # of the share explained before, from which a scan shows where a base is that was held
 
 
@@ -40,6 +43,7 @@ class ScanLocalization(Localization):
         assert self._range_sensor is not None, "scans come from a range sensor"
         matching.correct(self._range_sensor.scan().points())
         if isinstance(lidar, Lidar):
+            matching.expects_echoes = lambda pose: self._expects_echoes(lidar, pose)
             matching.check_start(beams_of(lidar))
             self.held_base = HeldBase(matching, lidar, backend.period)
         self._share_before = 0.0  # of the scan that the map explained while nothing denied the wheels
@@ -110,6 +114,14 @@ class ScanLocalization(Localization):
             self._share_before = self.explained
             return True
         return self._matching.sure and self.explained >= MIN_SHARE_FOUND * self._share_before
+
+    def _expects_echoes(self, lidar: Lidar, pose: Pose2) -> bool:
+        """Return whether the map shows a lidar clearly more than next to nothing from a pose map_T_base."""
+        scan, grid = lidar.scan(), self._matching.field.map
+        if lidar.blockage:
+            return True
+        beams = expected_echoes(grid, pose.compose(scan.base_T_sensor), scan.angles, lidar.spec.reach_m)
+        return int(beams.met.sum()) > CLEAR_ECHOES_RATIO * MIN_ECHOES
 
     def _parts(self) -> dict[str, tuple[object, Kinds]]:
         slip, way, layer = self._matching.slip, self._matching.way, self._matching.unmapped.layer

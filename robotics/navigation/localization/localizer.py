@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -133,6 +133,8 @@ class ScanLocalizer(Localizer):
 
     Attributes:
         last_match: match of the latest scan, accepted or not; None before the first.
+        expects_echoes: returns whether the map shows enough surfaces for a scan at a pose map_T_base. Where
+            it does not, a scan without echoes says nothing, and wheels alone carry the pose on.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -173,6 +175,7 @@ class ScanLocalizer(Localizer):
         self._patience = patience
         self._poor = 0
         self._map_error = np.zeros((3, 3))  # factor, as in `ScanMatch`
+        self.expects_echoes: Callable[[Pose2], bool] = lambda pose: True
         self.misplaced = False
         """True if the first scan contradicts the stated start, but does not reveal the true one."""
         self.slip = SlipMonitor()
@@ -259,7 +262,7 @@ class ScanLocalizer(Localizer):
             points: (n, 2) of the scan in the base frame, in [m].
         """
         if len(points) < FEWEST_POINTS:
-            self._poor += 1
+            self._poor += self.expects_echoes(self.pose)
             return False
         before = self.last_match.evidence if self.last_match and self.sure else None
         match = match_scan(

@@ -79,6 +79,7 @@ def test_silent_route_to_a_well_seen_place_is_found(reach: float) -> None:
     assert middle < math.hypot(7.0 - 2.2, 7.0 - 2.2) - 0.5
     assert found.silent_at.x < 6.0  # where the silence begins
     assert 1.0 < found.silent_m < found.route_m
+    assert 0.005 < found.silent_sigma_m < 0.3
 
 
 def test_route_with_echoes_everywhere_is_no_finding() -> None:
