@@ -53,7 +53,7 @@ class Case(NamedTuple):
     pillars: bool
     backend: str
     wrong_start: bool
-    width_m: float
+    width_m: float = CORRIDOR_M
 
 
 class Ended(NamedTuple):

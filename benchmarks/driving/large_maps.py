@@ -74,7 +74,7 @@ def write_hall(folder: Path, side: float, seed: int) -> RigFiles:
     home = {"x_m": 2.0, "y_m": 2.0, "heading_deg": 0.0}
     places = {"format": "handcart-places/1", "places": {"home": home, "far": far}}
     (folder / "places.yaml").write_text(json.dumps(places))
-    world = {"format": "handcart-world/1", "map": "map.yaml", "start": home}
+    world: dict[str, object] = {"format": "handcart-world/1", "map": "map.yaml", "start": home}
     world["surprises"] = pallets_in(solid, side, seed)
     (folder / "world.yaml").write_text(yaml.safe_dump(world))
     return RigFiles(folder / "world.yaml", folder / "map.yaml", folder / "places.yaml", {})
