@@ -61,6 +61,7 @@ RELEASE_CLEARANCE_M = 0.016  # wider than the object
 MAX_OFF_M = 0.020  # of the placed object from its goal
 MAX_MOVED_M = 0.015  # of other objects
 SPOT_VIEW_DISTANCES_M = (0.32, 0.38, 0.26)
+VIEW_SPARE = 1.05  # of a view's width over the foot in it
 MAX_SPOTS = 8  # that are looked at
 
 
@@ -205,7 +206,8 @@ class PlaceObject(ActionPrimitive):
     ) -> Generator[None, None, bool]:
         """Look at a spot past the held object; return whether it looks plain, as the surface does."""
         towards = list(directions((), None, "any"))
-        if not (yield from look_from(robot, model, base_T_goal[:3, 3], towards, SPOT_VIEW_DISTANCES_M)):
+        distances = _showing_all(robot, kind)
+        if not (yield from look_from(robot, model, base_T_goal[:3, 3], towards, distances)):
             raise Discrepancy(f"no view of {self.surface} is free", cause=causes.NO_ARM_PATH)
         yield from settle(robot)
         yield
@@ -279,6 +281,14 @@ def _foot(kind: ObjectKind, base_T_goal: Transform) -> FloatArray:
     half = np.array([kind.size[0], kind.size[1]]) / 2 + FOOT_MARGIN_M
     flat = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
     return apply(base_T_goal, np.column_stack([flat, np.zeros(4)]))
+
+
+def _showing_all(robot: Robot, kind: ObjectKind) -> list[float]:
+    """Return distances of the camera from a spot, in [m], from which it sees all of an object's foot."""
+    camera = robot.view_camera.model
+    across = max(kind.size[:2]) + 2 * FOOT_MARGIN_M
+    least = VIEW_SPARE * across * float(camera.K[0, 0]) / min(camera.width, camera.height)
+    return [max(each, least) for each in SPOT_VIEW_DISTANCES_M]
 
 
 def _raised(base_T_hand: Transform, by: float) -> Transform:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Literal
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.level_pose import LevelPose
@@ -17,6 +17,9 @@ from handcart.robotics.kinematics.shapes import Box
 Positive = Annotated[float, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 CEILING_M = 0.04  # thickness of what is above a surface with a clearance
+WALL_M = 0.02  # thickness of walls at its sides
+WALL_SIDES: dict[str, tuple[int, int]] = {"+x": (0, 1), "-x": (0, -1), "+y": (1, 1), "-y": (1, -1)}
+"""Axis and sign of each side of a surface, in its own frame."""
 
 
 class SurfaceSpot(FileModel):
@@ -43,23 +46,48 @@ class ObjectSurface(LevelPose):
     """Along its own x and y."""
     clearance_m: Positive | None = None
     """Free height above it, up to the next board (default: open)."""
+    thickness_m: Positive | None = None
+    """Thickness of what carries it, as of a board (default: solid down to the floor)."""
+    walls: tuple[Literal["+x", "-x", "+y", "-y"], ...] = ()
+    """Its own sides with a wall: those of a shelf or a box."""
+    wall_m: Positive | None = None
+    """Height of these walls above it (default: `clearance_m`)."""
     kinds: Literal["any"] | tuple[Name, ...] = "any"
     """Kinds of objects that may be there."""
     spots: Mapping[Name, SurfaceSpot] = Field(default_factory=dict)
     place: Name | None = None
     """Place of the base for work on it (default: computed)."""
 
+    @model_validator(mode="after")
+    def _walls_have_a_height(self) -> Self:
+        if self.walls and self.wall_m is None and self.clearance_m is None:
+            raise ValueError("walls without a height; allowed: wall_m, or clearance_m")
+        return self
+
     def boxes(self, name: str) -> tuple[Box, ...]:
-        """Return what the arm must not touch: its body down to the floor, and what is above it."""
+        """Return what the arm must not touch: its body, its walls, and what is above it."""
         result = []
         length, width = self.size_m
         if self.height_m > 0.0:
-            middle = self.pose @ transform((0.0, 0.0, -self.height_m / 2))
-            result.append(Box(middle, (length, width, self.height_m), name))
+            thick = min(self.height_m, self.thickness_m or self.height_m)
+            middle = self.pose @ transform((0.0, 0.0, -thick / 2))
+            result.append(Box(middle, (length, width, thick), name))
         if self.clearance_m is not None:
             above = self.pose @ transform((0.0, 0.0, self.clearance_m + CEILING_M / 2))
             result.append(Box(above, (length, width, CEILING_M), name))
-        return tuple(result)
+        return (*result, *self._walls(name))
+
+    def _walls(self, name: str) -> Iterator[Box]:
+        """Yield the walls, outside of its extent: from the floor up to their height, or to what is above."""
+        top = self.wall_m or (self.clearance_m or 0.0) + CEILING_M
+        for side in self.walls:
+            axis, sign = WALL_SIDES[side]
+            off = sign * (self.size_m[axis] + WALL_M) / 2
+            middle, high = (top - self.height_m) / 2, top + self.height_m
+            if axis == 0:
+                yield Box(self.pose @ transform((off, 0.0, middle)), (WALL_M, self.size_m[1], high), name)
+            else:
+                yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], WALL_M, high), name)
 
     def margin(self, x: float, y: float) -> float:
         """Return how far a point of the map is inside of its edge, in [m]; negative outside."""

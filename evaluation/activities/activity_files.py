@@ -1,0 +1,198 @@
+"""Files of an activity: its world, what the robot knows, and its task."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.simulation.world_files.load_world import load_world
+from handcart.backends.simulation.world_files.world_map import map_of_world
+from handcart.evaluation.viewing.drawing.picture_file import write_png
+from handcart.files.whole_file import write_whole
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .activity_task import task_text
+from .definition import Definition
+from .room import DEPTH_M, Room, ThingSlot
+from .thing_table import CarriedEntry
+
+OFF_MM, OFF_DEG = 10.0, 5.0
+"""Standard deviations of where a person sets things down: they stand in rows."""
+BELIEF_DEG = 10.0
+"""Standard deviation of a heading that the robot reckons with."""
+LIDAR_HEIGHT_M = 0.3
+RESOLUTION_M = 0.02
+MIN_TOP_MM = 22.0
+"""Narrowest upper side with a tag; below it the tags are on two upright sides."""
+QUIET = 1.45
+"""Side of a tag with its white margin, over the side of its black square."""
+MAX_TAG_MM = 40.0
+
+
+def write_activity(definition: Definition, room: Room, folder: Path, robot: str) -> list[Path]:
+    """Write world, map, places, objects, activity and task into a folder; return their paths.
+
+    Raises:
+        OSError: the folder can't be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    head = f"# {definition.name}, definition {definition.instance} of BEHAVIOR-1K"
+    texts = {
+        "world.yaml": f"{head}: its true state at first. The robot doesn't see this file.\n{_world(room)}",
+        "places.yaml": f"format: handcart-places/1\nplaces:\n  home: {_pose(room.home)}\n",
+        "objects.yaml": f"{head}: what the robot knows.\n{_objects(room)}",
+        "activity.yaml": f"{head}: names of its terms, for its judge.\n{_activity(definition, room)}",
+        "task.yaml": task_text(definition, room, robot),
+    }
+    for name, text in texts.items():
+        write_whole(folder / name, text)
+    _write_map(folder)
+    return [folder / name for name in (*texts, "map.yaml", "map.png")]
+
+
+def _world(room: Room) -> str:
+    corners = [(0.0, 0.0), (room.width, 0.0), (room.width, DEPTH_M), (0.0, DEPTH_M)]
+    lines = ["format: handcart-world/1", f"start: {_pose(room.home)}", "walls:"]
+    for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+        lines.append(f"  - {_flow({'from_m': list(begin), 'to_m': list(end)})}")
+    lines.append("furniture:")
+    for piece in room.pieces:
+        for part in piece.parts():
+            pose = piece.in_room(part.x, part.y)
+            above = {"above_m": part.above} if part.above else {}
+            lines.append(f"  - {_flow({'name': part.name, **_at(pose), 'size_m': list(part.size), **above})}")
+    lines.append("objects:")
+    lines += [f"  - {_flow(_true_object(room, term, slot))}" for term, slot in room.at_first.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _true_object(room: Room, term: str, slot: ThingSlot) -> dict[str, Any]:
+    entry = room.sizes[term]
+    shape = {"shape": entry.shape} if entry.shape != "box" else {}
+    return {
+        "name": room.names[term],
+        **shape,
+        **_at(slot.pose),
+        "height_m": slot.level.height,
+        "size_mm": list(entry.size_mm),
+        "mass_kg": entry.mass_kg,
+        "sigma_mm": OFF_MM,
+        "sigma_deg": OFF_DEG,
+        "tags": _tags(room, term),
+    }
+
+
+def _tags(room: Room, term: str) -> list[dict[str, Any]]:
+    """Return the tags of a thing: on its top, or on two sides where the top is too narrow."""
+    entry = room.sizes[term]
+    first = 2 * list(room.at_first).index(term)
+    x, y, z = entry.size_mm
+    top = x * math.sqrt(0.5) if entry.shape == "cylinder" else min(x, y)
+    if top >= MIN_TOP_MM or entry.shape == "cylinder":
+        return [{"id": first, "side_mm": _tag_side(top)}]
+    side = _tag_side(min(y, z))
+    return [{"id": first + number, "side_mm": side, "face": face} for number, face in enumerate(("-x", "+x"))]
+
+
+def _tag_side(room_mm: float) -> float:
+    return round(min(MAX_TAG_MM, room_mm / QUIET), 1)
+
+
+def _objects(room: Room) -> str:
+    lines = ["format: handcart-objects/1", "kinds:"]
+    kinds = {_kind(room, term): entry for term, entry in room.sizes.items()}
+    lines += [f"  {name}: {_flow(_kind_keys(entry))}" for name, entry in kinds.items()]
+    lines.append("surfaces:")
+    for piece in room.pieces:
+        levels = {level.name for level in piece.levels()}
+        at = [each.level for each in (*room.at_first.values(), *room.at_end.values())]
+        used = {each.relation for each in at if each.name in levels}
+        for level in piece.levels():
+            spots = {
+                f"for_{room.names[term]}": {**_at(slot.pose)}
+                for term, slot in room.at_end.items()
+                if slot.level == level
+            }
+            if level.relation not in used:
+                continue
+            keys: dict[str, Any] = {**_at(piece.in_room(level.x, level.y)), "height_m": level.height}
+            keys["size_m"] = [round(each, 4) for each in level.size]
+            if level.thickness < level.height:
+                keys["thickness_m"] = round(level.thickness, 4)
+            if level.clearance is not None:
+                keys |= {"clearance_m": level.clearance, "walls": list(level.walls)}
+            lines.append(f"  {level.name}: {_flow(keys | ({'spots': spots} if spots else {}))}")
+    lines.append("objects:")
+    for term, slot in room.at_first.items():
+        keys = {"kind": _kind(room, term), "on": slot.level.name, **_at(slot.pose), "sigma_deg": BELIEF_DEG}
+        lines.append(f"  {room.names[term]}: {_flow({**keys, 'tags': _tags(room, term)})}")
+    return "\n".join(lines) + "\n"
+
+
+def _kind(room: Room, term: str) -> str:
+    return room.names[term].rpartition("_")[0]
+
+
+def _kind_keys(entry: CarriedEntry) -> dict[str, Any]:
+    shape = {"shape": entry.shape} if entry.shape != "box" else {}
+    return {**shape, "size_mm": list(entry.size_mm), "mass_kg": entry.mass_kg}
+
+
+def _activity(definition: Definition, room: Room) -> str:
+    lines = [
+        "format: handcart-activity/1",
+        f"activity: {definition.name}",
+        f"definition: {definition.instance}",
+    ]
+    lines.append("furniture:")
+    lines += [f"  {each.term}: {_flow([part.name for part in each.parts()])}" for each in room.pieces]
+    lines.append("objects:")
+    lines += [f"  {term}: {room.names[term]}" for term in room.at_first]
+    lines.append("goal:     # surfaces that each moved object may be on")
+    pieces = {level.name: piece for piece in room.pieces for level in piece.levels()}
+    for term, slot in room.at_end.items():
+        levels = pieces[slot.level.name].levels()
+        allowed = [each.name for each in levels if each.relation == slot.level.relation]
+        lines.append(f"  {room.names[term]}: {_flow(allowed)}")
+    return "\n".join(lines) + "\n"
+
+
+def _write_map(folder: Path) -> None:
+    grid = map_of_world(load_world(folder / "world.yaml"), LIDAR_HEIGHT_M, RESOLUTION_M)
+    write_png(folder / "map.png", np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
+    write_whole(
+        folder / "map.yaml",
+        f"image: map.png\nresolution: {RESOLUTION_M:g}\norigin: [{grid.origin_x:g}, {grid.origin_y:g}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+    )
+
+
+def _at(pose: Pose2) -> dict[str, float]:
+    """Return the keys of a pose."""
+    heading = round(math.degrees(pose.theta), 3) + 0.0
+    return {"x_m": round(pose.x, 4) + 0.0, "y_m": round(pose.y, 4) + 0.0, "heading_deg": heading}
+
+
+def _pose(pose: Pose2) -> str:
+    return _flow(_at(pose))
+
+
+def _flow(value: Any) -> str:
+    """Return a value in YAML's flow style."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(_pairs(value)) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_flow(each) for each in value) + "]"
+    if isinstance(value, float):
+        return f"{value:g}"
+    text = str(value)
+    return f'"{text}"' if text[:1] in "+-" and isinstance(value, str) else text
+
+
+def _pairs(mapping: Mapping[str, Any]) -> Iterator[str]:
+    for key, each in mapping.items():
+        yield f"{key}: {_flow(each)}"

@@ -1,0 +1,98 @@
+"""An activity's files, from its definition."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.files.errors import FileError, Finding
+from handcart.primitives.objects.object_findings import OPENING_MARGIN_MM
+
+from .activity_files import write_activity
+from .definition import Definition, load_definition
+from .relations import ActivityRelations, entry_of, relations_of
+from .room import Room, furnish
+from .thing_table import CarriedEntry
+
+
+@dataclass(frozen=True)
+class MadeActivity:
+    """What was written."""
+
+    definition: Definition
+    room: Room
+    folder: Path
+    scaled: Mapping[str, float]
+    """Factors of the widths that were made narrower, by term."""
+
+    def words(self) -> Iterator[str]:
+        """Yield the lines that a person reads."""
+        count, pieces = len(self.room.at_end), ", ".join(each.name for each in self.room.pieces)
+        yield f"{self.definition.name}: {count} things to move, in a room with {pieces}; in {self.folder}"
+        for term, factor in self.scaled.items():
+            yield f"  made narrower for the fingers: {self.room.names[term]}, by {factor:.2f}"
+        yield f"  handcart run {self.folder / 'task.yaml'}"
+
+
+def make(
+    name: str, instance: int, folder: Path, robot: str = "librarian", scale: bool = False
+) -> MadeActivity:
+    """Write the files of an activity.
+
+    Args:
+        name: name of the activity.
+        instance: number of its definition.
+        folder: folder to write into.
+        robot: name or file of the robot.
+        scale: True to make narrower what its fingers can't take; otherwise that is refused.
+
+    Raises:
+        NoBddl: the package with the definitions is missing.
+        FileError: the activity, or something in it, isn't known or not possible, at its line.
+    """
+    definition = load_definition(name, instance)
+    relations = relations_of(definition)
+    sizes, scaled = _sizes(definition, relations, _widest_mm(robot), scale)
+    room = furnish(definition, relations, sizes)
+    write_activity(definition, room, folder, robot)
+    return MadeActivity(definition, room, folder, scaled)
+
+
+def _widest_mm(robot: str) -> float:
+    """Return the width of the widest thing that the robot's fingers take."""
+    gripper = load_robot(robot).gripper
+    if gripper is None:
+        raise FileError([Finding(robot, 0, 0, "the robot has no gripper; allowed: a robot with fingers")])
+    return gripper.opening_mm - OPENING_MARGIN_MM
+
+
+def _sizes(
+    definition: Definition, relations: ActivityRelations, widest: float, scale: bool
+) -> tuple[dict[str, CarriedEntry], dict[str, float]]:
+    """Return the sizes of all carried things, and the factors of those made narrower."""
+    sizes: dict[str, CarriedEntry] = {}
+    scaled: dict[str, float] = {}
+    findings = []
+    moved = {each.thing for each in relations.moves}
+    for each in relations.initial:
+        entry = entry_of(definition, each.thing)
+        assert isinstance(entry, CarriedEntry)  # by its relation
+        narrowest = min(entry.size_mm[:2])
+        sizes[each.thing] = entry
+        if each.thing not in moved or narrowest <= widest:
+            continue
+        if scale:
+            scaled[each.thing] = factor = widest / narrowest
+            x, y, z = entry.size_mm
+            narrow = (round(x * factor, 1), round(y * factor, 1), z)
+            sizes[each.thing] = entry.model_copy(update={"size_mm": narrow})
+        else:
+            words = f"{each.thing} is too wide for the fingers: {narrowest:g} mm"
+            findings.append(
+                definition.finding([each.thing], f"{words}; allowed: at most {widest:g} mm, or --scale")
+            )
+    if findings:
+        raise FileError(findings)
+    return sizes, scaled

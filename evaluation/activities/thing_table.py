@@ -1,0 +1,54 @@
+"""Sizes of the things in household activities, by category."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
+
+TABLE_PATH = Path(__file__).parent / "things.yaml"
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class CarriedEntry(FileModel):
+    """Size of a thing that a hand may carry, upright."""
+
+    shape: Literal["box", "cylinder"] = "box"
+    size_mm: tuple[Positive, Positive, Positive]
+    """Along its x, y and z (upwards); y is its depth on a shelf."""
+    mass_kg: Positive
+    source: str
+    """Origin of the size."""
+
+
+class FurnitureEntry(FileModel):
+    """Size of a piece of furniture. Its own -y side is its front."""
+
+    form: Literal["table", "shelf", "floor"]
+    """A table carries things on its top, a shelf in an opening between two boards, a floor on itself."""
+    size_m: tuple[Positive, Positive, Positive]
+    """Width, depth and total height."""
+    board_m: Positive | None = None
+    """Height of the board in a shelf's opening."""
+    opening_m: Positive | None = None
+    """Free height of that opening."""
+    source: str
+
+
+class ThingTable(FileModel):
+    """What is known of the categories of things."""
+
+    format: Literal["handcart-things/1"]
+    carried: dict[str, CarriedEntry]
+    furniture: dict[str, FurnitureEntry]
+
+
+@cache
+def thing_table() -> ThingTable:
+    """Return our table."""
+    return load(TABLE_PATH, ThingTable)

@@ -1,0 +1,1 @@
+"""Activities from outside whose goal a run is judged by."""

@@ -1,0 +1,39 @@
+"""World model section of an activity: which definition a task was made from. Only its judge reads it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+from handcart.primitives.knowledge.section import Section
+
+Name = Annotated[str, Field(min_length=1, max_length=120)]
+
+
+class ActivityFile(FileModel):
+    """Terms of an activity's definition, by our names of things."""
+
+    format: Literal["handcart-activity/1"]
+    activity: Name
+    """Name of the activity in BEHAVIOR-1K."""
+    definition: Annotated[int, Field(ge=0)] = 0
+    """Number of its definition."""
+    furniture: dict[Name, tuple[Name, ...]]
+    """Furniture of the world that makes up each piece, by the term in the definition."""
+    objects: dict[Name, Name]
+    """Names of objects in the world, by the term in the definition."""
+    goal: dict[Name, tuple[Name, ...]] = Field(default_factory=dict)
+    """Surfaces that each moved object may be on in the end, by the name of the object."""
+
+
+@dataclass
+class Activity(Section):
+    """The activity of a task."""
+
+    FILES: ClassVar = {"activity": ActivityFile}
+
+    activity: ActivityFile | None = None
+    """Definition and names; None for a task of another kind."""

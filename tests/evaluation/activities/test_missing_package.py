@@ -1,0 +1,25 @@
+"""Without the package `bddl` the command says what to install, and runs are judged by our survey."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from handcart.tools.main import main
+
+
+def test_activity_without_the_package_names_the_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in [each for each in sys.modules if each.split(".")[0] == "bddl"]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "bddl", None)
+    with pytest.raises(SystemExit) as end:
+        main(["activity", "store_honey", "-o", str(tmp_path / "honey")])
+    assert end.value.code == 2
+    said = capsys.readouterr().err
+    assert "pip install 'handcart[bddl]'" in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "honey").exists()
