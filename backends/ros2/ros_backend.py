@@ -15,6 +15,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.live.pace import Pace
+from handcart.backends.ros2.wire.other_end import OtherEnd
 from handcart.backends.ros2.wire.ros_errors import NoTopics, RosFault
 from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
 from handcart.backends.saved_state import NotAState
@@ -50,13 +51,16 @@ class RosBackend(Backend):
     drive_kinds = frozenset({"differential", "ackermann", "holonomic"})
     has_drives = True
 
-    def __init__(self, robot: RobotFile, bench: LocalBench | None = None) -> None:
+    def __init__(
+        self, robot: RobotFile, bench: LocalBench | None = None, drivers: OtherEnd | None = None
+    ) -> None:
         """Connect to the robot.
 
         Args:
             robot: the robot's file.
-            bench: simulated drivers in this process, owned by the backend from now on; None: those on the
-                air, by a node of rclpy.
+            bench: simulated drivers in this process, owned by the backend from now on.
+            drivers: other drivers in this process, such as recorded ones, owned likewise; with neither,
+                those on the air, by a node of rclpy.
 
         Raises:
             NoTopics: the robot's file has no section `ros2`.
@@ -73,16 +77,17 @@ class RosBackend(Backend):
         self._closed, self._begun = False, False
         self._fault: RosFault | None = None
         self.bench = bench
-        """The simulated drivers; None with real ones."""
-        self.simulated = bench is not None
+        """The simulated drivers; None with other ones."""
+        self._drivers: OtherEnd | None = bench or drivers
+        self.simulated = self._drivers is not None
         self._link: Link
-        if bench is not None:
-            self._link = bench.link
+        if self._drivers is not None:
+            self._link = self._drivers.link
         else:
             self._link = RosLink(node_name("robot"), spec.namespace, spec.domain)
         self._pace = (
             None
-            if bench
+            if self._drivers
             else Pace(self.period, max_excess=spec.max_late_ms / 1e3, max_missed=spec.max_missed_periods)
         )
         self._looked = self._link.clock()
@@ -90,10 +95,10 @@ class RosBackend(Backend):
         self._ears = ExitStack()
         try:
             self._topics = RosTopics(robot, spec, self._link)
-            waiting = (bench.wait, 0.0) if bench else (time.sleep, DISCOVERY_S)
+            waiting = (self._drivers.wait, 0.0) if self._drivers else (time.sleep, DISCOVERY_S)
             await_robot(self._topics, self._link, spec.first_message_s, *waiting)
             self._topics.begin()
-            if bench is None:
+            if self._drivers is None:
                 self._ears.enter_context(hearing_of_compiling(self._hear_compiling))
         except BaseException:
             self._begun = False
@@ -135,7 +140,7 @@ class RosBackend(Backend):
     @property
     @override
     def inner(self) -> Backend | None:
-        return None if self.bench is None else self.bench.inner
+        return None if self._drivers is None else self._drivers.inner
 
     @override
     def view(self) -> ByteArray | None:
@@ -167,8 +172,8 @@ class RosBackend(Backend):
                 self._topics.send()
             if self._pace is not None:
                 self._pace.wait()
-            elif self.bench is not None:
-                self.bench.step()
+            elif self._drivers is not None:
+                self._drivers.step()
             self._link.receive()
             self._topics.advance()
             self._check()
@@ -202,24 +207,24 @@ class RosBackend(Backend):
         self._closed = True
         self._ears.close()
         self._link.close()
-        if self.bench is not None:
-            self.bench.close()
+        if self._drivers is not None:
+            self._drivers.close()
 
     @override
     def state(self) -> object | None:
-        kept = None if self.bench is None else self.bench.state()
+        kept = None if self._drivers is None else self._drivers.state()
         return None if kept is None else {**kept, "topics": self._topics.state()}
 
     @override
     def set_state(self, state: object) -> None:
-        if self.bench is None:
+        if self._drivers is None:
             super().set_state(state)
             return
         if not isinstance(state, dict) or "topics" not in state:
             raise NotAState("no state of a bench of topics; needed: topics")
         own, others = state["topics"], {key: value for key, value in state.items() if key != "topics"}
         self._topics.forget()
-        self.bench.set_state(others)
+        self._drivers.set_state(others)
         self._topics.set_state(own, self._link.receive)
         self._looked = self._link.clock()
 

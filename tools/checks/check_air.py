@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handcart.backends.description.robot_names import robot_path
+from handcart.files.errors import InputError
 from handcart.files.yaml.yaml_document import read_document
 
 from .check_robot import lines_of
@@ -13,13 +15,16 @@ if TYPE_CHECKING:
     from handcart.backends.ros2.air_check.air_report import AirReport
 
 
-def air_facts(name: str, bench: str | None = None, seconds: float = 5.0) -> dict[str, Any]:
+def air_facts(
+    name: str, bench: str | None = None, seconds: float = 5.0, bag: Path | None = None
+) -> dict[str, Any]:
     """Listen to a robot's topics, and return the facts; its differences from the file are `errors`.
 
     Args:
         name: name of the robot, or path of its file.
         bench: name of a simulated backend behind topics in this process; None: the topics on the air.
         seconds: time in [s] to listen.
+        bag: a recorded bag in place of the topics on the air.
 
     Raises:
         FileError: its files are wrong.
@@ -32,16 +37,22 @@ def air_facts(name: str, bench: str | None = None, seconds: float = 5.0) -> dict
     from handcart.backends.ros2.air_check.connected import connected
     from handcart.backends.ros2.ros_backend import RosBackend
     from handcart.backends.ros2.wire.ros_errors import NoTopics
+    from handcart.evaluation.bag_playing.recorded_report import recorded_report
     from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 
     robot = load_robot(name)
     if robot.ros2 is None:
         raise NoTopics()
-    inner = None
-    if bench is not None:
-        inner = bench_class(bench, RosBackend.name).build(robot, LIBRARY_FOLDER / "world.yaml", 0)
-    with connected(robot, robot.ros2, inner) as (link, wait):
-        report = listen(robot, robot.ros2, link, wait, seconds)
+    if bag is not None and bench is not None:
+        raise InputError("a bag and a bench; allowed: one of both")
+    if bag is not None:
+        report = recorded_report(robot, robot.ros2, bag, seconds)
+    else:
+        inner = None
+        if bench is not None:
+            inner = bench_class(bench, RosBackend.name).build(robot, LIBRARY_FOLDER / "world.yaml", 0)
+        with connected(robot, robot.ros2, inner) as (link, wait):
+            report = listen(robot, robot.ros2, link, wait, seconds)
     document = read_document(robot_path(name))
     return {
         "format": robot.format,
@@ -64,14 +75,27 @@ def _table(report: AirReport) -> Any:
             f"{1e3 * each.max_gap_s:.0f} ms" if each.messages else "-",
             "-" if each.age_s is None else f"{1e3 * each.age_s:.1f} ms",
             ", ".join(each.frames),
-            ", ".join(name.rpartition(" ")[0] for name in report.nodes[each.topic]),
+            _names(report.nodes[each.topic]),
         )
         for each in report.topics
     ]
     known = {each.topic for each in report.topics}
     rows += [
-        (topic, "command", "-", "-", "-", "", ", ".join(name.rpartition(" ")[0] for name in nodes))
+        (
+            topic,
+            "command",
+            "-",
+            "-",
+            "-",
+            "",
+            ", ".join(dict.fromkeys(name.rpartition(" ")[0] for name in nodes)),
+        )
         for topic, nodes in report.nodes.items()
         if topic not in known
     ]
     return table_of("topic", "message", "rate", "longest gap", "age", "frame", "nodes", rows=rows)
+
+
+def _names(nodes: list[str]) -> str:
+    """Return the names of nodes, each once and without its type."""
+    return ", ".join(dict.fromkeys(name.rpartition(" ")[0] for name in nodes))

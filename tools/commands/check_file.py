@@ -67,6 +67,9 @@ def check(
     bench: Annotated[
         str | None, typer.Option(help="with --ros2: topics of this simulated backend in this process")
     ] = None,
+    bag: Annotated[
+        Path | None, typer.Option(help="with --ros2: topics of this recorded bag (rosbag2, rosbag1)")
+    ] = None,
     seconds: Annotated[float, typer.Option(min=0.5, help="with --ros2: time to listen")] = 5.0,
 ) -> None:
     """Check a file and all files that it names, and report each finding with its place."""
@@ -82,7 +85,7 @@ def check(
         given |= {"policy": policy} if policy else {}
         with announced(f"checking {file}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)
-            facts = air_facts(str(file), bench, seconds) if ros2 else file_facts(file, given, options)
+            facts = air_facts(str(file), bench, seconds, bag) if ros2 else file_facts(file, given, options)
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:

@@ -33,7 +33,12 @@ class AirReport(NamedTuple):
 
 
 def listen(
-    robot: RobotFile, spec: RosSpec, link: Link, wait: Callable[[], None], seconds: float = DEFAULT_SECONDS
+    robot: RobotFile,
+    spec: RosSpec,
+    link: Link,
+    wait: Callable[[], None],
+    seconds: float = DEFAULT_SECONDS,
+    over: Callable[[], bool] | None = None,
 ) -> AirReport:
     """Listen to a robot at rest, and compare it with its file; nothing is sent.
 
@@ -43,6 +48,7 @@ def listen(
         link: connection to its topics.
         wait: waits for a short time, well below a period of a sensor.
         seconds: time in [s] to listen, once each topic is there or should be.
+        over: returns True once a recording is over, in which the robot may drive; None: it is here.
 
     Raises:
         UnknownJoints: the section names joints that the arm lacks, or leaves some out.
@@ -50,7 +56,7 @@ def listen(
     """
     check_joints(robot, spec)
     ears = ListeningLink(link)
-    heard = HeardRobot(robot, spec, RosTopics(robot, spec, ears), ears)
+    heard = HeardRobot(robot, spec, RosTopics(robot, spec, ears), ears, over)
     heard.wait_for_all(wait, spec.first_message_s)
     heard.measure(wait, seconds)
     found = [*reading_findings(heard), *command_findings(heard), *sensor_findings(heard)]

@@ -20,8 +20,24 @@ CAMERA_INFO = "sensor_msgs/CameraInfo"
 class HeardRobot:
     """Topics of a robot's file, and what they said in the time of a check."""
 
-    def __init__(self, robot: RobotFile, spec: RosSpec, topics: RosTopics, link: ListeningLink) -> None:
-        """Take the robot's file, its section `ros2`, its topics, and the connection."""
+    def __init__(
+        self,
+        robot: RobotFile,
+        spec: RosSpec,
+        topics: RosTopics,
+        link: ListeningLink,
+        over: Callable[[], bool] | None = None,
+    ) -> None:
+        """Take what is heard of a robot.
+
+        Args:
+            robot: its file.
+            spec: its section `ros2`.
+            topics: of the section.
+            link: connection to them.
+            over: returns True once a recording is over, in which the robot may drive; None: it's here.
+        """
+        self._over = over
         self.robot, self.spec, self.topics, self.link = robot, spec, topics, link
         self.refusals: dict[str, Counter[str]] = {}
         """Why readings of a topic were refused, each with a count, by the topic."""
@@ -33,7 +49,7 @@ class HeardRobot:
     def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
         """Wait until each topic has had a message and each command a listener, for `seconds` at most."""
         end = self.link.clock() + seconds
-        while self.link.clock() < end and not self._is_complete():
+        while self.link.clock() < end and not self._is_complete() and not self._ended():
             self._receive(wait)
 
     def measure(self, wait: Callable[[], None], seconds: float) -> None:
@@ -45,8 +61,16 @@ class HeardRobot:
             meter.begin()
         self.first_odometry = self.last(self.spec.odometry.topic)
         end = self.link.clock() + seconds
-        while self.link.clock() < end:
+        while self.link.clock() < end and not self._ended():
             self._receive(wait)
+
+    @property
+    def may_drive(self) -> bool:
+        """Return whether it need not be at rest: it is a recording."""
+        return self._over is not None
+
+    def _ended(self) -> bool:
+        return self._over is not None and self._over()
 
     def last(self, topic: str) -> Any:
         """Return the last message of a topic; None without one."""

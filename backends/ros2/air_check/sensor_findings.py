@@ -27,7 +27,7 @@ MAX_SHARE_BEYOND_REACH = 0.5
 def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
     """Yield all findings about the sensors' readings."""
     moved = _motion(heard)
-    if moved:
+    if moved and not heard.may_drive:
         yield AirFinding(("ros2", "odometry"), moved)
     for key, sensor in heard.sensors():
         last = heard.last(sensor.source.topic)

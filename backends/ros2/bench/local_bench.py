@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from typing_extensions import override
+
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.plain_values import from_plain
+from handcart.backends.ros2.wire.other_end import OtherEnd
 from handcart.backends.saved_state import NotAState
 
 from .bench_faults import BenchFaults
@@ -17,7 +20,7 @@ from .robot_differences import RobotDifferences
 from .ros_bench import RosBench
 
 
-class LocalBench:
+class LocalBench(OtherEnd):
     """Simulated drivers, whose time passes with the steps of the program."""
 
     def __init__(
@@ -39,12 +42,21 @@ class LocalBench:
         """
         self.air = LocalAir()
         self._has_receiver = robot.gps is not None
-        self.inner = inner
-        """The simulated robot."""
-        self.link = LocalLink(self.air, "handcart")
-        """The program's end of the topics."""
+        self._inner = inner
+        self._link = LocalLink(self.air, "handcart")
         self._drivers = RosBench(robot, spec, inner, LocalLink(self.air, "bench"), faults, differences)
 
+    @property
+    @override
+    def inner(self) -> Backend:
+        return self._inner
+
+    @property
+    @override
+    def link(self) -> LocalLink:
+        return self._link
+
+    @override
     def wait(self, seconds: float) -> None:
         """Publish what the sensors read at rest, and let the time of the topics pass, in [s].
 
@@ -61,11 +73,13 @@ class LocalBench:
         """Speeds that the simulated base obeys now."""
         return self._drivers.speeds
 
+    @override
     def step(self) -> None:
         """Let a period pass."""
         self.air.time += self.inner.period
         self._drivers.step()
 
+    @override
     def state(self) -> dict[str, object] | None:
         """Return the state of robot, drivers and time; None if the robot keeps none."""
         inner = self.inner.state()
@@ -73,6 +87,7 @@ class LocalBench:
             return None
         return {"inner": inner, "time": self.air.time, **self._drivers.state()}
 
+    @override
     def set_state(self, state: Any) -> None:
         """Restore what `state` returned, and publish the readings of that time.
 
@@ -87,6 +102,7 @@ class LocalBench:
         self._drivers.set_state(state)
         self._drivers.announce()
 
+    @override
     def close(self) -> None:
         """Let go of the robot."""
         self._drivers.close()

@@ -1,0 +1,1 @@
+"""Recorded bags in place of the topics on the air."""

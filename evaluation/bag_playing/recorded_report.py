@@ -1,0 +1,34 @@
+"""A robot's file held against what a bag recorded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.ros2.air_check.air_finding import AirFinding
+from handcart.backends.ros2.air_check.air_report import AirReport, listen
+
+from .bag_link import BagLink
+
+PASS_S = 0.01
+"""[s] of the recording between two looks for messages."""
+
+
+def recorded_report(robot: RobotFile, spec: RosSpec, path: Path, seconds: float) -> AirReport:
+    """Play a bag, and return where it differs from the robot's file.
+
+    Args:
+        robot: the robot's file.
+        spec: its section `ros2`.
+        path: the bag.
+        seconds: time in [s] of the recording that is listened to, at most.
+
+    Raises:
+        InputError: the extra `bags` is not installed.
+        FileError: the bag can't be read, or has no readings.
+    """
+    link = BagLink(path, spec.namespace)
+    report = listen(robot, spec, link, lambda: link.pass_time(PASS_S), seconds, lambda: link.is_over)
+    notes = tuple(AirFinding(("ros2",), f"{path}: {each}", is_fault=False) for each in link.notes)
+    return report._replace(remarks=(*report.remarks, *notes))
