@@ -246,6 +246,8 @@ def test_a_journal_leads_to_where_its_run_stands(stand: Stand) -> None:
     given_up = followed(network, plan, start, result, end)
     assert given_up.gave_up is given_up.over
     assert given_up.over["outcome"] == "GiveUp"
+    failed = followed(network, plan, start, result, {**end, "outcome": "Fail"})
+    assert (failed.gave_up, failed.over["outcome"]) == (None, "Fail")
     state = followed(
         network, plan, start, result, end, {"kind": "ACK", "record": 4, "of": "END", "reason": ""}
     )

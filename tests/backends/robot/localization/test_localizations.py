@@ -298,3 +298,13 @@ def test_a_base_was_moved_only_if_it_stood_when_measured(standing: int, moved: i
     assert found.pose.distance(elsewhere) < 0.01
     assert found.displacements == moved
     assert found.still == (0 if moved else 2)
+
+
+@pytest.mark.parametrize("localizer", ["scan", "odometry"])
+def test_lidar_that_repeats_its_scan_for_long_loses_the_pose(localizer: str) -> None:
+    found = made("cart", localizer, Wheels(), Room(), grid=room())
+    assert found.lost is None
+    found.stale_s = 10.1
+    assert found.lost is not None
+    assert found.lost.why == "its lidar repeats its last scan"
+    assert (found.lost.value, found.lost.limit, found.lost.unit) == (10.1, 10.0, "s")
