@@ -19,7 +19,6 @@ from .task_draft import GOAL_NAME, TaskDraft, primitive_name
 from .task_parts import TaskParts, failures, most_attempts, successes
 
 MAX_JANI_BYTES = 1 << 24
-MAX_JANI_DEPTH = 200
 COMMENT_PREFIX = "handcart: "
 """Begin of comments with what a model does not express."""
 

@@ -142,6 +142,7 @@ class _Reader:
         self._document = with_listed_repeats(with_parameters(document, self._findings))
         self._primitives = primitives
         self._lacking: set[str] = set()
+        self._sound: dict[str, type[ActionPrimitive]] = {}
         self._budgets: Mapping[str, int] = self._silently(("budgets",), dict[str, int]) or {}
         self._knowledge = read_knowledge(self._document, self._findings, resolved)
         self._names = self._knowledge.names()
@@ -327,11 +328,13 @@ class _Reader:
         return action_of(entry, copied, binding, self._budgets)
 
     def _kind(self, number: int, name: str) -> type[ActionPrimitive] | None:
+        if name in self._sound:
+            return self._sound[name]
         try:
             kind = self._primitives(name)
-            for read in wall_clock_reads(kind):
+            for read in (reads := wall_clock_reads(kind)):
                 self._add(("actions", number, "do"), f"{read}; {ALLOWED_CLOCK}")
-            return kind
+            return kind if reads else self._sound.setdefault(name, kind)
         except KeyError as unknown:
             self._add(("actions", number, "do"), str(unknown.args[0]))
         except ImportError as missing:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import typer
 
 from handcart.files.printable import counted
+from handcart.tools.checks.few_collections import few_collections
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -249,6 +250,7 @@ def _goals_facts(file: Path) -> dict[str, Any]:
     return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
 
 
+@few_collections()
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings

@@ -14,7 +14,7 @@ from handcart.files.errors import FileError
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.events.events import Event, Started
 from handcart.networks.graph.network import Action
-from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
@@ -76,6 +76,29 @@ def test_a_primitive_that_reads_the_wall_clock_is_a_finding(
     assert len(words) == 2
     assert "time.monotonic, test_task_file.py:" in words[0]
     assert "allowed: robot.time" in words[0]
+
+
+def test_a_primitive_is_looked_up_once_for_all_its_actions(
+    tmp_path: Path, primitives: SimpleNamespace
+) -> None:
+    """Each look-up searches the packages for plugins of the same name, too."""
+    asked: list[str] = []
+
+    def primitive(name: str) -> type[ActionPrimitive]:
+        asked.append(name)
+        if name != "THINK":
+            raise KeyError(name)
+        kind: type[ActionPrimitive] = primitives.THINK
+        return kind
+
+    path = tmp_path / "task.yaml"
+    path.write_text(TASK)
+    load_task(path, {}, primitive)
+    assert asked == ["THINK"]
+    path.write_text(TASK.replace("THINK", "THIMK"))
+    with pytest.raises(FileError) as error:
+        load_task(path, {}, primitive)
+    assert [each.line for each in error.value.findings] == [12, 13]
 
 
 def test_good_file(load: Callable[..., Task]) -> None:
