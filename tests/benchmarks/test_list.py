@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from benchmarks.__main__ import listed
+from tests.benchmark_help import benchmark_helps
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -35,13 +33,8 @@ def test_a_word_chooses() -> None:
 @pytest.mark.slow
 def test_each_tells_how_it_is_called() -> None:
     """And begins nothing."""
-
-    def asked(name: str) -> tuple[str, int, bool]:
-        words = [sys.executable, "-m", name, "--help"]
-        said = subprocess.run(words, capture_output=True, text=True, cwd=ROOT, check=False)
-        return name, said.returncode, said.stdout.lower().lstrip().startswith("usage")
-
-    with ThreadPoolExecutor(2) as pool:
-        found = list(pool.map(asked, [name for name, _ in listed()]))
-    assert len(found) > 40
-    assert [each for each in found if each[1:] != (0, True)] == []
+    names = [name for name, _ in listed()]
+    found = benchmark_helps(names)
+    assert len(found) == len(names) > 40
+    shown = [name for name, each in found.items() if each.text.lower().lstrip().startswith("usage")]
+    assert [name for name in names if name not in shown or found[name].status] == []
