@@ -72,6 +72,24 @@ class RosCameraSpec(RosTopicSpec):
         return self.info or (f"{folder}/camera_info" if folder else "camera_info")
 
 
+class RosDepthSpec(RosTopicSpec):
+    """Topics of a depth camera, registered to one lens."""
+
+    topic: Topic = "camera/aligned_depth_to_color/image_raw"
+    """Depth (`16UC1` in mm, or `32FC1` in m)."""
+    colour: Topic = "camera/color/image_raw"
+    """Colours, of the same size."""
+    stale_ms: StaleTime = 1000.0
+    info: Topic | None = None
+    """Topic of its calibration (default: `camera_info` beside the depth)."""
+
+    @property
+    def info_topic(self) -> str:
+        """Return the topic of its `camera_info`."""
+        folder = self.topic.rpartition("/")[0]
+        return self.info or (f"{folder}/camera_info" if folder else "camera_info")
+
+
 class RosVelocitySpec(FileModel):
     """The topic of the base's speeds."""
 
@@ -161,6 +179,10 @@ class RosSpec(FileModel):
     """Force on the hand (`geometry_msgs/WrenchStamped`, in the hand frame); None: by the joints' efforts."""
     lidar: RosTopicSpec = RosTopicSpec(topic="scan")
     camera: RosCameraSpec = RosCameraSpec()
+    cameras: dict[str, RosCameraSpec] = Field(default_factory=dict)
+    """Topics of further cameras by their names in the table `sensors`; `camera` is that of the first."""
+    depth: dict[str, RosDepthSpec] = Field(default_factory=dict)
+    """Topics of depth cameras by their names in the table `sensors`."""
     imu: RosTopicSpec = RosTopicSpec(topic="imu")
     gps: RosGpsSpec | None = None
     """Satellite receiver (`sensor_msgs/NavSatFix`); needed if the robot has one."""

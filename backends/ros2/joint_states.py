@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +13,10 @@ from typing_extensions import override
 from handcart.files.suggest import suggest
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
+
+KEPT_STATES = 50
+"""Number of messages from which the joints at the time of a picture are taken."""
 
 
 class JointStates(TopicSensor):
@@ -32,6 +36,7 @@ class JointStates(TopicSensor):
         self._positions: dict[str, float] = {}
         self._efforts: dict[str, float] = {}
         self._seen: set[str] = set()
+        self._history: deque[tuple[float, dict[str, float]]] = deque(maxlen=KEPT_STATES)
 
     @property
     def missing(self) -> str:
@@ -46,6 +51,12 @@ class JointStates(TopicSensor):
         """Return positions (n,) in [rad] or [m]; raises `StaleSensor` without a fresh message."""
         self.check_fresh()
         return np.array([self._positions[name] for name in names])
+
+    def positions_at(self, names: Sequence[str], stamp: float) -> FloatArray:
+        """Return positions (n,) in [rad] or [m] nearest to a stamp in [s]; raises `StaleSensor`."""
+        self.check_fresh()
+        _, nearest = min(self._history, key=lambda each: abs(each[0] - stamp))
+        return np.array([nearest.get(name, self._positions[name]) for name in names])
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
         """Return efforts (n,) in [Nm] or [N]; NaN for a joint without one."""
@@ -73,3 +84,5 @@ class JointStates(TopicSensor):
                     self._positions[name] = sign * float(message.position[place])
                     if len(efforts):
                         self._efforts[name] = sign * float(efforts[place])
+            stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9
+            self._history.append((stamp, dict(self._positions)))

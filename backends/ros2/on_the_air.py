@@ -9,7 +9,7 @@ from handcart.backends.ros2.wire.ros_link import Link
 
 from .goal_stream import GoalStream
 from .ros_topics import RosTopics
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
 
 DISCOVERY_S = 1.0  # in which nearly all nodes on a network find each other
 PAUSE_S = 0.02

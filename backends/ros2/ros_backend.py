@@ -135,7 +135,7 @@ class RosBackend(Backend):
     def capabilities(self) -> tuple[Capability, ...]:
         own = self._topics.capabilities()
         others = () if self.inner is None else self.inner.capabilities()
-        return (*own, *(each for each in others if not _same_kind(each, own)))
+        return (*own, *(each for each in others if not _stands_for(each, own)))
 
     @property
     @override
@@ -278,7 +278,9 @@ class RosBackend(Backend):
             self._topics.send()
 
 
-def _same_kind(part: Capability, own: tuple[Capability, ...]) -> bool:
-    """Return whether a capability is of the same kind as one of `own`."""
+def _stands_for(part: Capability, own: tuple[Capability, ...]) -> bool:
+    """Return whether one of `own` is the same part: the sensor of that name, or the only one of its kind."""
     kinds = {kind for each in own for kind in type(each).__mro__ if Capability in kind.__bases__}
-    return isinstance(part, tuple(kinds))
+    if not isinstance(part, tuple(kinds)):
+        return False
+    return not part.sensor_name or any(each.sensor_name == part.sensor_name for each in own)

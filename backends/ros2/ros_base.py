@@ -14,7 +14,7 @@ from handcart.backends.limits import checked_command
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
 
 
 class OdometryTopic(TopicSensor):

@@ -12,7 +12,7 @@ from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.ros_spec import RosGpsSpec
 from handcart.robotics.geometry.earth_frame import EarthFrame
 
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
 
 NO_FIX = -1
 """`status.status` of a message without a fix."""

@@ -11,7 +11,7 @@ from typing_extensions import override
 from handcart.backends.capabilities.imu import Imu
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
 
 
 class RosImu(TopicSensor, Imu):

@@ -14,7 +14,7 @@ from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
 
 MAX_ANGLE_DIFFERENCE_DEG = 0.5
 

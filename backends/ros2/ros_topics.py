@@ -9,32 +9,43 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.depth_camera import DepthCamera
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.ros_spec import RosGripperSpec, RosSpec, RosTopicSpec
+from handcart.backends.description.ros_spec import (
+    RosDepthSpec,
+    RosGripperSpec,
+    RosSpec,
+    RosTopicSpec,
+)
+from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import attributes, set_attributes
-from handcart.backends.robot.mounted_camera import known_camera, mount_of
+from handcart.backends.robot.mounted_camera import camera_mount, known_camera, mount_of
 from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, message_kind, velocity_message
 from handcart.backends.ros2.wire.ros_link import Link, Take
 from handcart.backends.saved_state import NotAState
+from handcart.backends.sensors.depth_spec import DepthCameraSpec
 from handcart.files.suggest import suggest
+from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
+from .cameras.ros_camera import RosCamera
+from .cameras.ros_depth_camera import PictureTopic, RosDepthCamera
 from .goal_stream import GoalStream
 from .joint_controllers import FingerController, JointController, TopicController, TrajectoryController
 from .joint_states import JointStates
 from .ros_arm import RosArm
 from .ros_base import OdometryTopic, RosBase, RosHolonomicBase
-from .ros_camera import RosCamera
 from .ros_gps import RosGps
 from .ros_gripper import RosGripper
 from .ros_imu import RosImu
 from .ros_lidar import RosLidar
-from .topic_sensor import TopicSensor
+from .wire.camera_topics import camera_topics, depth_topics
 from .wire.ros_errors import UnknownJoints
+from .wire.topic_sensor import TopicSensor
 from .wrench_topic import WrenchTopic
 
 SensorT = TypeVar("SensorT", bound=TopicSensor)
@@ -192,17 +203,44 @@ class RosTopics:
         if robot.range_sensor is not None:
             lidar = self._heard(RosLidar, "the lidar", spec.lidar)
             lidar.fit(robot.range_sensor, base_T_frame(robot.urdf_text(), robot.lidar_link))
+            lidar.sensor_name = robot.name_of(robot.range_sensor)
             yield lidar
-        if robot.camera is not None:
-            camera = self._heard(RosCamera, "the camera", spec.camera)
-            camera.fit(known_camera(robot.camera, mount_of(robot, robot.camera)))
-            yield camera
+        for name, (camera, topic) in camera_topics(robot, spec).items():
+            label = "the camera" if camera is robot.camera else f"the camera {name}"
+            heard = self._heard(RosCamera, label, topic)
+            heard.fit(known_camera(camera, mount_of(robot, camera)))
+            heard.sensor_name = name
+            yield heard
+        for name, (deep, topics) in depth_topics(robot, spec).items():
+            yield self._depth_camera(name, deep, topics)
         if robot.imu is not None:
-            yield self._heard(RosImu, "the inertial unit", spec.imu)
+            unit = self._heard(RosImu, "the inertial unit", spec.imu)
+            unit.sensor_name = robot.name_of(robot.imu)
+            yield unit
         if robot.gps is not None and spec.gps is not None:
             receiver = self._heard(RosGps, "the satellite receiver", spec.gps)
             receiver.fit(spec.gps)
+            receiver.sensor_name = robot.name_of(robot.gps)
             yield receiver
+
+    def _depth_camera(self, name: str, spec: DepthCameraSpec, topics: RosDepthSpec) -> RosDepthCamera:
+        robot, arm = self._robot, self._robot.arm
+        mount = camera_mount(robot, robot.link_of(spec), None if arm is None else robot.arm_model())
+        model, states = None if arm is None else robot.arm_model(), self.states
+        names = () if arm is None else tuple(map(self._spec.name_of, arm.joints))
+
+        def pose(stamp: float) -> Transform:
+            if model is None or states is None:
+                return base_T_frame(robot.urdf_text(), mount.carrier) @ mount.carrier_T_frame
+            joints = states.positions_at(names, stamp)
+            return model.forward(joints, mount.carrier) @ mount.carrier_T_frame
+
+        colours = RosTopicSpec(topic=topics.colour, stale_ms=topics.stale_ms)
+        depth = self._heard(PictureTopic, f"the depth of {name}", topics)
+        colour = self._heard(PictureTopic, f"the colours of {name}", colours)
+        camera = RosDepthCamera(spec, depth, colour, pose, self._link.now())
+        camera.sensor_name = name
+        return camera
 
     def _heard(self, kind: type[SensorT], name: str, source: RosTopicSpec) -> SensorT:
         link = self._link
@@ -255,8 +293,22 @@ def check_joints(robot: RobotFile, spec: RosSpec) -> None:
             wrong.append(f"ros2: arm: controllers: {count} of them have the joint {joint!r}; needed: one")
     if robot.gps is not None and spec.gps is None:
         wrong.append("ros2: gps: the robot has a receiver; needed: origin_lat_deg and origin_lon_deg")
+    wrong += _unknown_cameras(robot, spec)
     if wrong:
         raise UnknownJoints(wrong)
+
+
+def _unknown_cameras(robot: RobotFile, spec: RosSpec) -> Iterator[str]:
+    """Yield names of cameras that the robot's file lacks, or that have their topic elsewhere."""
+    first = None if robot.camera is None else robot.name_of(robot.camera)
+    for key, named, kind in (("cameras", spec.cameras, CameraSpec), ("depth", spec.depth, DepthCameraSpec)):
+        known = [name for name in robot.all_of(kind) if name != first]
+        for name in named:
+            if name == first:
+                yield f"ros2: cameras: {name!r} is the first camera; needed: its topic under the key camera"
+            elif name not in known:
+                words = "camera" if key == "cameras" else "depth camera"
+                yield f"ros2: {key}: the robot has no further {words} {name!r}{suggest(name, known)}"
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
@@ -270,4 +322,6 @@ def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
         Imu: robot.imu,
         Gps: robot.gps,
     }
+    deep = robot.ros2 is not None and bool(depth_topics(robot, robot.ros2))
+    there[DepthCamera] = True if deep else None
     return tuple(kind for kind, what in there.items() if what is not None)

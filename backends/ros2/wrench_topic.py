@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .topic_sensor import TopicSensor
+from .wire.topic_sensor import TopicSensor
 
 
 class WrenchTopic(TopicSensor):

@@ -9,9 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from handcart.backends.description.camera_info import CameraInfo
-from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.ros_spec import RosCameraSpec
-from handcart.backends.robot.mounted_camera import known_camera, mount_of
+from handcart.backends.description.ros_spec import RosCameraSpec, RosDepthSpec
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .air_finding import AirFinding
@@ -21,22 +19,21 @@ MAX_RAY_ERROR_PX = 5.0
 RECTIFIED_TOPIC_PART = "rect"
 
 
-def camera_info_findings(robot: RobotFile, spec: RosCameraSpec, message: Any) -> Iterator[AirFinding]:
+def camera_info_findings(
+    place: tuple[str, ...], topics: RosCameraSpec | RosDepthSpec, ours: CameraModel, message: Any
+) -> Iterator[AirFinding]:
     """Yield where a calibration on the air differs from that of the robot's file.
 
     Args:
-        robot: the robot's file, with a camera.
-        spec: the camera's topics.
+        place: of the camera in the robot's file.
+        topics: the camera's topics.
+        ours: the camera as the robot's file has it.
         message: the last `CameraInfo`; None without one.
     """
-    topic = spec.info_topic
+    topic = topics.info_topic
     if message is None:
         yield AirFinding(("ros2", "camera"), f"{topic}: no camera_info arrives", is_fault=False)
-        return
-    assert robot.camera is not None, "needed: a camera"
-    ours = known_camera(robot.camera, mount_of(robot, robot.camera)).model
-    place = (robot.name_of(robot.camera),)
-    if not any(message.k):
+    elif not any(message.k):
         yield AirFinding(place, f"{topic}: the driver has no calibration (K is zero)", is_fault=False)
     elif (message.width, message.height) != (ours.width, ours.height):
         sizes = (
@@ -44,7 +41,7 @@ def camera_info_findings(robot: RobotFile, spec: RosCameraSpec, message: Any) ->
         )
         yield AirFinding(place, f"{topic}: calibrated for {sizes}")
     else:
-        yield from _lens_findings(place, topic, ours, message, RECTIFIED_TOPIC_PART in spec.topic)
+        yield from _lens_findings(place, topic, ours, message, RECTIFIED_TOPIC_PART in topics.topic)
 
 
 def _lens_findings(

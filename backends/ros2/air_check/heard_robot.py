@@ -10,7 +10,8 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.ros2.on_the_air import unheard
 from handcart.backends.ros2.ros_topics import RosTopics
-from handcart.backends.ros2.topic_sensor import TopicSensor
+from handcart.backends.ros2.wire.camera_topics import info_topics
+from handcart.backends.ros2.wire.topic_sensor import TopicSensor
 
 from .listening_link import ListeningLink
 
@@ -43,8 +44,8 @@ class HeardRobot:
         """Why readings of a topic were refused, each with a count, by the topic."""
         self.first_odometry: Any = None
         """The first message of the odometry; None without one."""
-        if robot.camera is not None:
-            link.subscribe(CAMERA_INFO, spec.camera.info_topic, lambda message: None)
+        for topic in info_topics(robot, spec):
+            link.subscribe(CAMERA_INFO, topic, lambda message: None)
 
     def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
         """Wait until each topic has had a message and each command a listener, for `seconds` at most."""
@@ -79,8 +80,10 @@ class HeardRobot:
     def sensors(self) -> Iterator[tuple[str, TopicSensor]]:
         """Yield each reading with its key in the section `ros2`."""
         keys = {id(getattr(self.spec, key)): key for key in type(self.spec).model_fields}
+        keys |= {id(each): "cameras" for each in self.spec.cameras.values()}
+        keys |= {id(each): "depth" for each in self.spec.depth.values()}
         for sensor in self.topics.sensors:
-            yield keys[id(sensor.source)], sensor
+            yield keys.get(id(sensor.source), "depth"), sensor  # colours have no key of their own
 
     def _is_complete(self) -> bool:
         topics = self.topics

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from handcart.backends.ros2.joint_states import JointStates
 from handcart.backends.ros2.on_the_air import silence
 from handcart.backends.ros2.ros_base import OdometryTopic
-from handcart.backends.ros2.topic_sensor import TopicSensor
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
+from handcart.backends.ros2.wire.topic_sensor import TopicSensor
 
 from .air_finding import AirFinding
 from .heard_robot import HeardRobot

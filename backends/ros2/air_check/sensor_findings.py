@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.backends.ros2.ros_base import pose_of
 from handcart.backends.ros2.ros_imu import RosImu
 from handcart.backends.ros2.ros_lidar import RosLidar
-from handcart.backends.ros2.topic_sensor import TopicSensor
+from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
+from handcart.backends.ros2.wire.topic_sensor import TopicSensor
 
 from .air_finding import AirFinding
 from .camera_info_findings import camera_info_findings
@@ -39,9 +41,17 @@ def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
                 f"{sensor.name}: no beam of its last scan returns; is something before it, or all far away?"
             )
             yield AirFinding(("ros2", key), silent, is_fault=False)
-    if heard.robot.camera is not None:
-        info = heard.last(heard.spec.camera.info_topic)
-        yield from camera_info_findings(heard.robot, heard.spec.camera, info)
+    yield from _lenses(heard)
+
+
+def _lenses(heard: HeardRobot) -> Iterator[AirFinding]:
+    """Yield the findings about the calibrations of all cameras that have topics."""
+    robot, spec = heard.robot, heard.spec
+    for name, (camera, topic) in camera_topics(robot, spec).items():
+        ours = known_camera(camera, mount_of(robot, camera)).model
+        yield from camera_info_findings((name,), topic, ours, heard.last(topic.info_topic))
+    for name, (deep, topics) in depth_topics(robot, spec).items():
+        yield from camera_info_findings((name,), topics, deep.model, heard.last(topics.info_topic))
 
 
 def _motion(heard: HeardRobot) -> str:

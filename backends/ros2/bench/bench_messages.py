@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.depth_camera import DepthCamera
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
@@ -86,33 +88,48 @@ def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
 class LatePicture:
     """Pixels of a picture that is rendered when they are read: within the period in which it is sent."""
 
-    def __init__(self, camera: Camera) -> None:
-        """Read `camera`."""
-        self._camera = camera
-        self._size = camera.model.width * camera.model.height
+    def __init__(self, size: int, render: Callable[[], NDArray[Any]]) -> None:
+        """Take the number of bytes, and a function that returns the pixels."""
+        self._size, self._render = size, render
 
     def __len__(self) -> int:
         return self._size
 
     def __bytes__(self) -> bytes:
-        return np.ascontiguousarray(self._camera.image()).tobytes()
+        return np.ascontiguousarray(self._render()).tobytes()
 
 
-def image_message(link: Link, now: float, robot: Backend, late: bool = False) -> Any:
+def image_message(link: Link, now: float, camera: Camera, late: bool = False) -> Any:
     """Return the picture of a simulated camera as an `Image`.
 
     Args:
         link: makes it.
         now: time of ROS, in [s].
-        robot: has the camera.
+        camera: takes it.
         late: True to render it only if it is read, which has to happen before the robot's next step.
     """
-    camera = robot.get(Camera)  # type: ignore[type-abstract]
-    assert camera is not None, "its file says so"
+    return _picture(link, now, camera.model, ("mono8", 1), camera.image, late)
+
+
+def depth_messages(link: Link, now: float, camera: DepthCamera, late: bool = False) -> tuple[Any, Any]:
+    """Return depth and colours of a simulated depth camera as `Image`; see `image_message`."""
+    model = camera.model
+    depth = _picture(link, now, model, ("32FC1", 4), lambda: camera.image().depth, late)
+    return depth, _picture(link, now, model, ("rgb8", 3), lambda: camera.image().colour, late)
+
+
+def _picture(
+    link: Link,
+    now: float,
+    model: CameraModel,
+    encoding: tuple[str, int],
+    render: Callable[[], NDArray[Any]],
+    late: bool,
+) -> Any:
     message = _stamped(link, "sensor_msgs/Image", now, "camera")
-    message.height, message.width = camera.model.height, camera.model.width
-    message.encoding, message.step = "mono8", camera.model.width
-    picture = LatePicture(camera)
+    message.height, message.width = model.height, model.width
+    message.encoding, message.step = encoding[0], encoding[1] * model.width
+    picture = LatePicture(message.step * model.height, render)
     message.data = picture if late else array("B", bytes(picture))
     return message
 

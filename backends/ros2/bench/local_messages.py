@@ -40,7 +40,8 @@ def _scan() -> SimpleNamespace:
 
 
 def _image() -> SimpleNamespace:
-    return SimpleNamespace(header=_header(), height=0, width=0, encoding="", step=0, data=b"")
+    form = {"height": 0, "width": 0, "encoding": "", "is_bigendian": 0, "step": 0}
+    return SimpleNamespace(header=_header(), **form, data=b"")
 
 
 def _fix() -> SimpleNamespace:

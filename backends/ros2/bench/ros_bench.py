@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.depth_camera import DepthCamera
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
@@ -18,6 +21,7 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.hand_force import efforts_of_force
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot.mounted_camera import camera_model
+from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
 from handcart.backends.ros2.wire.messages import SRDF_TOPIC, TRAJECTORY_ACTION, URDF_TOPIC
 from handcart.backends.ros2.wire.ros_link import Link
 from handcart.backends.urdf.robot_parts import read_srdf
@@ -28,6 +32,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .bench_faults import BenchFaults
 from .bench_messages import (
     camera_info_message,
+    depth_messages,
     fix_message,
     image_message,
     imu_message,
@@ -40,6 +45,7 @@ from .robot_differences import RobotDifferences
 from .served_joints import ServedJoints
 from .wheel_odometry import WheelOdometry
 
+CapabilityT = TypeVar("CapabilityT", bound=Capability)
 COMMAND_TIMEOUT_S = 0.25
 """[s] after which the base of the bench forgets its speeds, as a real one must."""
 
@@ -253,12 +259,31 @@ class RosBench:
         receiver = self.inner.get(Gps)  # type: ignore[type-abstract]
         if spec.gps is not None and receiver is not None and (fix := receiver.fix()) is not None:
             found[spec.gps.topic] = fix_message(link, now, spec.gps, fix)
-        if robot.camera is not None and link.subscribers(spec.camera.topic):
-            late = isinstance(link, LocalLink) and not self._faults.any_planned
-            found[spec.camera.topic] = image_message(link, now, self.inner, late)
-        if robot.camera is not None and link.subscribers(spec.camera.info_topic):
-            found[spec.camera.info_topic] = camera_info_message(link, now, camera_model(robot.camera))
+        found |= self._pictures(now)
         return found
+
+    def _pictures(self, now: float) -> Mapping[str, Any]:
+        """Return the messages of all cameras to which somebody listens."""
+        link, found = self._link, dict[str, Any]()
+        late = isinstance(link, LocalLink) and not self._faults.any_planned
+        for name, (camera, topic) in camera_topics(self._robot, self._spec).items():
+            seen = self._camera(name, Camera)  # type: ignore[type-abstract]
+            if seen is not None and link.subscribers(topic.topic):
+                found[topic.topic] = image_message(link, now, seen, late)
+            if link.subscribers(topic.info_topic):
+                found[topic.info_topic] = camera_info_message(link, now, camera_model(camera))
+        for name, (deep, topics) in depth_topics(self._robot, self._spec).items():
+            seeing = self._camera(name, DepthCamera)  # type: ignore[type-abstract]
+            if seeing is not None and link.subscribers(topics.topic):
+                found[topics.topic], found[topics.colour] = depth_messages(link, now, seeing, late)
+            if link.subscribers(topics.info_topic):
+                found[topics.info_topic] = camera_info_message(link, now, deep.model)
+        return found
+
+    def _camera(self, name: str, kind: type[CapabilityT]) -> CapabilityT | None:
+        """Return a simulated camera by its name in the robot's file."""
+        named = self.inner.sensor(name)
+        return named if isinstance(named, kind) else self.inner.get(kind)
 
     def _reported(self, travel: WheelTravel) -> WheelTravel:
         """Return the travel of the wheels as the odometry reports it."""
@@ -308,8 +333,17 @@ class RosBench:
             spec.joint_states.topic: "sensor_msgs/JointState",
             spec.lidar.topic: "sensor_msgs/LaserScan",
             spec.imu.topic: "sensor_msgs/Imu",
-            spec.camera.topic: "sensor_msgs/Image",
-            spec.camera.info_topic: "sensor_msgs/CameraInfo",
+            **self._picture_kinds(),
             **({} if spec.gps is None else {spec.gps.topic: "sensor_msgs/NavSatFix"}),
         }
         return {topic: link.publisher(kind, topic) for topic, kind in kinds.items()}
+
+    def _picture_kinds(self) -> Mapping[str, str]:
+        """Return the type of each topic of the cameras."""
+        found: dict[str, str] = {}
+        for _, topic in camera_topics(self._robot, self._spec).values():
+            found |= {topic.topic: "sensor_msgs/Image", topic.info_topic: "sensor_msgs/CameraInfo"}
+        for _, topics in depth_topics(self._robot, self._spec).values():
+            found |= {topics.topic: "sensor_msgs/Image", topics.info_topic: "sensor_msgs/CameraInfo"}
+            found[topics.colour] = "sensor_msgs/Image"
+        return found

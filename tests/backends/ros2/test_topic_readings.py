@@ -9,8 +9,8 @@ import pytest
 from handcart.backends.description.ros_spec import RosTopicSpec
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.bench.local_messages import new_message
+from handcart.backends.ros2.cameras.ros_camera import TO_GREY, grey_picture
 from handcart.backends.ros2.joint_states import JointStates
-from handcart.backends.ros2.ros_camera import TO_GREY, grey_picture
 from handcart.backends.ros2.ros_lidar import RosLidar
 
 

@@ -10,9 +10,8 @@ from typing_extensions import override
 
 from handcart.backends.robot.mounted_camera import MountedCamera
 from handcart.backends.robot.placed_camera import PlacedCamera
+from handcart.backends.ros2.wire.topic_sensor import TopicSensor
 from handcart.robotics.numerics.arrays import ByteArray
-
-from .topic_sensor import TopicSensor
 
 TO_GREY = {
     "mono8": (1, None),

@@ -1,0 +1,1 @@
+"""Cameras by ROS 2: pictures and depth."""
