@@ -17,7 +17,7 @@ from handcart.files.printable import printable
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-SHIPPED_DOMAINS = ("books", "blocks", "field", "seam", "calibration", "objects", "activities")
+SHIPPED_DOMAINS = ("books", "blocks", "field", "seam", "calibration", "objects", "doors", "activities")
 """Shipped domains, each declared in a module of its name in `handcart.tasks`."""
 
 

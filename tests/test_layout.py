@@ -115,7 +115,7 @@ GENERAL = (
     "files",
     "tools",
 )
-OWN_ROOMS = ("books", "blocks", "field", "seam", "calibration", "objects")
+OWN_ROOMS = ("books", "blocks", "field", "seam", "calibration", "objects", "doors")
 WORDS = r"\bbooks?\b|shel(f|ves)\b|\bblocks?\b|magazine|\bspine|\bseam|landmark|\btargets\b"
 OTHER_WORDS = (
     'style="display:block">',

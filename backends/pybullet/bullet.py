@@ -31,6 +31,14 @@ class MissingPyBullet(InputError):
         super().__init__(f"the backend 'pybullet' needs PyBullet, which is not installed; {how}")
 
 
+class NoWorldJoints(InputError):
+    """Error: a world has doors, which this engine isn't given."""
+
+    def __init__(self, name: str) -> None:
+        allowed = "allowed: --backend kinematic, --backend mujoco"
+        super().__init__(f"the backend 'pybullet' simulates no doors, and the world has {name!r}; {allowed}")
+
+
 @contextmanager
 def quiet() -> Iterator[None]:
     """Discard what C code writes to stdout and stderr inside this context."""

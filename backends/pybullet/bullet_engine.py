@@ -27,7 +27,7 @@ from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .box_mesh import box_mesh
-from .bullet import bullet, quiet
+from .bullet import NoWorldJoints, bullet, quiet
 from .bullet_pose import matrix, placed
 from .bullet_renderer import BulletRenderer
 from .bullet_shapes import floor_look, plain_box, thing_shape, tile_shape
@@ -137,6 +137,8 @@ class BulletEngine(Engine):
     @override
     def add_thing(self, form: ThingForm) -> int:
         p, client = self.p, self.client
+        if form.hung is not None:
+            raise NoWorldJoints(form.hung.label)
         shape = thing_shape(client, form.pieces)
         visual = box_mesh(client, form.size, form.uvs, form.is_round)
         body = int(p.createMultiBody(form.mass, shape, visual, *placed(form.middle), physicsClientId=client))

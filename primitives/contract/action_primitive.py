@@ -23,6 +23,7 @@ from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace
 
 from .intents import UNRECORDED_INTENTS, Intents
+from .tracking_error_monitor import TRACKING_TOLERANCE_RAD
 
 Periods = Generator[None, None, None]
 
@@ -55,6 +56,8 @@ class ActionPrimitive(FileModel, ABC):
     """The pose of the base on the map must be known before it starts."""
     draws_map: ClassVar[bool] = False
     """It draws a map, so that it may begin without one."""
+    max_joint_error: ClassVar[float] = TRACKING_TOLERANCE_RAD
+    """Largest distance of a joint from its commands, in [rad] or [m]: more means that the arm is stuck."""
     arm_inside: ClassVar[bool] = False
     """The hand must be within the robot's footprint before it starts, because the base drives."""
 

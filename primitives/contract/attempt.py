@@ -186,7 +186,10 @@ def _watched(
 ) -> Periods:
     """Run the motion, watched every period; record it for the way back, up to the point of no return."""
     trace.record()
-    tracking, displaced = TrackingErrorMonitor(robot), robot.localization.displacements
+    tracking, displaced = (
+        TrackingErrorMonitor(robot, primitive.max_joint_error),
+        robot.localization.displacements,
+    )
     view = model.view(primitive)
     for _ in periods:
         _alone(robot, primitive)
@@ -315,7 +318,7 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, mo
     for _ in settle(robot):  # an arm that turns back at once jerks the base, and what stands on it slides
         _alone(robot, primitive)
         yield
-    end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot)
+    end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot, primitive.max_joint_error)
     standstill = StandstillMonitor(robot)
     for _ in way_back:
         _alone(robot, primitive)

@@ -22,8 +22,9 @@ class TrackingErrorMonitor:
     A stuck arm and frozen encoders look alike here; the arm is unusable in both cases.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
+    def __init__(self, robot: Robot, tolerance: float = TRACKING_TOLERANCE_RAD) -> None:
+        """Watch a robot whose joints may be off their commands by `tolerance`, in [rad] or [m]."""
+        self._robot, self._tolerance = robot, tolerance
         self._commands: deque[list[float]] = deque(maxlen=MAX_LAG_PERIODS)
         self._off = 0
 
@@ -41,7 +42,7 @@ class TrackingErrorMonitor:
             return
         commanded = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
         follows = all(
-            low - joint <= TRACKING_TOLERANCE_RAD and joint - high <= TRACKING_TOLERANCE_RAD
+            low - joint <= self._tolerance and joint - high <= self._tolerance
             for joint, (low, high) in zip(joints, commanded, strict=True)
         )  # NaN doesn't
         self._off = 0 if follows else self._off + 1
@@ -57,7 +58,7 @@ class TrackingErrorMonitor:
     def _follows_latest(self, joints: list[float]) -> bool:
         """Return whether all joints are at the latest command: then they are within the range of commands."""
         for joint, wanted in zip(joints, self._commands[-1], strict=True):
-            if not abs(joint - wanted) <= TRACKING_TOLERANCE_RAD:  # NaN neither
+            if not abs(joint - wanted) <= self._tolerance:  # NaN neither
                 return False
         return True
 
@@ -67,9 +68,7 @@ class TrackingErrorMonitor:
         name = f"joint {joint + 1}"
         return Discrepancy(
             f"{name} is {scale * off:.{digits}f} {unit} from its command",
-            measured=Measured(
-                "Arm", f"{name} off its command", scale * off, scale * TRACKING_TOLERANCE_RAD, unit
-            ),
+            measured=Measured("Arm", f"{name} off its command", scale * off, scale * self._tolerance, unit),
             check="following",
             cause=causes.NOT_FOLLOWING,
         )

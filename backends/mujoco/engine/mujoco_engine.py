@@ -213,6 +213,8 @@ class MujocoEngine(Engine):
         placed = np.concatenate([pose[:3, 3], quaternion(pose)])
         if body in self._numbering.things:
             thing = self._numbering.things[body]
+            if thing.coordinates == 1:
+                raise ValueError(f"the body {body} moves with a joint alone")
             data.qpos[thing.position : thing.position + 7] = placed
             data.qvel[thing.velocity : thing.velocity + 6] = 0.0
         else:
@@ -242,6 +244,10 @@ class MujocoEngine(Engine):
             self._slipping.let_go(data)
         else:
             self._slipping.hold(model, data, wanted, *self._joined(wanted))
+
+    @override
+    def pin_force(self) -> FloatArray:
+        return self.pins.force(self.data)
 
     def _joined(self, pinned: Pinned) -> tuple[int, int]:
         """MuJoCo's numbers of what is held together."""

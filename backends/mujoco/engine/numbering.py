@@ -9,6 +9,9 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import BoolArray, IntArray
 
+from .mujoco_module import mujoco
+
+FREE_COORDINATES = 7  # of a body that moves freely: its place and its orientation
 _NOBODY = (-1, -1)
 
 
@@ -17,9 +20,11 @@ class ThingNumbers(NamedTuple):
 
     body: int
     position: int
-    """Index of its seven coordinates."""
+    """Index of its first coordinate."""
     velocity: int
     geometries: tuple[int, ...]
+    coordinates: int
+    """Number of its coordinates: 1 on a joint of the world."""
 
 
 class Numbering:
@@ -34,7 +39,7 @@ class Numbering:
         Args:
             model: MuJoCo's model.
             links: engine's body and link of each body of the robot, by MuJoCo's number.
-            things: the engine's numbers of bodies that move freely.
+            things: the engine's numbers of bodies that move freely, or with a joint of the world.
         """
         self.owners: list[tuple[int, int]] = [_NOBODY] * int(model.ngeom)
         """Body and link of each geometry; -1 without a link."""
@@ -48,14 +53,26 @@ class Numbering:
                 mine.setdefault(int(name), []).append(geometry)
         self.things: dict[int, ThingNumbers] = {}
         for number in things:
-            joint = model.joint(f"{number}")
-            self.things[number] = ThingNumbers(
-                int(joint.bodyid[0]), int(joint.qposadr[0]), int(joint.dofadr[0]), tuple(mine[number])
-            )
+            self.things[number] = _numbers(model, number, tuple(mine[number]))
         self._numbers = np.array(list(self.things), np.int64)
-        first = np.array([each.position for each in self.things.values()], np.int64)
-        self._where: IntArray = first[:, None] + np.arange(7)
+        first, last = (
+            np.array(
+                [each.position + less * (each.coordinates - 1) for each in self.things.values()], np.int64
+            )
+            for less in (0, 1)
+        )
+        self._where: IntArray = np.minimum(first[:, None] + np.arange(FREE_COORDINATES), last[:, None])
 
     def moved(self, changed: BoolArray) -> frozenset[int]:
         """Things of which some of all coordinates (n,) have `changed`."""
         return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())
+
+
+def _numbers(model: Any, number: int, geometries: tuple[int, ...]) -> ThingNumbers:
+    """Return the indices of a thing; one that is fixed to another one has the joint of that."""
+    body = int(model.body(f"{number}").id)
+    carrier = body if model.body_jntnum[body] else int(model.body_parentid[body])
+    joint = int(model.body_jntadr[carrier])
+    free = model.jnt_type[joint] == mujoco().mjtJoint.mjJNT_FREE
+    position, velocity = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    return ThingNumbers(body, position, velocity, geometries, FREE_COORDINATES if free else 1)

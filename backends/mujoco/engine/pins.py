@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.physics.engine.engine import Pinned
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .mujoco_module import mujoco
 from .world_spec import CONTACT_COMPLIANCE
@@ -47,6 +48,13 @@ class Pins:
             sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MAX_PIN_POINTS, 3))
             / MAX_PIN_POINTS
         )
+
+    def force(self, data: Any) -> FloatArray:
+        """Return the force (3,) of the held thing on the hand, in the world, in [N]."""
+        if not self._there or not self.closed(data):
+            return np.zeros(3)
+        rows = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS]
+        return np.asarray(rows.reshape(-1, 3).sum(axis=0))
 
     def open(self, data: Any) -> None:
         """Release the held thing."""

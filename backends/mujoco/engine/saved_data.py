@@ -52,9 +52,11 @@ def _send_to_sleep(model: Any, data: Any, values: FloatArray, asleep: IntArray) 
     mj, flags = mujoco(), model.opt.disableflags
     first, policy = model.qpos0.copy(), model.tree_sleep_policy.copy()
     mj.mj_setState(model, data, values, mj.mjtState.mjSTATE_INTEGRATION)
-    for joint in np.flatnonzero(model.jnt_type == mj.mjtJoint.mjJNT_FREE):
+    trees = model.body_treeid[model.jnt_bodyid]
+    for joint in np.flatnonzero(asleep[trees] >= 0):
         at = int(model.jnt_qposadr[joint])
-        model.qpos0[at : at + _FREE] = data.qpos[at : at + _FREE]
+        count = _FREE if model.jnt_type[joint] == mj.mjtJoint.mjJNT_FREE else 1
+        model.qpos0[at : at + count] = data.qpos[at : at + count]
     model.tree_sleep_policy[policy == mj.mjtSleepPolicy.mjSLEEP_INIT] = mj.mjtSleepPolicy.mjSLEEP_ALLOWED
     model.tree_sleep_policy[asleep >= 0] = mj.mjtSleepPolicy.mjSLEEP_INIT
     model.opt.disableflags = flags | mj.mjtDisableBit.mjDSBL_CONTACT

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from handcart.backends.physics.engine.engine import GRAVITY_M_S2
 from handcart.backends.physics.engine.thing_form import Cuboid, Piece, Rod, ThingForm, Wedge
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -67,6 +67,8 @@ class WorldSpec:
         option.cone = mj.mjtCone.mjCONE_ELLIPTIC
         option.enableflags |= mj.mjtEnableBit.mjENBL_SLEEP
         self._floor = ""
+        self._hung: dict[str, tuple[str, Transform]] = {}
+        """Names and first poses of bodies on joints, by their labels."""
 
     def floor(self, number: int, friction: float) -> None:
         """Add a plane through the origin."""
@@ -109,17 +111,44 @@ class WorldSpec:
         )
 
     def thing(self, number: int, form: ThingForm) -> None:
-        """Add a free rigid body, around its middle."""
-        body = self.spec.worldbody.add_body(name=f"{number}", **where(form.middle))
-        body.add_freejoint(name=f"{number}")
+        """Add a rigid body around its middle, free or on a joint of the world."""
+        body = self._hang(number, form) if form.hung is not None else self._set_free(number, form)
         body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
         inertia = rod_inertia if form.is_round else box_inertia
         body.mass, body.inertia = form.mass, inertia(form.mass, form.size)
-        sleeps = mujoco().mjtSleepPolicy
-        body.sleep = sleeps.mjSLEEP_INIT if form.asleep else sleeps.mjSLEEP_ALLOWED
+        if form.hung is None or form.hung.joint is not None:
+            sleeps = mujoco().mjtSleepPolicy
+            body.sleep = sleeps.mjSLEEP_INIT if form.asleep else sleeps.mjSLEEP_ALLOWED
         for index, piece in enumerate(form.pieces):
             name = f"{number}" if index == 0 else f"{number}.{index}"
             self.solid(body, name, form.friction, **self._piece(name, piece))
+
+    def _set_free(self, number: int, form: ThingForm) -> Any:
+        body = self.spec.worldbody.add_body(name=f"{number}", **where(form.middle))
+        body.add_freejoint(name=f"{number}")
+        return body
+
+    def _hang(self, number: int, form: ThingForm) -> Any:
+        """Return a body on its joint, or fixed to the earlier body of its label."""
+        assert form.hung is not None
+        label, joint = form.hung
+        if joint is None:
+            name, middle = self._hung[label]
+            return self.spec.body(name).add_body(name=f"{number}", **where(inverse(middle) @ form.middle))
+        body = self.spec.worldbody.add_body(name=f"{number}", **where(form.middle))
+        self._hung[label] = f"{number}", form.middle
+        kinds, to_body = mujoco().mjtJoint, inverse(form.middle)
+        body.add_joint(
+            name=f"{number}",
+            type=kinds.mjJNT_SLIDE if joint.slides else kinds.mjJNT_HINGE,
+            pos=(to_body @ (*joint.point, 1.0))[:3],
+            axis=to_body[:3, :3] @ joint.axis,
+            limited=True,
+            range=joint.limits if joint.slides else np.degrees(joint.limits),
+            frictionloss=joint.friction,
+            damping=joint.damping,
+        )
+        return body
 
     def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
         """Give a geometry its friction.

@@ -58,6 +58,8 @@ class ContactReader:
             held: body of the held object; None: the hand is empty.
         """
         total, mine, hand = np.zeros(3), self._body.id, self._hand
+        if held in self._world.fixed:
+            return self._force_of_fixed()
         if any(each.link in hand and each.other not in (held, mine) for each in self._touching(mine)):
             for point in self._engine.contacts(mine):
                 if point.link in hand and point.other not in (held, mine):
@@ -68,6 +70,14 @@ class ContactReader:
             for point in self._engine.contacts(held):
                 if point.other != mine or point.other_link not in hand:
                     total += point.force
+        return total
+
+    def _force_of_fixed(self) -> FloatArray:
+        """Return the force on the hand, likewise, of a world whose joint the held body moves with."""
+        total = self._engine.pin_force()
+        for point in self._engine.contacts(self._body.id):
+            if point.link in self._hand and point.other != self._body.id:
+                total = total + point.force
         return total
 
     def pairs(self, held: int | None, riding: Collection[int]) -> Pairs:

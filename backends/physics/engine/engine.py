@@ -157,6 +157,10 @@ class Engine(ABC):
     def pin(self, wanted: Pinned | None) -> None:
         """Keep this rigid connection and no other; None releases it."""
 
+    def pin_force(self) -> FloatArray:
+        """Return the force (3,) of the rigid connection on its first body, in the world, in [N]."""
+        return np.zeros(3)
+
     # What is there
 
     @abstractmethod

@@ -70,6 +70,30 @@ class Sticks(NamedTuple):
     """[Ns/m]"""
 
 
+class OnJoint(NamedTuple):
+    """A body on a joint of the world; bodies with one label move together."""
+
+    label: str
+    joint: WorldJoint | None
+    """Joint to the world; None: the body is fixed to the earlier one with the same label."""
+
+
+class WorldJoint(NamedTuple):
+    """A hinge or a slide, at its reading 0 where the body is made."""
+
+    slides: bool
+    point: tuple[float, float, float]
+    """On the axis, in the world, in [m]."""
+    axis: tuple[float, float, float]
+    """Unit vector, in the world."""
+    limits: tuple[float, float]
+    """[rad] or [m]"""
+    friction: float
+    """[Nm] or [N]"""
+    damping: float
+    """[Nms/rad] or [Ns/m]"""
+
+
 class ThingForm(NamedTuple):
     """A rigid body with its pose and its appearance."""
 
@@ -100,3 +124,5 @@ class ThingForm(NamedTuple):
     """True if it looks like a cylinder along z; only its ends can be printed."""
     portrait: Callable[[], ByteArray | None] | None = None
     """Coloured picture for people; None if nothing is printed."""
+    hung: OnJoint | None = None
+    """Joint that it moves with; None: it moves freely."""

@@ -33,22 +33,24 @@ class ThingBody:
         """Make it where the thing is; asleep until something touches it."""
         self.engine, self.thing = engine, thing
         self._mass = thing.mass
-        self.id = engine.add_thing(
-            ThingForm(
-                thing.pose @ thing.thing_T_middle,
-                thing.size,
-                self._mass,
-                self.pieces(),
-                self.friction(),
-                self.uvs(),
-                self.first_picture(),
-                self.STICKS,
-                self.asleep(),
-                thing.material,
-                self.printed,
-                self.thing.is_round,
-                self.portrait,
-            )
+        self.id = engine.add_thing(self.form())
+
+    def form(self) -> ThingForm:
+        """Return the description of the body."""
+        return ThingForm(
+            self.thing.pose @ self.thing.thing_T_middle,
+            self.thing.size,
+            self._mass,
+            self.pieces(),
+            self.friction(),
+            self.uvs(),
+            self.first_picture(),
+            self.STICKS,
+            self.asleep(),
+            self.thing.material,
+            self.printed,
+            self.thing.is_round,
+            self.portrait,
         )
 
     def pieces(self) -> tuple[Piece, ...]:

@@ -71,6 +71,8 @@ class WorldBodies:
         """Bodies of things, by their names."""
         self.bodies: dict[str, int] = {}
         """Their numbers."""
+        self.fixed: set[int] = set()
+        """Numbers of those that move with a joint of the world alone."""
         for thing in scene.things():
             self.add(thing)
         self._made.clear()
@@ -83,6 +85,8 @@ class WorldBodies:
         self.bodies[thing.name] = made.id
         self.names[made.id] = thing.name
         self._made.append(thing.name)
+        if not thing.FREE:
+            self.fixed.add(made.id)
         if type(thing).mass is not Thing.mass:
             self._weighed.append(made)
 

@@ -66,6 +66,8 @@ class Fingers:
     def _slide(self, thing: Thing, width: float) -> None:
         """Let the finger that meets a thing first push it."""
         scene, pads = self._scene, self._pads()
+        if not thing.FREE:
+            return
         aside = aside_at_pads(thing, pads)
         over = abs(aside) + (self._thickness(thing) - width) / 2
         if over > 0.0:

@@ -43,6 +43,9 @@ class Thing(ABC):
     """Density of wood, in [kg/m³]."""
     WEIGHS: ClassVar[bool] = False
     """True if the hand's force reading includes the weight of a held thing."""
+    FREE: ClassVar[bool] = True
+    """False if it is fixed to a joint of the world: closing fingers don't push it, and a hand that holds it
+    feels what moves it."""
 
     pose: Transform
     """world_T_thing (4, 4)."""

@@ -1,0 +1,1 @@
+"""Doors and drawers in physics."""

@@ -1,0 +1,78 @@
+"""The doors and drawers of a simulated world."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from typing_extensions import override
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.world.grasp import Pads, fits
+from handcart.backends.simulation.world.hand_rule import HandRule
+from handcart.backends.simulation.world.props import Props
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .door_part import FRONT, HANDLE, DoorPart, middle_of, new_part, part_at
+from .door_rule import DoorRule
+from .spec import DoorsSection
+
+
+class DoorProps(Props[DoorsSection]):
+    """Doors by their names in the world's file, each a front and a handle on one joint."""
+
+    section = DoorsSection
+    STATE: ClassVar[Kinds] = {"parts": dict[str, DoorPart], "openings": dict[str, float]}
+
+    @override
+    def set_up(self) -> None:
+        self.parts = {
+            part.name: part
+            for spec in self.spec.doors
+            for part in (new_part(spec, kind, spec.opened) for kind in (FRONT, HANDLE))
+        }
+        self.openings = {spec.name: spec.opened for spec in self.spec.doors}
+        self.scene.changes += 1
+
+    @override
+    def things(self) -> Iterable[DoorPart]:
+        return self.parts.values()
+
+    @override
+    def hand_rule(self, arm: ArmModel) -> HandRule | None:
+        return DoorRule(self.scene, arm, self.opening_of, self.put) if self.parts else None
+
+    @override
+    def fits(self, thing: Thing, pads: Pads) -> bool:
+        return isinstance(thing, DoorPart) and thing.is_handle and fits(thing, pads)
+
+    @override
+    def let_go(self, thing: Thing) -> None:
+        thing.rest = Rest.TABLE
+
+    @override
+    def rested(self, thing: Thing) -> None:
+        thing.rest = Rest.TABLE
+        self._note_opening(thing)
+
+    @override
+    def taken(self, thing: Thing) -> None:
+        super().taken(thing)
+        self._note_opening(thing)
+
+    def opening_of(self, name: str) -> float:
+        """Return the opening of a door, in [rad] or [m]."""
+        return self.openings[name]
+
+    def put(self, name: str, opening: float) -> None:
+        """Open a door of a world without physics, in [rad] or [m]."""
+        spec = self.parts[f"{FRONT} {name}"].spec
+        self.openings[name] = opening
+        for part in (FRONT, HANDLE):
+            self.parts[f"{part} {name}"].pose = part_at(spec, part, opening)
+        self.scene.changes += 1
+
+    def _note_opening(self, thing: Thing) -> None:
+        if isinstance(thing, DoorPart) and thing.is_handle:
+            self.openings[thing.spec.name] = thing.spec.true_joint().opening_at(middle_of(thing))

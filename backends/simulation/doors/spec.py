@@ -1,0 +1,67 @@
+"""Doors and drawers in a world's file."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from handcart.backends.description.door_shape import DoorShape
+from handcart.backends.simulation.world.world_file import Name, each_once
+from handcart.files.models.model import FileModel
+from handcart.robotics.manipulation.doors.door_joint import DoorJoint
+
+
+class SimulatedDoorSpec(DoorShape):
+    """A door or a drawer as it truly is; heavy enough to stay where it is left."""
+
+    name: Name
+    friction_n: Annotated[float, Field(ge=0.0, le=500.0)] = 5.0
+    """Force at the handle that moves it slowly."""
+    damping_n_s_m: Annotated[float, Field(ge=0.0, le=1000.0)] = 10.0
+    """Further force by the speed of the handle, in physics."""
+    mass_kg: Annotated[float, Field(gt=0.0, le=200.0)] = 8.0
+    locked: bool = False
+    """It does not move at all."""
+    jams_deg: Annotated[float, Field(gt=0.0, le=180.0)] | None = None
+    """Opening of a hinged door beyond which something blocks it."""
+    jams_mm: Annotated[float, Field(gt=0.0, le=2000.0)] | None = None
+    """Likewise of a drawer."""
+    grey: Annotated[int, Field(ge=0, le=255)] = 170
+
+    @model_validator(mode="after")
+    def _has_radius(self) -> Self:
+        if self.is_hinged and self.radius_m is None:
+            raise ValueError("a hinged door needs its radius_m; allowed: 0.1 to 3 m")
+        return self
+
+    @property
+    def stop(self) -> float:
+        """Largest opening that is possible, in [rad] or [m]."""
+        if self.locked:
+            return self.opened
+        jam = self.jams_deg if self.is_hinged else self.jams_mm
+        if jam is None:
+            return self.travel
+        return min(self.travel, math.radians(jam) if self.is_hinged else jam / 1e3)
+
+    @property
+    def start(self) -> float:
+        """Smallest opening that is possible, in [rad] or [m]."""
+        return self.opened if self.locked else 0.0
+
+    def true_joint(self) -> DoorJoint:
+        """Return its joint in the world."""
+        return self.joint(self.handle.pose, self.radius_m or 1.0)
+
+
+class DoorsSection(FileModel):
+    """Keys of a world's file about doors and drawers."""
+
+    doors: tuple[SimulatedDoorSpec, ...] = ()
+
+    @model_validator(mode="after")
+    def _each_door_once(self) -> Self:
+        each_once("door", (each.name for each in self.doors))
+        return self

@@ -1,0 +1,1 @@
+"""Ground truth of opening and closing doors and drawers."""

@@ -1,0 +1,52 @@
+"""True openings and hinges of doors, and how far from them a primitive's findings are."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.simulation.doors.door_part import HANDLE, DoorPart
+from handcart.backends.simulation.doors.door_props import DoorProps
+from handcart.evaluation.judging.survey import Survey
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.manipulation.doors.door_joint import DoorJoint
+
+
+class HingeErrors(NamedTuple):
+    """Errors of a measured hinge."""
+
+    place_mm: float
+    """Of the axis at the height of the handle, relative to the base."""
+    axis_deg: float
+    radius_mm: float
+
+
+def door_of(survey: Survey, name: str) -> DoorPart | None:
+    """Return the handle of a simulated door; None if the world has no door of that name."""
+    return survey.run.world.of(DoorProps).parts.get(f"{HANDLE} {name}")
+
+
+def true_opening(survey: Survey, name: str) -> float:
+    """Return the opening of a door, in [rad] or [m]."""
+    return survey.run.world.of(DoorProps).openings[name]
+
+
+def hinge_errors(survey: Survey, primitive: ActionPrimitive, joint: DoorJoint) -> HingeErrors | None:
+    """Return the errors of the hinge that a primitive found; None if it found none, or there is none."""
+    facts = primitive.facts
+    if joint.hinge is None or "hinge_x_m" not in facts:
+        return None
+    there = joint.closed @ (*joint.hinge, 0.0, 1.0)
+    x, y, z = (inverse(survey.run.world.world_T_base) @ there)[:3].tolist()
+    found = [float(facts[key]) for key in ("hinge_x_m", "hinge_y_m", "hinge_z_m")]
+    tilt = np.array([float(facts["axis_x"]), float(facts["axis_y"])])
+    # The axis is upright: at the height of the handle the found one is aside by its tilt.
+    off = np.array([found[0] - x, found[1] - y]) + tilt * (z - found[2])
+    return HingeErrors(
+        1e3 * float(np.hypot(*off)),
+        math.degrees(math.asin(min(1.0, float(np.hypot(*tilt))))),
+        abs(float(facts["radius_mm"]) - 1e3 * joint.radius),
+    )

@@ -1,0 +1,110 @@
+"""World model section of doors and drawers."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+from typing_extensions import override
+
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_document import read_document
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .doors_file import DoorsFile, gripper_findings
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.files.errors import Finding
+    from handcart.robotics.navigation.maps.grid_map import GridMap
+
+NOTHING_KNOWN = DoorsFile(format="handcart-doors/1", doors={})
+
+
+class MeasuredHinge(NamedTuple):
+    """Axis of a door, measured while its handle was moved; on the map."""
+
+    x: float
+    y: float
+    sigma: float
+    """Standard deviation in the worse direction, relative to the base, in [m]."""
+    radius: float
+    """Distance from the axis to the handle, in [m]."""
+    radius_sigma: float
+
+
+class DoorState(NamedTuple):
+    """A door as a hand left it."""
+
+    door: str
+    motion: str
+    """Shape of the measured path of its handle: `hinged`, `sliding` or `undetermined`."""
+    opened: float
+    """In [rad] if it is hinged, otherwise in [m]; 0 where it is closed."""
+    closed: Pose2
+    """Handle of the closed door, on the map."""
+    sign: float
+    """1 or -1: of the turn about z when it opens, or of the way along x of its handle."""
+    hinge: MeasuredHinge | None = None
+
+
+@dataclass
+class Doors(Section):
+    """Knowledge of a robot that opens and closes doors."""
+
+    FILES: ClassVar = {"doors": DoorsFile}
+    LEARNED: ClassVar = ("door_states",)
+
+    doors: DoorsFile = NOTHING_KNOWN
+    """Doors and drawers."""
+    door_states: tuple[DoorState, ...] = ()
+    """Doors that were moved, each once."""
+    listed: Loaded[DoorsFile] | None = field(default=None, repr=False, compare=False)
+    """The file with the lines of its values."""
+
+    @override
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        listed = files.read("doors", lambda path: load_document(read_document(path), DoorsFile))
+        return cls() if listed is None else cls(listed.value, listed=listed)
+
+    @override
+    def faults(self, robot: RobotFile) -> Iterator[Finding]:
+        """Report handles that the fingers cannot take between them."""
+        if self.listed is not None and robot.gripper is not None:
+            yield from gripper_findings(self.listed.document, self.doors, robot.gripper.opening_mm)
+
+    @override
+    def names(self) -> Mapping[str, Collection[object]]:
+        return {} if self.listed is None else {"doors": self.doors.doors}
+
+    @override
+    def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
+        if self.listed is None:
+            return
+        for name, door in self.doors.doors.items():
+            if door.place not in places:
+                words = f"unknown place {door.place!r}{suggest(door.place, places)}"
+                yield self.listed.finding(("doors", name, "place"), words)
+
+    def state_of(self, name: str) -> DoorState | None:
+        """Return how a door was left; None if it wasn't moved."""
+        return next((each for each in self.door_states if each.door == name), None)
+
+    def note(self, state: DoorState) -> None:
+        """Note how a door was left."""
+        others = (each for each in self.door_states if each.door != state.door)
+        self.door_states = (*others, state)
+
+    @override
+    def noted(self) -> dict[str, Any]:
+        return {
+            "door_states": [
+                [*each[:3], list(each.closed), each.sign, None if each.hinge is None else list(each.hinge)]
+                for each in self.door_states
+            ]
+        }

@@ -1,0 +1,176 @@
+"""Moving a held handle along a path that is estimated on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.motions.pushing import relax
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.manipulation.doors.path_fit import PathFit, PathPrior, fit_path
+from handcart.robotics.numerics.arrays import FloatArray
+
+SPEED_M_S = 0.04
+ACCELERATION_M_S2 = 0.08
+GIVES_M_S_N = 0.0024  # speed with which the hand yields to a force across the path
+GIVES_AT_REST_M_S_N = 0.0006  # likewise in any direction, as soon as the fingers have closed
+MAX_GIVING_M_S = 0.02
+EASY_FORCE_N = 10.0  # resistance up to which the hand keeps its speed
+MAX_PULL_N = 18.0  # resistance at which it stands still
+MAX_FORCE_N = 25.0  # in any direction
+BLOCKED_SPEED_M_S = 0.004
+BLOCKED_PERIODS = 16
+OVER_PERIODS = 2  # above the maximum force
+MAX_TURN_RATE_RAD_S = 0.4
+POINT_SPACING_M = 0.002
+POINT_SIGMA_M = 0.0004  # of the hand on the bar, by the joints
+DAMPING = 1e-5  # of the inverse kinematics
+SPEED_MARGIN = 0.8  # of a joint's top speed
+MAX_LEAD_RAD = 0.04  # of a joint's command before its reading: less than what counts as not following
+RELAX_PERIODS = 10
+BIAS_PERIODS = 5
+
+
+class PullEnding(Enum):
+    """Reason why a pull ended."""
+
+    REACHED = "reached"
+    RESISTED = "resisted"
+    """The handle does not go further with the allowed force."""
+    OUT_OF_REACH = "out of reach"
+    """The arm does not go further."""
+
+
+class Pull(NamedTuple):
+    """A path that a handle was moved along."""
+
+    path: PathFit
+    ending: PullEnding
+    point: FloatArray
+    """(3,) measured middle of the bar at the end, in the base frame, in [m]."""
+    max_force: float
+    """Largest measured force on the hand, in [N]."""
+
+
+def measured_bar(robot: Robot, grip: FloatArray) -> FloatArray:
+    """Return the middle (3,) of a held bar in the base frame, by the measured joints."""
+    return np.asarray((robot.base_T("hand") @ np.append(grip, 1.0))[:3])
+
+
+def measured_bias(robot: Robot) -> Generator[None, None, FloatArray]:
+    """Return the force (3,) on an empty hand at rest, in the base frame, in [N]."""
+    yield from settle(robot)
+    forces: list[FloatArray] = []
+    for _ in range(BIAS_PERIODS):
+        forces.append(_force(robot))
+        yield
+    return np.asarray(np.mean(forces, axis=0))
+
+
+def yield_to_force(robot: Robot, bias: FloatArray) -> Generator[None, None, None]:
+    """Let a hand that has just closed on a handle give way to the force on it."""
+    yield from relax(robot)
+    for _ in range(RELAX_PERIODS):
+        give = GIVES_AT_REST_M_S_N * (_force(robot) - bias)
+        _step(robot, np.concatenate([_at_most(give, MAX_GIVING_M_S), np.zeros(3)]))
+        yield
+    yield from relax(robot)
+
+
+def pull(
+    robot: Robot,
+    grip: FloatArray,
+    prior: PathPrior,
+    is_there: Callable[[PathFit, FloatArray], bool],
+    bias: FloatArray,
+) -> Generator[None, None, Pull]:
+    """Move a held handle along its path until it is far enough, or resists.
+
+    The hand goes along the tangent of the path that fits all measured points so far, and yields to the force
+    across it. It turns as the path does.
+
+    Args:
+        robot: its hand holds a handle.
+        grip: (3,) middle of the bar in the frame of the hand, in [m].
+        prior: believed path, in the base frame.
+        is_there: given the path so far and the bar, whether it is far enough.
+        bias: (3,) force on the hand without a handle, in the base frame, in [N].
+    """
+    first = robot.arm_model.forward(robot.arm.command())
+    points = [measured_bar(robot, grip)]
+    path = fit_path(np.array(points), POINT_SIGMA_M, prior)
+    speed, strongest, slow, over = 0.0, 0.0, 0, 0
+    ending, force = PullEnding.REACHED, _force(robot) - bias
+    while True:
+        bar, force, before = measured_bar(robot, grip), _force(robot) - bias, force
+        if float(np.linalg.norm(bar - points[-1])) >= POINT_SPACING_M:
+            points.append(bar)
+            path = fit_path(np.array(points), POINT_SIGMA_M, prior)
+        along = path.tangent(bar)
+        resistance, size = float(-along @ force), float(np.linalg.norm(force))
+        strongest = max(strongest, size)
+        if is_there(path, bar):
+            break
+        over = over + 1 if size > MAX_FORCE_N else 0
+        easy = (MAX_PULL_N - resistance) / (MAX_PULL_N - EASY_FORCE_N)
+        allowed = SPEED_M_S * min(1.0, max(0.0, min(easy, 4.0 * (1.0 - _lead(robot) / MAX_LEAD_RAD))))
+        speed = min(allowed, speed + ACCELERATION_M_S2 * robot.period)
+        slow = slow + 1 if speed < BLOCKED_SPEED_M_S else 0
+        if slow >= BLOCKED_PERIODS or over >= OVER_PERIODS:
+            ending = PullEnding.RESISTED
+            break
+        mean = (
+            force + before
+        ) / 2.0  # a stiff arm that yields to each force alone swings from period to period
+        gives = _at_most(GIVES_M_S_N * (mean - (mean @ along) * along), MAX_GIVING_M_S)
+        turn = _turn_rate(robot, first, path.turned(bar))
+        if not _step(robot, np.concatenate([speed * along + gives, turn])):
+            ending = PullEnding.OUT_OF_REACH
+            break
+        yield
+    yield from relax(robot)
+    yield from settle(robot)
+    return Pull(path, ending, measured_bar(robot, grip), strongest)
+
+
+def _force(robot: Robot) -> FloatArray:
+    """Return the force (3,) on the hand, in the base frame, in [N]."""
+    return np.asarray(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())
+
+
+def _turn_rate(robot: Robot, first: Transform, turned: float) -> FloatArray:
+    """Return the turn rate (3,) that brings the hand to its first orientation, turned about the vertical."""
+    wanted = Rotation.from_euler("z", turned).as_matrix() @ first[:3, :3]
+    now = robot.arm_model.forward(robot.arm.command())[:3, :3]
+    off = Rotation.from_matrix(wanted @ now.T).as_rotvec()
+    return _at_most(np.asarray(off / (2.0 * robot.period)), MAX_TURN_RATE_RAD_S)
+
+
+def _step(robot: Robot, twist: FloatArray) -> bool:
+    """Command a velocity (6,) of the hand, in [m/s] and [rad/s]; return False at a joint's limit."""
+    arm, here = robot.arm_model, robot.arm.command()
+    J = arm.jacobian(here)
+    rates = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(6), twist)
+    most = SPEED_MARGIN * robot.joint_speeds
+    rates /= max(1.0, float((np.abs(rates) / most).max()))
+    goal = here + rates * robot.period
+    if not arm.within(goal):
+        return False
+    robot.arm.move(goal)
+    return True
+
+
+def _lead(robot: Robot) -> float:
+    """Return how far a joint is from its command, in [rad]; of joints that slide, in [m]."""
+    return float(np.abs(robot.arm.command() - robot.arm.joints()).max())
+
+
+def _at_most(vector: FloatArray, most: float) -> FloatArray:
+    size = float(np.linalg.norm(vector))
+    return vector if size <= most else np.asarray(vector * (most / size))

@@ -1,0 +1,79 @@
+"""Motion of a door or a drawer with one joint."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.numerics.arrays import FloatArray
+
+
+class DoorJoint(NamedTuple):
+    """Hinge with a vertical axis, or a level slide.
+
+    The frame of a handle: origin in the middle of its bar, x away from the closed door towards somebody in
+    front of it, z up.
+    """
+
+    closed: Transform
+    """Pose (4, 4) of the handle with the door closed."""
+    hinge: tuple[float, float] | None
+    """x and y of the hinge in that frame, in [m]; None for a slide."""
+    sign: float
+    """1 or -1: of the turn about z when the door opens, or of the way along x."""
+
+    @property
+    def radius(self) -> float:
+        """Distance from the hinge to the handle, in [m]; infinity for a slide."""
+        return math.inf if self.hinge is None else math.hypot(*self.hinge)
+
+    def with_handle(self, handle: Transform, opening: float) -> DoorJoint:
+        """Return the joint of a door whose handle is at a pose (4, 4) with an opening, in [rad] or [m]."""
+        return self._replace(closed=np.asarray(handle @ inverse(self._moved(opening))))
+
+    def _moved(self, opening: float) -> Transform:
+        """Return the pose (4, 4) of the open door's handle in the frame of the closed one."""
+        if self.hinge is None:
+            return transform((self.sign * opening, 0.0, 0.0))
+        there = transform((*self.hinge, 0.0))
+        return np.asarray(there @ transform(rpy=(0.0, 0.0, self.sign * opening)) @ inverse(there))
+
+    def displaced(self, opening: float) -> Transform:
+        """Return the displacement (4, 4) of everything on the door by its opening, in [rad] or [m]."""
+        return np.asarray(self.closed @ self._moved(opening) @ inverse(self.closed))
+
+    def handle_at(self, opening: float) -> Transform:
+        """Return the pose (4, 4) of the handle at an opening, in [rad] or [m]."""
+        return np.asarray(self.displaced(opening) @ self.closed)
+
+    def opening_at(self, point: FloatArray) -> float:
+        """Return the opening, in [rad] or [m], at which the handle is nearest to a point (3,)."""
+        x, y, _ = (inverse(self.closed) @ np.append(point, 1.0))[:3].tolist()
+        if self.hinge is None:
+            return float(self.sign * x)
+        hx, hy = self.hinge
+        turn = math.atan2(y - hy, x - hx) - math.atan2(-hy, -hx)
+        return self.sign * math.remainder(turn, 2.0 * math.pi)
+
+    def travel(self, opening: float) -> float:
+        """Return the way of the handle to an opening, in [m]."""
+        return opening if self.hinge is None else opening * self.radius
+
+    def heading(self, opening: float) -> float:
+        """Return the direction in which the handle moves while the door opens further, in [rad]."""
+        step = self.handle_at(opening + 1e-6)[:3, 3] - self.handle_at(opening)[:3, 3]
+        return math.atan2(step[1], step[0])
+
+    def opening_of(self, handle: Transform) -> float:
+        """Return the opening by the orientation of the handle (4, 4), in [rad]; of a slide by its place."""
+        if self.hinge is None:
+            return self.opening_at(handle[:3, 3])
+        turn = math.atan2(handle[1, 0], handle[0, 0]) - math.atan2(self.closed[1, 0], self.closed[0, 0])
+        return self.sign * math.remainder(turn, 2.0 * math.pi)
+
+    def curvature(self) -> float:
+        """Return the signed curvature of its path, in [1/m]: positive to the left, 0 for a slide."""
+        return 0.0 if self.hinge is None else self.sign / self.radius

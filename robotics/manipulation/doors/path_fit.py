@@ -1,0 +1,180 @@
+"""Arc or line that a handle follows, fitted to measured points of its path."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.numerics.arrays import FloatArray
+
+OFFSET, HEADING, CURVATURE, HEIGHT, SLOPE_X, SLOPE_Y = range(6)
+STRAIGHT_SIGMAS = 4.0  # of the curvature, below which a path may be straight
+STRAIGHT_CURVATURE = 0.2  # [1/m]: a path that surely has less is taken for straight
+MIN_CURVATURE = 1e-9  # [1/m]
+MIN_ROOT = 1e-9  # under the square root, of points beyond the middle of a circle
+
+
+class PathPrior(NamedTuple):
+    """Belief about the path before it was measured."""
+
+    heading: float
+    """Direction at the start, in [rad]."""
+    heading_sigma: float
+    curvature: float
+    """In [1/m], positive to the left."""
+    curvature_sigma: float
+    slope_sigma: float
+    """Standard deviation of the slope of its plane, along each level axis, without unit."""
+
+
+class HingeFit(NamedTuple):
+    """Axis about which a handle turns."""
+
+    point: FloatArray
+    """(3,) of the axis in the plane of the path, in [m]."""
+    covariance: FloatArray
+    """(2, 2) of its x and y, in [m²]."""
+    radius: float
+    """[m]"""
+    radius_sigma: float
+    axis: FloatArray
+    """(3,) unit vector, upwards."""
+    axis_sigma: float
+    """Standard deviation of its tilt in the worse direction, in [rad]."""
+
+
+class PathFit(NamedTuple):
+    """A level arc, or a line, in a plane that may slope a little.
+
+    `state` (6,): offset of the path to the left of the origin in [m], heading there in [rad], curvature in
+    [1/m], height over the origin in [m], slopes of the plane along x and y.
+    """
+
+    origin: FloatArray
+    """(3,) first point, in [m]."""
+    state: FloatArray
+    covariance: FloatArray
+    """(6, 6)."""
+    rms: float
+    """Root mean square of the points' distances from the path, in [m]."""
+
+    @property
+    def curvature(self) -> float:
+        """In [1/m], positive to the left."""
+        return float(self.state[CURVATURE])
+
+    @property
+    def curvature_sigma(self) -> float:
+        """Standard deviation of the curvature, in [1/m]."""
+        return math.sqrt(self.covariance[CURVATURE, CURVATURE])
+
+    @property
+    def is_curved(self) -> bool | None:
+        """True for an arc, False for a line, None while the points allow both."""
+        size, sigma = abs(self.curvature), self.curvature_sigma
+        if size > STRAIGHT_SIGMAS * sigma:
+            return size > STRAIGHT_CURVATURE
+        return False if size + STRAIGHT_SIGMAS * sigma < STRAIGHT_CURVATURE else None
+
+    def turned(self, point: FloatArray) -> float:
+        """Return the turn of the path from its start to next to a point (3,), in [rad], left positive."""
+        u, v = _along_and_aside((point - self.origin)[None], self.state)
+        return math.atan2(self.curvature * float(u[0]), 1.0 - self.curvature * float(v[0]))
+
+    def travel(self, point: FloatArray) -> float:
+        """Return the way along the path from its start to next to a point (3,), in [m]."""
+        if abs(self.curvature) < MIN_CURVATURE:
+            return float(_along_and_aside((point - self.origin)[None], self.state)[0][0])
+        return self.turned(point) / self.curvature
+
+    def tangent(self, point: FloatArray) -> FloatArray:
+        """Return the unit vector (3,) along the path next to a point (3,)."""
+        heading = float(self.state[HEADING]) + self.turned(point)
+        level = np.array([math.cos(heading), math.sin(heading)])
+        way = np.append(level, level @ self.state[SLOPE_X:])
+        return np.asarray(way / np.linalg.norm(way))
+
+    def hinge(self) -> HingeFit:
+        """Return the axis of the arc, with its uncertainty by that of the fit.
+
+        Raises:
+            ZeroDivisionError: the path is straight.
+        """
+        offset, heading, curvature = self.state[:3].tolist()
+        aside = np.array([-math.sin(heading), math.cos(heading)])
+        reach = offset + 1.0 / curvature
+        middle = reach * aside
+        J = np.column_stack(
+            [aside, -reach * np.array([math.cos(heading), math.sin(heading)]), -aside / curvature**2]
+        )
+        normal = np.append(-self.state[SLOPE_X:], 1.0)
+        height = float(self.state[HEIGHT] + middle @ self.state[SLOPE_X:])
+        slopes = np.linalg.eigvalsh(self.covariance[SLOPE_X:, SLOPE_X:])
+        return HingeFit(
+            self.origin + np.append(middle, height),
+            np.asarray(J @ self.covariance[:3, :3] @ J.T),
+            1.0 / abs(curvature),
+            self.curvature_sigma / curvature**2,
+            np.asarray(normal / np.linalg.norm(normal)),
+            math.sqrt(float(slopes.max())),
+        )
+
+
+def fit_path(points: FloatArray, sigma: float, prior: PathPrior) -> PathFit:
+    """Fit an arc or a line to points of a handle's path, by least squares of the distances.
+
+    The parameters are those of Karimäki (1991), "Effective circle fitting for particle trajectories", eq. 1:
+    they have no singularity at the straight line, so one fit serves hinges and slides.
+
+    Args:
+        points: (n, 3) measured points in the order of the motion, in [m]; at least one.
+        sigma: standard deviation of each coordinate, in [m]; errors of different points are independent.
+        prior: belief that counts as further measurements.
+    """
+    from scipy.optimize import least_squares
+
+    origin = np.array(points[0], dtype=np.float64)
+    around = np.asarray(points - origin, dtype=np.float64)
+    start = np.array([0.0, prior.heading, prior.curvature, 0.0, 0.0, 0.0])
+
+    def residuals(state: FloatArray) -> FloatArray:
+        return np.concatenate([_distances(around, state).ravel() / sigma, _off_belief(state, prior)])
+
+    found = least_squares(residuals, start, method="lm")
+    information = found.jac.T @ found.jac
+    distances = _distances(around, found.x)
+    rms = float(np.sqrt(np.mean(np.sum(distances**2, axis=1))))
+    return PathFit(origin, np.asarray(found.x), np.asarray(np.linalg.pinv(information)), rms)
+
+
+def _distances(around: FloatArray, state: FloatArray) -> FloatArray:
+    """Return the distances (n, 2) of points (n, 3) from the path, in its plane and out of it, in [m]."""
+    u, v = _along_and_aside(around, state)
+    curvature = float(state[CURVATURE])
+    power = v - 0.5 * curvature * (u**2 + v**2)
+    root = np.sqrt(np.maximum(1.0 - 2.0 * curvature * power, MIN_ROOT))
+    aside = 2.0 * power / (1.0 + root)  # Karimäki (1991), eq. 2, without its approximation
+    return np.column_stack([aside, around[:, 2] - state[HEIGHT] - around[:, :2] @ state[SLOPE_X:]])
+
+
+def _along_and_aside(around: FloatArray, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the coordinates (n,) of points along the heading of the start and to its left, in [m]."""
+    cos, sin = math.cos(state[HEADING]), math.sin(state[HEADING])
+    return (
+        cos * around[:, 0] + sin * around[:, 1],
+        -sin * around[:, 0] + cos * around[:, 1] - float(state[OFFSET]),
+    )
+
+
+def _off_belief(state: FloatArray, prior: PathPrior) -> FloatArray:
+    """Return the residuals (4,) of the belief, in standard deviations."""
+    return np.array(
+        [
+            math.remainder(state[HEADING] - prior.heading, 2.0 * math.pi) / prior.heading_sigma,
+            (state[CURVATURE] - prior.curvature) / prior.curvature_sigma,
+            state[SLOPE_X] / prior.slope_sigma,
+            state[SLOPE_Y] / prior.slope_sigma,
+        ]
+    )

@@ -1,0 +1,71 @@
+"""OPEN and CLOSE on drawers and doors."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from handcart.primitives.doors.close_door import CloseDoor
+from handcart.primitives.doors.doors import Doors
+from handcart.primitives.doors.open_door import OpenDoor
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.outcome import Fail, Success
+
+from .door_rig import opening, rig_at
+
+FRICTION = "friction_n: 6"
+
+
+def test_open_drawer_is_as_open_as_asked_and_closes_again(tmp_path: Path) -> None:
+    with rig_at("drawer", tmp_path) as rig:
+        assert isinstance(rig.do(OpenDoor(door="drawer", travel_mm=220.0)), Success)
+        state = rig.model.of(Doors).state_of("drawer")
+        assert state is not None and state.motion == "sliding"
+        assert opening(rig, "drawer") == pytest.approx(0.22, abs=0.006)
+        assert state.opened == pytest.approx(opening(rig, "drawer"), abs=0.002)
+        assert isinstance(rig.do(CloseDoor(door="drawer")), Success)
+        assert opening(rig, "drawer") == pytest.approx(0.0, abs=0.002)
+
+
+def test_open_door_finds_its_hinge(tmp_path: Path) -> None:
+    with rig_at("cupboard", tmp_path) as rig:
+        outcome = rig.do(OpenDoor(door="cupboard", angle_deg=20.0))
+        assert isinstance(outcome, Success)
+        state = rig.model.of(Doors).state_of("cupboard")
+        assert state is not None and state.hinge is not None
+        assert math.degrees(opening(rig, "cupboard")) == pytest.approx(20.0, abs=0.6)
+        assert state.hinge.radius == pytest.approx(0.62, abs=0.01)
+        assert float(outcome.evidence["force_n"]) < 15.0
+
+
+@pytest.mark.parametrize("wrong", [f"{FRICTION}, locked: true", f"{FRICTION}, jams_mm: 70", "friction_n: 60"])
+def test_drawer_that_sticks_is_closed_after_the_fail(tmp_path: Path, wrong: str) -> None:
+    inline = wrong.replace(", ", "\n    ")
+    with rig_at("drawer", tmp_path, world=((FRICTION, inline),)) as rig:
+        outcome = rig.do(OpenDoor(door="drawer"))
+        assert isinstance(outcome, Fail) and outcome.cause == causes.ARM_BLOCKED
+        assert opening(rig, "drawer") == pytest.approx(0.0, abs=0.005)
+        assert rig.model.of(Doors).state_of("drawer") is None
+
+
+def test_door_believed_a_drawer_is_found_hinged(tmp_path: Path) -> None:
+    believed = (("    hinge: left\n", "    motion: sliding\n    hinge: left\n"),)
+    with rig_at("cupboard", tmp_path, known=believed) as rig:
+        assert isinstance(rig.do(OpenDoor(door="cupboard", travel_mm=180.0)), Success)
+        state = rig.model.of(Doors).state_of("cupboard")
+        assert state is not None and state.motion == "hinged"
+        assert state.opened == pytest.approx(opening(rig, "cupboard"), abs=0.01)
+
+
+def test_handle_far_from_its_place_is_found_by_its_tag(tmp_path: Path) -> None:
+    known = (("y_m: 1.0, height_m", "y_m: 1.03, height_m"),)
+    with rig_at("drawer", tmp_path, known=known) as rig:
+        assert isinstance(rig.do(OpenDoor(door="drawer")), Success)
+
+
+def test_closed_door_is_not_closed_again(tmp_path: Path) -> None:
+    with rig_at("drawer", tmp_path) as rig:
+        outcome = rig.do(CloseDoor(door="drawer"))
+        assert isinstance(outcome, Fail) and outcome.cause == causes.MISPLACED
