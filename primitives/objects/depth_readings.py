@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.capabilities.depth_camera import DepthCamera
+from handcart.backends.capabilities.depth_camera import DepthCamera, DepthImage
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.numerics.arrays import FloatArray
-from handcart.robotics.perception.objects.depth_view import DepthView, depth_view, over_surface
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.objects.depth_view import DepthView, over_surface
 from handcart.robotics.perception.objects.known_solids import (
     HEIGHT_TOLERANCE_M,
     KnownSolid,
@@ -56,13 +57,10 @@ class Standing(NamedTuple):
     may_be: tuple[SolidCandidate, ...]
 
 
-def take_depth(robot: Robot) -> DepthView | None:
-    """Return this period's points in the base frame; None if the robot has no depth camera."""
+def take_depth(robot: Robot) -> tuple[DepthImage, CameraModel] | None:
+    """Return this period's depth picture and its lens; None if the robot has no depth camera."""
     camera = robot.backend.get(DepthCamera)  # type: ignore[type-abstract]
-    if camera is None:
-        return None
-    image = camera.image()
-    return depth_view(image.depth, camera.model, image.base_T_camera)
+    return None if camera is None else (camera.image(), camera.model)
 
 
 def standing(

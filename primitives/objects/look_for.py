@@ -61,7 +61,7 @@ class LookFor(ActionPrimitive):
     """Required accuracy of the heading: 3 sigma; a round object has none."""
 
     needs: ClassVar = (Arm, AnyCamera)
-    reads: ClassVar = ("objects", "held_object")
+    reads: ClassVar = ("objects", "detectors", "held_object")
     writes: ClassVar = ("sightings",)
 
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from handcart.backends.capabilities.depth_camera import DepthImage
 from handcart.backends.robot.localization.determination import PoseNeed, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.detectors.detector import BrokenDetector
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import collision_model, move_to_joints
 from handcart.primitives.outcomes import causes
@@ -21,10 +23,12 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.drawing.overlay import draw_overlay
-from handcart.robotics.perception.objects.depth_view import DepthView
+from handcart.robotics.perception.objects.depth_view import DepthView, depth_view
 
 from .depth_readings import ObjectBelief, Standing, contradiction, identify, standing, take_depth
+from .detected_objects import DetectedObject, detect_all, explained
 from .object_kind import KnownObject
 from .object_names import name_in_world
 from .object_site import base_T_map, held_shape, kind_of, surface_of, surroundings
@@ -48,6 +52,7 @@ class ObjectLook:
     reads: list[ReadTag] = field(default_factory=list)
     depths: list[DepthView] = field(default_factory=list)
     found: list[Standing] = field(default_factory=list)
+    detected: list[DetectedObject] = field(default_factory=list)
     views: int = 0
 
     def of(self, name: str) -> list[ReadTag]:
@@ -75,16 +80,29 @@ class ObjectLook:
             self.reads += found
             if any(each.object == name for each in found):
                 break
-        depth = take_depth(robot)
-        if depth is not None:
-            self.depths.append(depth)
+        taken = take_depth(robot)
+        if taken is not None:
+            image, camera = taken
+            self.depths.append(depth_view(image.depth, camera, image.base_T_camera))
+            yield from self._detect(robot, model, image, camera)
+
+    def _detect(self, robot: Robot, model: ModelView, image: DepthImage, camera: CameraModel) -> Periods:
+        """Note what the detectors of other packages find in a picture."""
+        detectors = model.of(Objects).detectors
+        if not detectors:
+            return
+        try:
+            self.detected += yield from robot.compute(detect_all, detectors, image, camera)
+        except BrokenDetector as broken:
+            raise Discrepancy(str(broken), permanent=True, cause=causes.NOT_SEEN) from None
 
     def understand(self, robot: Robot, model: ModelView, surface: str) -> Periods:
         """Find the things on a surface from all depth pictures so far; they are kept as `found`."""
         if self.depths:
             file, top = model.of(Objects).objects, base_T_top(robot, model, surface)
             known = file.surfaces[surface]
-            self.found = yield from robot.compute(standing, tuple(self.depths), top, known, file.kinds)
+            found = yield from robot.compute(standing, tuple(self.depths), top, known, file.kinds)
+            self.found = explained(found, self.detected, top)
 
 
 def look_closely(

@@ -11,6 +11,7 @@ from typing_extensions import override
 from handcart.files.models.loading import Loaded, load_document
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import read_document
+from handcart.primitives.detectors.detector import BrokenDetector, Detector, make_detector
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
@@ -62,6 +63,8 @@ class Objects(Section):
     """The object in the hand."""
     listed: Loaded[ObjectsFile] | None = field(default=None, repr=False, compare=False)
     """The file with the lines of its values."""
+    detectors: Mapping[str, Detector] = field(default_factory=dict, repr=False, compare=False)
+    """Detectors of other packages, by name."""
     stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
     """Computed places of the base, by surface."""
 
@@ -69,7 +72,9 @@ class Objects(Section):
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
         listed = files.read("objects", lambda path: load_document(read_document(path), ObjectsFile))
-        return cls() if listed is None else cls(listed.value, listed=listed)
+        if listed is None:
+            return cls()
+        return cls(listed.value, listed=listed, detectors=_built(listed, files))
 
     @override
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
@@ -121,3 +126,14 @@ class Objects(Section):
             "sightings": [[*each[:2], list(each.pose), each.covariance] for each in self.sightings],
             "held_object": None if held is None else [held.object, held.hand_T_object.round(6).tolist()],
         }
+
+
+def _built(listed: Loaded[ObjectsFile], files: NamedFiles) -> dict[str, Detector]:
+    """Return the detectors that a file names; add what is wrong with one to the findings."""
+    file, built = listed.value, {}
+    for name, options in file.detectors.items():
+        try:
+            built[name] = make_detector(name, file.solids(), options, files.paths["objects"].parent)
+        except BrokenDetector as broken:
+            files.findings.add(listed.finding(("detectors", name), str(broken), at_key=True))
+    return built

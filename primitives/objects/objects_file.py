@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 from typing_extensions import override
 
 from handcart.backends.description.printed_tag import PrintedTag
 from handcart.files.models.model import FileModel
+from handcart.robotics.perception.objects.known_solids import KnownSolid
 
 from .object_findings import object_findings
 from .object_kind import KnownObject, Name, ObjectKind
@@ -27,10 +28,16 @@ class ObjectsFile(FileModel):
     kinds: dict[Name, ObjectKind]
     surfaces: dict[Name, ObjectSurface]
     objects: dict[Name, KnownObject] = Field(default_factory=dict)
+    detectors: dict[Name, dict[str, Any]] = Field(default_factory=dict)
+    """Detectors of other packages, by the names of their entry points, with their options."""
 
     @override
     def contradictions(self, document: Document) -> Iterator[Finding]:
         yield from object_findings(document, self.kinds, self.surfaces, self.objects)
+
+    def solids(self) -> dict[str, KnownSolid]:
+        """Return the shapes of all kinds."""
+        return {name: KnownSolid(name, kind.size, kind.is_round) for name, kind in self.kinds.items()}
 
     def kind_of(self, name: str) -> ObjectKind:
         """Return the kind of an object; both are in the file."""

@@ -71,7 +71,7 @@ class Pick(ActionPrimitive):
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
-    reads: ClassVar = ("objects", "places")
+    reads: ClassVar = ("objects", "detectors", "places")
     writes: ClassVar = ("sightings", "held_object")
     hand: ClassVar = TAKES_OBJECT
 

@@ -81,7 +81,10 @@ class PlaceObject(ActionPrimitive):
     """Bring the arm home in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
-    reads: ClassVar = ("objects",)
+    reads: ClassVar = (
+        "objects",
+        "detectors",
+    )
     writes: ClassVar = ("sightings", "held_object")
     hand: ClassVar = LETS_GO
 
