@@ -14,13 +14,15 @@ TASKS = Path(__file__).parents[3] / "tasks"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("task", ["return_book", "stack_blocks"])
+@pytest.mark.parametrize(
+    ("task", "shown"), [("return_book/task", "world"), ("stack_blocks/unload", "unload_world")]
+)
 def test_tasks_succeed_with_the_engines_camera(
-    physics: type[PhysicsBackend], tmp_path: Path, task: str
+    physics: type[PhysicsBackend], tmp_path: Path, task: str, shown: str
 ) -> None:
-    world = tmp_path / "world.yaml"
-    text = (TASKS / task / "world.yaml").read_text(encoding="utf-8")
+    path, world = TASKS / f"{task}.yaml", tmp_path / "world.yaml"
+    text = (path.parent / f"{shown}.yaml").read_text(encoding="utf-8")
     world.write_text(f"{text}\ncamera: engine\n", encoding="utf-8")
     options = RunOptions(backend=physics.name, settings={"world": str(world)}, seed=1)
-    summary, status = run_task(TASKS / task / "task.yaml", tmp_path / "runs", options)
+    summary, status = run_task(path, tmp_path / "runs", options)
     assert (status, summary["outcome"], summary["metrics"]["untrue"]) == (0, "Success", [])
