@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.primitives.restoring.back_off import _way_in
 from handcart.primitives.restoring.retrace import EXACT_REACH_S, WIDENING_S, _stretches, _travelled, _widened
-from handcart.primitives.restoring.trace import NEAR_PERIODS, Moment, Trace
+from handcart.primitives.restoring.trace import GRIP_WEIGHT, NEAR_PERIODS, Moment, Trace, _apart
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
@@ -87,3 +88,24 @@ def test_single_moment_is_one_stretch() -> None:
     (stretch,) = _stretches([only])
     assert stretch[0] is only
     assert len(stretch) == 1
+
+
+def test_moments_are_apart_by_what_changed_between_them() -> None:
+    one = Moment(HERE, np.array([1.0, -2.0]), 0.03, None)
+    assert _apart(one, one) == 0.0
+    moved = one._replace(joints=np.array([1.0, -2.2]))
+    assert _apart(one, moved) == _apart(moved, one) > 0.0
+    assert _apart(one, one._replace(grip=0.02)) == pytest.approx(GRIP_WEIGHT * 0.01)
+    assert _apart(one, one._replace(pose=Pose2(0.3, 0.4, 0.0))) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(("forwards", "reach_m"), [(True, 0.5), (False, 0.0)])
+def test_way_in_ends_where_the_base_came_from_the_other_side(forwards: bool, reach_m: float) -> None:
+    """It drove backwards to 1 m, then forwards to 1.5 m, where it was stopped."""
+    ways = [*np.arange(1.3, 1.0, -0.05), *np.arange(1.0, 1.501, 0.05)]
+    trace = Trace(ROBOT)
+    trace.moments = [moment(Pose2(way, 0.0, 0.0), Pose2(way, 0.0, 0.0)) for way in ways]
+    blocked: Any = SimpleNamespace(pose=Pose2(1.5, 0.0, 0.0), direction=0.0, forwards=forwards)
+    distances, headings = _way_in(trace, blocked, 2.0)
+    assert distances[-1] == pytest.approx(reach_m)
+    assert headings == pytest.approx(np.zeros(len(distances)))

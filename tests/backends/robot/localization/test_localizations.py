@@ -308,3 +308,17 @@ def test_lidar_that_repeats_its_scan_for_long_loses_the_pose(localizer: str) -> 
     assert found.lost is not None
     assert found.lost.why == "its lidar repeats its last scan"
     assert (found.lost.value, found.lost.limit, found.lost.unit) == (10.1, 10.0, "s")
+
+
+@pytest.mark.parametrize("localizer", ["scan", "odometry"])
+def test_base_that_is_pushed_at_rest_is_found_again(localizer: str) -> None:
+    lidar = Room()
+    found = made("cart", localizer, Wheels(), lidar, grid=room())
+    for _ in range(40):
+        found.update(STANDS)
+    assert found.displacements == 0
+    lidar.pose = START.compose(Pose2(0.1, 0.05, 0.0))
+    for _ in range(30):
+        found.update(STANDS)
+    assert found.displacements == 1
+    assert found.pose == pytest.approx(lidar.pose, abs=0.02)
