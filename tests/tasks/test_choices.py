@@ -49,6 +49,20 @@ def test_another_way_is_left_where_the_paper_has_none(name: str, step: int) -> N
     assert _after_all_fails(load(name, "task.yaml"), step) is not None
 
 
+@pytest.mark.parametrize("name", ["deploy_zigzag", "deploy_straight", "deploy_field"])
+def test_a_robot_unsure_of_its_place_stands_before_it_drives(name: str) -> None:
+    """Standing also gives the attempts of driving back: a receiver's errors average out."""
+    network = load(name, "task.yaml").network
+    drive = next(a for a in network.actions if a.do == "MOVE_TO")
+    planner = Planner(network)
+    planner.failed(drive, "not determined")
+    plan = planner.plan(drive.after_fail("undetermined"))
+    assert isinstance(plan, Plan)
+    assert [a.do for a in plan.actions[:2]] == ["STAND", "MOVE_TO"]
+    planner.succeeded(plan.actions[0])
+    assert planner.fails(drive) == 0
+
+
 def _after_all_fails(task: Task, step: int) -> Action | None:
     """Return the next action where a step of the plan has failed as often as it may; None for a skip."""
     planner = Planner(task.network)
