@@ -74,8 +74,11 @@ class PlanSearch:
         """
         found: list[Action] = []
         weights = {**self._weights(fails), **dict.fromkeys(without, math.inf)}
-        here, steps = self._place[situation], 0
+        here, steps, spoiled = self._place[situation], 0, self._tree.spoiled(weights)
         while here != self._goal:
+            if not self._tree.is_spoiled(here, spoiled) and (rest := self._only_route(here)) is not None:
+                found += rest
+                break
             segment = self._segment(here, weights, fails)
             steps += self.steps
             if segment is None:
@@ -87,6 +90,21 @@ class PlanSearch:
                 break
         self.steps = steps
         return tuple(found)
+
+    def _only_route(self, here: int) -> list[Action] | None:
+        """Return the cheapest route while nothing has failed; None if another one costs the same, or none
+        is left.
+        """
+        left, found = self._tree.left, list[Action]()
+        while here != self._goal:
+            most, near = left[here] * (1.0 + _SLACK), list[tuple[int, tuple[int, ...]]]()
+            if most < math.inf:
+                near = [way for way in self._ways[here] if self._weight(way[1], {}) + left[way[0]] <= most]
+            if len(near) != 1:
+                return None
+            here, edges = near[0]
+            found.append(self._actions[min(edges, key=lambda index: (self._base[index], index))])
+        return found
 
     def segment(self, situation: str, fails: Mapping[int, int]) -> Segment | None:
         """Return the first actions of `plan`; None if no route leads to the goal."""
