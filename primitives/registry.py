@@ -42,11 +42,11 @@ def primitive_names() -> list[str]:
 
 
 def primitive_class(name: str) -> type[ActionPrimitive]:
-    """Return the class of a name.
+    """Return the class of a primitive by its name.
 
     Raises:
         KeyError: no primitive has that name; the message lists those that exist.
-        BrokenPlugin: another package's cannot be imported, or has the name of another one.
+        BrokenPlugin: another package's primitive cannot be imported, or has the name of another one.
     """
     if name not in _all():
         raise KeyError(f"unknown primitive {name!r}{suggest(name, primitive_names())}")

@@ -62,7 +62,7 @@ class OtherFiles(InputError):
 
 @dataclass(frozen=True)
 class TrialThere:
-    """Work of a worker, which needs files with the same content at the same paths as the client."""
+    """Function that runs a trial on a worker; the worker needs the client's files at the same paths."""
 
     setting: CampaignSetting
     files: Mapping[str, str]

@@ -41,7 +41,7 @@ class TaskParts:
         return cls.of_data(_written(task, data) if isinstance(task.file, ConditionFile) else data)
 
     def data(self) -> dict[str, Any]:
-        """Return the content of the file."""
+        """Return the content of the task's file, with its keys in their order."""
         every = {**self.head, "situations": dict(self.situations), "actions": [dict(e) for e in self.actions]}
         return {key: every[key] for key in self.order}
 

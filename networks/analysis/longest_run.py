@@ -9,7 +9,10 @@ from handcart.networks.chains.policy import Policy, State
 
 
 class Longest(NamedTuple):
-    """The most actions that a run through a part can start, [-inf] where no run ends so."""
+    """Largest numbers of actions that a run through a part of a network can start.
+
+    A number is [-inf] if no run ends in that way.
+    """
 
     through: float
     """Most actions of runs that reach the part's goal."""

@@ -17,7 +17,7 @@ class ChainEnd(IntEnum):
     NO_WAY = 1
     GIVE_UP = 2
     UNKNOWN = 3
-    """It comes to a state that was not looked at."""
+    """The run comes to a state that was not expanded."""
 
 
 class ChainLink(NamedTuple):

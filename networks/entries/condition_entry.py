@@ -102,7 +102,7 @@ def facts_in_words(facts: Mapping[str, object]) -> str:
 
 
 def value_in_words(value: object) -> str:
-    """Return a value of a fact, or several that will do, as a situation's name contains it."""
+    """Return a fact's value as text, as in a situation's name; alternatives are joined by "|"."""
     if isinstance(value, list):
         return "|".join(map(value_in_words, value))
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -52,7 +52,7 @@ class Interrupt:
 
 @dataclass(frozen=True)
 class Aims:
-    """All of them; those of a plain task are empty."""
+    """Time-out, rounds and interrupts of a task; a plain task has none."""
 
     time_out_s: float | None = None
     """Time of a run, or of each of its rounds, after which the goal is abandoned, in [s]."""
@@ -60,7 +60,7 @@ class Aims:
     interrupts: tuple[Interrupt, ...] = ()
 
     def fields(self) -> dict[str, Any]:
-        """Return those that are used, ready for JSON."""
+        """Return the aims that are set, ready for JSON."""
         found: dict[str, Any] = {}
         if self.time_out_s is not None:
             found["time_out_s"] = self.time_out_s
@@ -71,7 +71,7 @@ class Aims:
         return found
 
     def words(self) -> dict[str, str]:
-        """Return those that are used in words for people, by their names."""
+        """Return the aims that are set in words for people, by their names."""
         found: dict[str, str] = {}
         if self.time_out_s is not None:
             found["time-out"] = f"{self.time_out_s:g} s{' for each round' if self.rounds else ''}"

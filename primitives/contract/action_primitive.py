@@ -47,15 +47,15 @@ class ActionPrimitive(FileModel, ABC):
     results: ClassVar[tuple[str, ...]] = ()
     """Names of results that Success may have besides the usual one; `evidence.result` is set to one."""
     only_knowledge: ClassVar[bool] = False
-    """It doesn't move anything, so nothing has to settle and nothing is restored."""
+    """True if the primitive moves nothing, so that nothing has to settle or to be restored."""
     hand: ClassVar[HandUse | None] = None
     """Required content of the hand at the start, and its content after Success. None: nothing is required,
     and only a primitive that does not need the gripper leaves the hand as it was.
     """
     needs_pose: ClassVar[bool] = True
-    """The pose of the base on the map must be known before it starts."""
+    """True if the pose of the base on the map must be known before it starts."""
     draws_map: ClassVar[bool] = False
-    """It draws a map, so that it may begin without one."""
+    """True if the primitive draws a map, so that it may begin without one."""
     max_joint_error: ClassVar[float] = TRACKING_TOLERANCE_RAD
     """Largest distance of a joint from its commands, in [rad] or [m]: more means that the arm is stuck."""
     arm_inside: ClassVar[bool] = False

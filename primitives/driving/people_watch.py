@@ -100,7 +100,7 @@ class PeopleWatch:
 
     @property
     def _walking(self) -> People:
-        """Those who move, or have only just stopped: others are obstacles."""
+        """People who move, or have only just stopped; all others are obstacles."""
         return self.people.chosen(self.people.stood_s < STOOD_S)
 
     def limit(self, robot: Robot, tracker: PathTracker) -> float:

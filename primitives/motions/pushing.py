@@ -22,7 +22,7 @@ class Pushed(NamedTuple):
     """Result of a push."""
 
     met: bool
-    """It was stopped by a resistance above the limit."""
+    """True if the hand was stopped by a resistance above the limit."""
     force: float
     """The largest resistance that was felt on the way, in [N]."""
 

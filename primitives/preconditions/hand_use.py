@@ -11,7 +11,7 @@ class Hand(Enum):
 
     EMPTY = "empty"
     FULL = "full"
-    """It holds one thing: the primitive's `thing`, or anything where that has no name."""
+    """The hand holds one thing: the primitive's `thing`, or any if that has no name."""
     SAME = "same"
     """Unchanged."""
     ANY = "any"

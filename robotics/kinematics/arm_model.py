@@ -274,7 +274,7 @@ class ArmModel:
         return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]
 
     def moved_shapes(self, q: FloatArray) -> list[Shape]:
-        """Return those of `link_shapes` that the arm moves.
+        """Return the shapes of `link_shapes` that the arm moves.
 
         Args:
             q: (n,) joint angles in [rad] or [m].

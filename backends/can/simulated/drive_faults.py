@@ -11,7 +11,7 @@ class DriveFaults:
     """Faults of a simulated drive, none at first; a bench sets them."""
 
     silent: bool = False
-    """It sends no PDOs any more, though it still listens."""
+    """True if it sends no PDOs any more, though it still listens."""
     no_heartbeat: bool = False
     gain: float = 1.0
     """Ratio of the motor's motion to its demand: 0 stuck, -1 reversed, 2 twice as far; the drive does not

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Style(NamedTuple):
-    """Style of pictures for people or cameras."""
+    """Light and colours of rendered pictures, for people or for cameras."""
 
     coloured: bool
     """True for colours, False for the greys of a camera."""

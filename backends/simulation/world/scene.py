@@ -72,7 +72,7 @@ class Scene:
     robot: RobotFile
     arm: ArmModel | None
     solids: tuple[Solid, ...]
-    """All of them: the room's, then those of domains."""
+    """All solids of the world: the room's, then those of domains."""
     base: Pose2
     joints: FloatArray
     width: float

@@ -31,7 +31,7 @@ class NoRehearsal(Exception):
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """A task on a backend, with a seed."""
+    """Run of a task on a backend, during which faults are injected."""
 
     task: Path
     backend: str

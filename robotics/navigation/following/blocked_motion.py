@@ -23,11 +23,11 @@ class _Period(NamedTuple):
     commanded: float
     """Distance ahead, in [m]; negative backwards."""
     rolled: float
-    """Distance by the encoders, likewise."""
+    """Distance by the encoders, in [m]; negative backwards."""
     before: Pose2
-    """map_T_base at its start, as estimated."""
+    """Estimated map_T_base at its start."""
     now: Pose2
-    """Likewise at its end."""
+    """Estimated map_T_base at its end."""
     ahead: float
     """Distance that the base moved that way, in [m]; negative backwards."""
     direction: float

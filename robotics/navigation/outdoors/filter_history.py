@@ -36,4 +36,4 @@ class FixResult(NamedTuple):
     square: float
     """Squared distance to where the fix was expected, in sigmas: 2 on average."""
     why: str = ""
-    """It wasn't believed, in words."""
+    """Reason why the fix was not believed, in words; empty if it was."""

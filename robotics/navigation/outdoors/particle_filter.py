@@ -94,7 +94,7 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def heading_known(self) -> bool:
-        """See `FieldLocalizer`: the particles head one way."""
+        """True if the headings of the particles agree within the filter's sigma."""
         return bool(self._covariance[2, 2] <= self._heading_sigma**2)
 
     @property
