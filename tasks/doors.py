@@ -17,5 +17,6 @@ DOMAIN = Domain(
         "CLOSE": "handcart.primitives.doors.close_door:CloseDoor",
     },
     survey="handcart.evaluation.doors.door_survey:DoorSurvey",
+    faults="handcart.evaluation.doors.door_faults:DOOR_FAULTS",
     files={"doors": "handcart.primitives.doors.doors_file:DoorsFile"},
 )

@@ -30,7 +30,7 @@ HINGE_LIMIT_MM, AXIS_LIMIT_DEG, FORCE_LIMIT_N = 10.0, 1.0, 25.0
 DRAWER_EVERY = 5
 HANDLE_XY = (3.6, 2.0)
 HANDLE_HEIGHT_M = 0.9
-DISTANCE_M = {"towards": 0.88, "away": 0.66}
+DISTANCE_M = {"towards": 0.88, "away": 0.58}
 """Distance of the base from the handle, by the direction in which the door opens."""
 ROOM = """format: handcart-world/1
 start: {{x_m: {x:.3f}, y_m: 2.0, heading_deg: 0.0}}

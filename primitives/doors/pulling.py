@@ -16,6 +16,8 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.doors.path_fit import PathFit, PathPrior, fit_path
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .base_drift import BaseDrift
+
 SPEED_M_S = 0.04
 ACCELERATION_M_S2 = 0.08
 GIVES_M_S_N = 0.0024  # speed with which the hand yields to a force across the path
@@ -102,6 +104,8 @@ def pull(
         is_there: given the path so far and the bar, whether it is far enough.
         bias: (3,) force on the hand without a handle, in the base frame, in [N].
     """
+    moved = BaseDrift(robot)
+    yield from moved.begin()
     first = robot.arm_model.forward(robot.arm.command())
     points = [measured_bar(robot, grip)]
     path = fit_path(np.array(points), POINT_SIGMA_M, prior)
@@ -109,6 +113,7 @@ def pull(
     ending, force = PullEnding.REACHED, _force(robot) - bias
     while True:
         bar, force, before = measured_bar(robot, grip), _force(robot) - bias, force
+        moved.add(bar)
         if float(np.linalg.norm(bar - points[-1])) >= POINT_SPACING_M:
             points.append(bar)
             path = fit_path(np.array(points), POINT_SIGMA_M, prior)
@@ -136,7 +141,18 @@ def pull(
         yield
     yield from relax(robot)
     yield from settle(robot)
-    return Pull(path, ending, measured_bar(robot, grip), strongest)
+    bar = measured_bar(robot, grip)
+    moved.add(bar)
+    return Pull(fit_path(_apart(moved.points()), POINT_SIGMA_M, prior), ending, bar, strongest)
+
+
+def _apart(points: FloatArray) -> FloatArray:
+    """Return the points (m, 3) of (n, 3) that are some way from each other, the first one included."""
+    kept = [points[0]]
+    for point in points[1:]:
+        if float(np.linalg.norm(point - kept[-1])) >= POINT_SPACING_M:
+            kept.append(point)
+    return np.array(kept)
 
 
 def _force(robot: Robot) -> FloatArray:

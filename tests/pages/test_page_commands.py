@@ -31,6 +31,7 @@ PREPARED = {
         "campaign tasks/drive_map/task.yaml --robot cart --trials 2 --jobs 1 --out after",
     ],
     "docs/how_to/objects.md": [],
+    "docs/how_to/doors.md": [],
     "docs/how_to/conditions.md": [],
     "docs/how_to/explore.md": [],
     "docs/how_to/export.md": [],
