@@ -24,7 +24,7 @@ OFF_MM, OFF_DEG = 10.0, 5.0
 """Standard deviations of where a person sets things down: they stand in rows."""
 BELIEF_DEG = 10.0
 """Standard deviation of a heading that the robot reckons with."""
-LIDAR_HEIGHT_M = 0.3
+LIDAR_HEIGHT_M = 0.2
 RESOLUTION_M = 0.02
 MIN_TOP_MM = 22.0
 """Narrowest upper side with a tag; below it the tags are on two upright sides."""
@@ -124,7 +124,11 @@ def _objects(room: Room) -> str:
             if level.thickness < level.height:
                 keys["thickness_m"] = round(level.thickness, 4)
             if level.clearance is not None:
-                keys |= {"clearance_m": level.clearance, "walls": list(level.walls)}
+                keys["clearance_m"] = level.clearance
+            if level.walls:
+                keys["walls"] = list(level.walls)
+            if level.wall_height is not None:
+                keys["wall_m"] = round(level.wall_height, 4)
             lines.append(f"  {level.name}: {_flow(keys | ({'spots': spots} if spots else {}))}")
     lines.append("objects:")
     for term, slot in room.at_first.items():

@@ -13,6 +13,8 @@ from .thing_table import FurnitureEntry
 
 WALL_M = 0.02
 """Thickness of sides, backs and tops."""
+BOTTOM_M = 0.01
+"""Thickness of the bottom of a box."""
 SEGMENT_M = 0.62
 """Greatest width of a surface that the arm serves from one place."""
 
@@ -45,6 +47,8 @@ class FurnitureLevel(NamedTuple):
     """Sides with a wall up to the clearance."""
     thickness: float
     """Of what carries it; as its height where it is solid down to the floor."""
+    wall_height: float | None = None
+    """Of its walls; None where they reach up to the clearance."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,12 @@ class Piece:
         for level in self.levels():
             under = level.height - level.thickness
             yield FurniturePart(level.name, level.x, 0.0, (level.size[0], depth, level.thickness), under)
+        if self.entry.form == "box":
+            width, _, height = self.entry.size_m
+            for side, x in (("left", -(width - WALL_M) / 2), ("right", (width - WALL_M) / 2)):
+                yield FurniturePart(f"{self.name}_{side}", x, 0.0, (WALL_M, depth, height))
+            for side, y in (("front", -(depth - WALL_M) / 2), ("back", (depth - WALL_M) / 2)):
+                yield FurniturePart(f"{self.name}_{side}", 0.0, y, (width - 2 * WALL_M, WALL_M, height))
         if self.entry.form == "shelf":
             sides, high = (self.entry.size_m[0] - WALL_M) / 2, self._board + self._opening
             for side, x in (("left", -sides), ("right", sides)):
@@ -75,6 +85,12 @@ class Piece:
         width, depth, height = self.entry.size_m
         if self.entry.form == "table":
             yield from self._divided(self.name, "ontop", (width, depth), height)
+        elif self.entry.form == "box":
+            size, walls = (width - 2 * WALL_M, depth - 2 * WALL_M), ("+x", "-x", "+y", "-y")
+            name = f"{self.name}_in"
+            yield FurnitureLevel(
+                name, "inside", 0.0, 0.0, size, BOTTOM_M, None, walls, BOTTOM_M, height - BOTTOM_M
+            )
         elif self.entry.form == "shelf":
             inner = width - 2 * WALL_M
             size = (inner, depth - WALL_M)

@@ -13,7 +13,7 @@ from .definition import Definition, Literal
 from .thing_table import CarriedEntry, FurnitureEntry, thing_table
 
 AGENT = "agent.n.01"
-FORMS_OF = {"ontop": ("table", "shelf"), "inside": ("shelf",)}
+FORMS_OF = {"ontop": ("table", "shelf"), "inside": ("shelf", "box")}
 """Forms of furniture that can have a thing on top or inside."""
 
 

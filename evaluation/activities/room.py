@@ -19,8 +19,9 @@ from .thing_table import CarriedEntry, FurnitureEntry
 DEPTH_M = 4.6  # of the room
 AISLE_M = 1.0  # between two pieces of furniture, and beside them
 WALL_GAP_M = 0.05  # between furniture and wall
-MIN_GAP_M = 0.13  # between things, for the fingers
-EDGE_M = 0.08  # between a thing and the front edge
+MIN_GAP_M = 0.12  # between things, for the fingers
+MIN_BOX_GAP_M = 0.05  # likewise in a box, where what is there has been put and seen
+EDGE_M = 0.06  # between a thing and the front edge
 PIECES_PER_WALL = 3
 
 
@@ -75,12 +76,13 @@ def furnish(definition: Definition, relations: ActivityRelations, sizes: Mapping
             levels = [each for each in piece.levels() if each.relation == kind]
             for level, row in zip(levels, _shared(here, len(levels)), strict=True):
                 widths = [sizes[each.thing].size_mm[0] / 1e3 for each in row]
-                gap = (level.size[0] - sum(widths)) / max(len(row), 1)
-                if gap < MIN_GAP_M:
+                gap = (level.size[0] - sum(widths)) / (len(row) + 1)
+                least = MIN_BOX_GAP_M if piece.entry.form == "box" else MIN_GAP_M
+                if gap < least:
                     words = (
                         f"{piece.term} has no room for {len(here)} things; allowed: what fits with gaps of"
                     )
-                    findings.append(definition.finding([piece.term], f"{words} {MIN_GAP_M:g} m"))
+                    findings.append(definition.finding([piece.term], f"{words} {least:g} m"))
                 slots |= dict(zip(row, _in_row(piece, level, row, sizes, gap), strict=True))
     if findings:
         raise FileError(findings)
@@ -144,6 +146,7 @@ def _in_row(
     x = level.x - level.size[0] / 2
     for each in row:
         width, depth = (side / 1e3 for side in sizes[each.thing].size_mm[:2])
-        y = level.y - level.size[1] / 2 + EDGE_M + depth / 2
-        yield ThingSlot(level, piece.in_room(x + (gap + width) / 2, y))
+        in_box = piece.entry.form == "box"
+        y = level.y if in_box else level.y - level.size[1] / 2 + EDGE_M + depth / 2
+        yield ThingSlot(level, piece.in_room(x + gap + width / 2, y))
         x += gap + width

@@ -29,8 +29,8 @@ class CarriedEntry(FileModel):
 class FurnitureEntry(FileModel):
     """Size of a piece of furniture. Its own -y side is its front."""
 
-    form: Literal["table", "shelf", "floor"]
-    """A table carries things on its top, a shelf in an opening between two boards, a floor on itself."""
+    form: Literal["table", "shelf", "box", "floor"]
+    """A table carries things on its top, a shelf in an opening between boards, an open box on its bottom."""
     size_m: tuple[Positive, Positive, Positive]
     """Width, depth and total height."""
     board_m: Positive | None = None
