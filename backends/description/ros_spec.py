@@ -36,6 +36,10 @@ class RosOdometrySpec(RosTopicSpec):
     """Topic of the wheels' odometry, and how far it may go between two messages."""
 
     topic: Topic = "odom"
+    type: Literal["Odometry", "TFMessage"] = "Odometry"
+    """`Odometry` of `nav_msgs`, or `TFMessage` of `tf2_msgs` (topic `tf`) where no topic has the odometry."""
+    child_frame: str = "base_link"
+    """Frame of the base, for `TFMessage` and for comparisons with `tf`."""
     jump_factor: Annotated[float, Field(ge=1.0, le=100.0)] = 3.0
     """Motion between two messages that is a jump, relative to that at the base's top speed."""
     jump_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.1

@@ -35,6 +35,11 @@ class OdometryTopic(TopicSensor):
         self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None
 
+    @property
+    def pose(self) -> Pose2 | None:
+        """Return the last pose, in the frame of the odometry; None before the first message."""
+        return None if self._last is None else self._last[1]
+
     @override
     def _wrong(self, message: Any) -> str:
         pose = message.pose.pose

@@ -34,6 +34,7 @@ from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .cameras.ros_camera import RosCamera
 from .cameras.ros_depth_camera import PictureTopic, RosDepthCamera
+from .frame_odometry import FrameOdometry
 from .goal_stream import GoalStream
 from .joint_controllers import FingerController, JointController, TopicController, TrajectoryController
 from .joint_states import JointStates
@@ -68,7 +69,8 @@ class RosTopics:
         self.streams: list[GoalStream] = []
         """All actions to which goals are sent."""
         self._controllers: dict[tuple[str, ...], JointController] = {}
-        odometry = self._heard(OdometryTopic, "the odometry", spec.odometry)
+        kind_of_odometry = FrameOdometry if spec.odometry.type == "TFMessage" else OdometryTopic
+        odometry = self._heard(kind_of_odometry, "the odometry", spec.odometry)
         self.odometry = odometry
         kind = RosHolonomicBase if robot.drive.kind == "holonomic" else RosBase
         self.base = kind(robot.drive, odometry, spec.odometry)

@@ -12,6 +12,7 @@ from handcart.backends.ros2.wire.ros_link import Link
 
 from .air_finding import AirFinding
 from .command_findings import command_findings
+from .frame_findings import frame_findings
 from .heard_robot import HeardRobot
 from .listening_link import ListeningLink
 from .reading_findings import reading_findings
@@ -59,7 +60,12 @@ def listen(
     heard = HeardRobot(robot, spec, RosTopics(robot, spec, ears), ears, over)
     heard.wait_for_all(wait, spec.first_message_s)
     heard.measure(wait, seconds)
-    found = [*reading_findings(heard), *command_findings(heard), *sensor_findings(heard)]
+    found = [
+        *reading_findings(heard),
+        *command_findings(heard),
+        *sensor_findings(heard),
+        *frame_findings(heard),
+    ]
     topics = tuple(each.measured() for each in ears.meters.values())
     names = [*ears.meters, *heard.topics.commands]
     nodes = {

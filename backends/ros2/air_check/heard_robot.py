@@ -11,11 +11,14 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.ros2.on_the_air import unheard
 from handcart.backends.ros2.ros_topics import RosTopics
 from handcart.backends.ros2.wire.camera_topics import info_topics
+from handcart.backends.ros2.wire.frame_tree import FrameTree
+from handcart.backends.ros2.wire.ros_errors import NoRos
 from handcart.backends.ros2.wire.topic_sensor import TopicSensor
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .listening_link import ListeningLink
 
-CAMERA_INFO = "sensor_msgs/CameraInfo"
+CAMERA_INFO, FRAMES = "sensor_msgs/CameraInfo", "tf2_msgs/TFMessage"
 
 
 class HeardRobot:
@@ -39,13 +42,25 @@ class HeardRobot:
             over: returns True once a recording is over, in which the robot may drive; None: it's here.
         """
         self._over = over
+        self.frames = FrameTree()
+        """Frames by `tf` and `tf_static`."""
+        self.has_frames = self._listen_to_frames(link)
+        """Whether the messages of `tf` are installed."""
         self.robot, self.spec, self.topics, self.link = robot, spec, topics, link
         self.refusals: dict[str, Counter[str]] = {}
         """Why readings of a topic were refused, each with a count, by the topic."""
-        self.first_odometry: Any = None
-        """The first message of the odometry; None without one."""
+        self.first_pose: Pose2 | None = None
+        """Pose by the odometry at the beginning of the measurement; None without one."""
         for topic in info_topics(robot, spec):
             link.subscribe(CAMERA_INFO, topic, lambda message: None)
+
+    def _listen_to_frames(self, link: ListeningLink) -> bool:
+        try:
+            link.subscribe_unmeasured(FRAMES, "tf_static", self.frames.take, latched=True)
+            link.subscribe_unmeasured(FRAMES, "tf", self.frames.take)
+        except NoRos:
+            return False
+        return True
 
     def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
         """Wait until each topic has had a message and each command a listener, for `seconds` at most."""
@@ -60,7 +75,7 @@ class HeardRobot:
             sensor.rejected = 0
         for meter in self.link.meters.values():
             meter.begin()
-        self.first_odometry = self.last(self.spec.odometry.topic)
+        self.first_pose = self.topics.odometry.pose
         end = self.link.clock() + seconds
         while self.link.clock() < end and not self._ended():
             self._receive(wait)

@@ -34,6 +34,10 @@ class ListeningLink(Link):
 
         self._link.subscribe(kind, topic, heard, latched)
 
+    def subscribe_unmeasured(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
+        """Listen to a topic without measuring it."""
+        self._link.subscribe(kind, topic, take, latched)
+
     @override
     def publisher(self, kind: str, topic: str) -> Take:
         def refuse(message: Any) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
-from handcart.backends.ros2.ros_base import pose_of
 from handcart.backends.ros2.ros_imu import RosImu
 from handcart.backends.ros2.ros_lidar import RosLidar
 from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
@@ -56,10 +55,10 @@ def _lenses(heard: HeardRobot) -> Iterator[AirFinding]:
 
 def _motion(heard: HeardRobot) -> str:
     """Return by how much the base moved, as text; "" at rest."""
-    first, last = heard.first_odometry, heard.last(heard.spec.odometry.topic)
+    first, last = heard.first_pose, heard.topics.odometry.pose
     if first is None or last is None:
         return ""
-    step = pose_of(last.pose.pose).relative_to(pose_of(first.pose.pose))
+    step = last.relative_to(first)
     way, turn = math.hypot(step.x, step.y), math.degrees(step.theta)
     if not (way > MAX_MOTION_M or abs(turn) > MAX_TURN_DEG):
         return ""

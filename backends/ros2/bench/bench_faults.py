@@ -106,19 +106,29 @@ class BenchFaults:
                     yield from (kept[1], kept[0])
                     kept.clear()
             case "old-stamps":
-                message.header.stamp.sec -= OLD_STAMP_S
+                for header in _headers(message):
+                    header.stamp.sec -= OLD_STAMP_S
                 yield message
             case "nan":
                 _spoil(message)
                 yield message
             case _:
-                message.header.frame_id = "nowhere"
+                for header in _headers(message):
+                    header.frame_id = "nowhere"
                 yield message
+
+
+def _headers(message: Any) -> list[Any]:
+    if hasattr(message, "transforms"):
+        return [each.header for each in message.transforms]
+    return [message.header]
 
 
 def _spoil(message: Any) -> None:
     """Put NaN into the first number that a message measures."""
-    if hasattr(message, "pose"):
+    if hasattr(message, "transforms"):
+        message.transforms[0].transform.translation.x = math.nan
+    elif hasattr(message, "pose"):
         message.pose.pose.position.x = math.nan
     elif hasattr(message, "position"):
         message.position[0] = math.nan

@@ -99,7 +99,7 @@ class LatePicture:
         return np.ascontiguousarray(self._render()).tobytes()
 
 
-def image_message(link: Link, now: float, camera: Camera, late: bool = False) -> Any:
+def image_message(link: Link, now: float, camera: Camera, late: bool = False, frame: str = "camera") -> Any:
     """Return the picture of a simulated camera as an `Image`.
 
     Args:
@@ -107,15 +107,22 @@ def image_message(link: Link, now: float, camera: Camera, late: bool = False) ->
         now: time of ROS, in [s].
         camera: takes it.
         late: True to render it only if it is read, which has to happen before the robot's next step.
+        frame: of the camera.
     """
-    return _picture(link, now, camera.model, ("mono8", 1), camera.image, late)
+    message = _picture(link, now, camera.model, ("mono8", 1), camera.image, late)
+    message.header.frame_id = frame
+    return message
 
 
-def depth_messages(link: Link, now: float, camera: DepthCamera, late: bool = False) -> tuple[Any, Any]:
+def depth_messages(
+    link: Link, now: float, camera: DepthCamera, late: bool = False, frame: str = "camera"
+) -> tuple[Any, Any]:
     """Return depth and colours of a simulated depth camera as `Image`; see `image_message`."""
     model = camera.model
     depth = _picture(link, now, model, ("32FC1", 4), lambda: camera.image().depth, late)
-    return depth, _picture(link, now, model, ("rgb8", 3), lambda: camera.image().colour, late)
+    colour = _picture(link, now, model, ("rgb8", 3), lambda: camera.image().colour, late)
+    depth.header.frame_id = colour.header.frame_id = frame
+    return depth, colour
 
 
 def _picture(

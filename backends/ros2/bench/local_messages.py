@@ -60,6 +60,12 @@ def _camera_info() -> SimpleNamespace:
     return SimpleNamespace(header=_header(), height=0, width=0, **lens)
 
 
+def _frame() -> SimpleNamespace:
+    turn = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
+    pose = SimpleNamespace(translation=_vector(), rotation=turn)
+    return SimpleNamespace(header=_header(), child_frame_id="", transform=pose)
+
+
 def _duration() -> SimpleNamespace:
     return SimpleNamespace(sec=0, nanosec=0)
 
@@ -97,5 +103,13 @@ _MADE: Mapping[str, Callable[[], SimpleNamespace]] = {
     ),
     "JointTrajectory": lambda: SimpleNamespace(header=_header(), joint_names=[], points=[]),
     "JointTrajectoryPoint": lambda: SimpleNamespace(positions=[], velocities=[], time_from_start=_duration()),
+    "TFMessage": lambda: SimpleNamespace(transforms=[]),
+    "TransformStamped": lambda: SimpleNamespace(
+        header=_header(),
+        child_frame_id="",
+        transform=SimpleNamespace(
+            translation=_vector(), rotation=SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
+        ),
+    ),
     "Float64MultiArray": lambda: SimpleNamespace(data=[]),
 }

@@ -30,6 +30,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .bench_faults import BenchFaults
+from .bench_frames import BenchFrames
 from .bench_messages import (
     camera_info_message,
     depth_messages,
@@ -91,6 +92,7 @@ class RosBench:
         self._command, self._commanded = DriveCommand(), -math.inf
         self._wanted: dict[str, float] = {}
         self._wheels = WheelOdometry(robot.drive)
+        self._frames = BenchFrames(robot, spec, inner, link)
         self._send = self._publishers()
         self._served: tuple[ServedJoints, ...] = ()
         self._listen()
@@ -247,7 +249,9 @@ class RosBench:
         if self._base is not None:
             travel = self._reported(self._base.wheel_travel())
             pose, speeds = self._wheels.moved(travel, self.inner.period)
-            found[spec.odometry.topic] = odometry_message(link, now, pose, speeds)
+            if spec.odometry.type == "Odometry":
+                found[spec.odometry.topic] = odometry_message(link, now, pose, speeds)
+            found |= self._frames.moving(now, pose)
         names, positions, efforts = self._joint_readings()
         if names:
             found[spec.joint_states.topic] = state_message(link, now, names, positions, efforts)
@@ -269,13 +273,13 @@ class RosBench:
         for name, (camera, topic) in camera_topics(self._robot, self._spec).items():
             seen = self._camera(name, Camera)  # type: ignore[type-abstract]
             if seen is not None and link.subscribers(topic.topic):
-                found[topic.topic] = image_message(link, now, seen, late)
+                found[topic.topic] = image_message(link, now, seen, late, name)
             if link.subscribers(topic.info_topic):
                 found[topic.info_topic] = camera_info_message(link, now, camera_model(camera))
         for name, (deep, topics) in depth_topics(self._robot, self._spec).items():
             seeing = self._camera(name, DepthCamera)  # type: ignore[type-abstract]
             if seeing is not None and link.subscribers(topics.topic):
-                found[topics.topic], found[topics.colour] = depth_messages(link, now, seeing, late)
+                found[topics.topic], found[topics.colour] = depth_messages(link, now, seeing, late, name)
             if link.subscribers(topics.info_topic):
                 found[topics.info_topic] = camera_info_message(link, now, deep.model)
         return found
@@ -329,7 +333,8 @@ class RosBench:
     def _publishers(self) -> Mapping[str, Any]:
         spec, link = self._spec, self._link
         kinds = {
-            spec.odometry.topic: "nav_msgs/Odometry",
+            **({spec.odometry.topic: "nav_msgs/Odometry"} if spec.odometry.type == "Odometry" else {}),
+            **self._frames.topics,
             spec.joint_states.topic: "sensor_msgs/JointState",
             spec.lidar.topic: "sensor_msgs/LaserScan",
             spec.imu.topic: "sensor_msgs/Imu",

@@ -1,0 +1,93 @@
+"""Frames of the sensors by `tf`, held against the robot's file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from handcart.backends.robot.mounted_camera import camera_mount, known_camera, mount_of
+from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
+from handcart.files.suggest import suggest
+from handcart.robotics.geometry.transform import Transform, difference
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
+
+from .air_finding import AirFinding
+from .heard_robot import HeardRobot
+
+MAX_FRAME_ERROR_M, MAX_FRAME_ERROR_DEG = 0.03, 2.0
+"""Distance and angle by which a sensor's frame may be elsewhere than in the robot's file."""
+
+
+class _Placed(NamedTuple):
+    """A sensor that has a frame on the robot."""
+
+    name: str
+    topic: str
+    base_T_sensor: Transform
+    """(4, 4) by the robot's file, with the joints as they are measured."""
+
+
+def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
+    """Yield where `tf` has a sensor elsewhere than the robot's file."""
+    odometry = heard.last(heard.spec.odometry.topic)
+    base = getattr(odometry, "child_frame_id", "") or heard.spec.odometry.child_frame
+    if not heard.frames.frames:
+        if heard.has_frames:
+            words = "tf_static, tf: no frames arrive; not compared with the file"
+            yield AirFinding(("ros2",), words, is_fault=False)
+        return
+    for each in _placed(heard):
+        message = heard.last(each.topic)
+        if message is None:
+            continue
+        frame = message.header.frame_id
+        pose = heard.frames.pose(base, frame)
+        if pose is None:
+            hint = suggest(frame, sorted(heard.frames.frames))
+            words = f"tf: nothing connects {base!r} with the frame {frame!r} of {each.topic}{hint}"
+            yield AirFinding((each.name,), words, is_fault=False)
+            continue
+        off, angle = difference(each.base_T_sensor, pose)
+        if off > MAX_FRAME_ERROR_M or math.degrees(angle) > MAX_FRAME_ERROR_DEG:
+            x, y, z = pose[:3, 3]
+            yield AirFinding(
+                (each.name,),
+                f"tf: the frame {frame!r} of {each.topic} is at ({x:.3f}, {y:.3f}, {z:.3f}) m in {base!r},"
+                f" {off:.3f} m and {math.degrees(angle):.1f} deg from where the robot's file has it; allowed:"
+                f" {MAX_FRAME_ERROR_M:g} m, {MAX_FRAME_ERROR_DEG:g} deg",
+            )
+
+
+def _placed(heard: HeardRobot) -> Iterator[_Placed]:
+    """Yield all sensors with their topics and places."""
+    robot, spec = heard.robot, heard.spec
+    fixed = (
+        (robot.range_sensor, spec.lidar.topic),
+        (robot.imu, spec.imu.topic),
+        (robot.gps, "" if spec.gps is None else spec.gps.topic),
+    )
+    for sensor, topic in fixed:
+        if sensor is not None and topic:
+            pose = base_T_frame(robot.urdf_text(), robot.link_of(sensor))
+            yield _Placed(robot.name_of(sensor), topic, pose)
+    for name, (camera, source) in camera_topics(robot, spec).items():
+        known = known_camera(camera, mount_of(robot, camera))
+        if (carrier := _carrier(heard, known.carrier)) is not None:
+            yield _Placed(name, source.topic, carrier @ known.carrier_T_camera)
+    arm = None if robot.arm is None else robot.arm_model()
+    for name, (deep, topics) in depth_topics(robot, spec).items():
+        mount = camera_mount(robot, robot.link_of(deep), arm)
+        if (carrier := _carrier(heard, mount.carrier)) is not None:
+            yield _Placed(name, topics.topic, carrier @ mount.carrier_T_frame)
+
+
+def _carrier(heard: HeardRobot, link: str) -> Transform | None:
+    """Return the pose (4, 4) of a link by the measured joints; None without a reading of them."""
+    robot, states = heard.robot, heard.topics.states
+    if robot.arm is None:
+        return base_T_frame(robot.urdf_text(), link)
+    if states is None or states.missing or not states.is_fresh:
+        return None
+    names = [heard.spec.name_of(each) for each in robot.arm.joints]
+    return robot.arm_model().forward(states.positions(names), link)

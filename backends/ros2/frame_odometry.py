@@ -1,0 +1,27 @@
+"""Odometry by `tf`, where no topic has it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from typing_extensions import override
+
+from .ros_base import OdometryTopic
+from .wire.frame_tree import plain
+
+
+class FrameOdometry(OdometryTopic):
+    """Travel of the wheels by the pose of the base in the frame of the odometry."""
+
+    KIND = "tf2_msgs/TFMessage"
+
+    @override
+    def heard(self, message: Any) -> None:
+        child, frame = plain(self._limits.child_frame), self.source.frame
+        for each in message.transforms:
+            is_wanted = plain(each.child_frame_id) == child
+            if is_wanted and (frame is None or plain(each.header.frame_id) == plain(frame)):
+                place, turn = each.transform.translation, each.transform.rotation
+                pose = SimpleNamespace(pose=SimpleNamespace(position=place, orientation=turn))
+                self._arrived.append(SimpleNamespace(header=each.header, pose=pose))

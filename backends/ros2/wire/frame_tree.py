@@ -1,0 +1,73 @@
+"""Tree of frames, by the messages of `tf` and `tf_static`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, inverse
+
+MAX_DEPTH = 100
+
+
+class FrameTree:
+    """Keeps the last pose of each frame in its parent's."""
+
+    def __init__(self) -> None:
+        """Begin without frames."""
+        self._parents: dict[str, tuple[str, Transform]] = {}
+
+    def take(self, message: Any) -> None:
+        """Take over the poses of a `tf2_msgs/TFMessage`; those that are not finite are left out."""
+        for each in message.transforms:
+            pose = pose_of_transform(each.transform)
+            if pose is not None:
+                self._parents[plain(each.child_frame_id)] = plain(each.header.frame_id), pose
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Return the names of all frames that have a parent."""
+        return tuple(self._parents)
+
+    def pose(self, base: str, frame: str) -> Transform | None:
+        """Return base_T_frame (4, 4); None if nothing connects both."""
+        of_base, of_frame = self._to_root(plain(base)), self._to_root(plain(frame))
+        if of_base is None or of_frame is None or of_base[0] != of_frame[0]:
+            return None
+        return inverse(of_base[1]) @ of_frame[1]
+
+    def _to_root(self, frame: str) -> tuple[str, Transform] | None:
+        """Return the root above a frame, and root_T_frame; None in a circle."""
+        pose: Transform = np.eye(4)
+        for _ in range(MAX_DEPTH):
+            if frame not in self._parents:
+                return frame, pose
+            frame, parent_T_frame = self._parents[frame]
+            pose = parent_T_frame @ pose
+        return None
+
+
+def pose_of_transform(told: Any) -> Transform | None:
+    """Return the pose (4, 4) of a `geometry_msgs/Transform`; None if it is none."""
+    place, turn = told.translation, told.rotation
+    x, y, z, w = float(turn.x), float(turn.y), float(turn.z), float(turn.w)
+    norm = math.hypot(x, y, z, w)
+    numbers = (float(place.x), float(place.y), float(place.z), norm)
+    if not all(map(math.isfinite, numbers)) or not 0.99 < norm < 1.01:
+        return None
+    x, y, z, w = x / norm, y / norm, z / norm, w / norm
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), numbers[0]],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), numbers[1]],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), numbers[2]],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def plain(frame: str) -> str:
+    """Return a frame's name without the slash that ROS 1 put before it."""
+    return frame.lstrip("/")
