@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from handcart.backends.ros2.frame_odometry import FrameOdometry
 from handcart.backends.ros2.joint_states import JointStates
 from handcart.backends.ros2.on_the_air import silence
 from handcart.backends.ros2.ros_base import OdometryTopic
@@ -44,7 +45,7 @@ def _wire_words(heard: HeardRobot, sensor: TopicSensor) -> Iterator[str]:
     kinds = {each.rpartition(" ")[2] for each in nodes}
     if len(kinds) > 1:
         yield f"{sensor.name}: nodes publish different types: {', '.join(nodes)}; allowed: {sensor.KIND}"
-    elif len(nodes) > 1 and not isinstance(sensor, JointStates):
+    elif len(nodes) > 1 and not isinstance(sensor, JointStates | FrameOdometry):
         yield f"{sensor.name}: {len(nodes)} nodes publish it ({', '.join(nodes)}); allowed: one"
     for why in heard.link.mismatches(topic, is_command=False):
         yield f"{sensor.name}: no message arrives by its quality of service: {why}"

@@ -52,7 +52,10 @@ class TopicMeter:
         """Note a message."""
         self.last = message
         self._arrivals.append(self._clock())
-        header = message.transforms[0].header if hasattr(message, "transforms") else message.header
+        frames = getattr(message, "transforms", None)
+        if frames == []:
+            return
+        header = frames[0].header if frames else message.header
         self._ages.append(self._stamps() - header.stamp.sec - header.stamp.nanosec / 1e9)
         self._frames[header.frame_id] = None
 

@@ -48,8 +48,12 @@ def state_message(
     return message
 
 
-def scan_message(link: Link, now: float, spec: RangeSpec, robot: Backend, factor: float = 1.0) -> Any:
-    """Return the scan of a simulated lidar as a `LaserScan`, its ranges times `factor`."""
+def scan_message(
+    link: Link, now: float, spec: RangeSpec, robot: Backend, factor: float = 1.0, mirrored: bool = False
+) -> Any:
+    """Return the scan of a simulated lidar as a `LaserScan`, its ranges times `factor`; `mirrored` if it
+    counts the other way round.
+    """
     lidar = robot.get(RangeSensor)  # type: ignore[type-abstract]
     assert lidar is not None, "its file says so"
     angles = spec.angles()
@@ -57,7 +61,8 @@ def scan_message(link: Link, now: float, spec: RangeSpec, robot: Backend, factor
     message.angle_min, message.angle_max = float(angles[0]), float(angles[-1])
     message.angle_increment = float(angles[1] - angles[0])
     message.range_min, message.range_max = float(spec.range_min_m), float(spec.reach_m)
-    message.ranges = array("f", (factor * lidar.scan().ranges).astype(np.float32).tobytes())
+    ranges = lidar.scan().ranges[:: -1 if mirrored else 1]
+    message.ranges = array("f", (factor * ranges).astype(np.float32).tobytes())
     return message
 
 

@@ -19,6 +19,7 @@ FIXED_NAMES = {
     "odometry.turn": "the same, of the angle",
     "gripper": "factor of the fingers' positions in ROS",
     "scan": "factor of the lidar's ranges",
+    "scan.side": "-1 for a lidar that counts the other way round, as one mounted upside down",
     "imu": "factor of the inertial unit's accelerations",
     TIMEOUT_NAME: "time in [s] for which the base keeps its last speeds",
 }

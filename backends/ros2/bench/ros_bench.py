@@ -256,7 +256,8 @@ class RosBench:
         if names:
             found[spec.joint_states.topic] = state_message(link, now, names, positions, efforts)
         if robot.range_sensor is not None:
-            scan = scan_message(link, now, robot.range_sensor, self.inner, self._true.factor("scan"))
+            factor, side = self._true.factor("scan"), self._true.factor("scan.side")
+            scan = scan_message(link, now, robot.range_sensor, self.inner, factor, side < 0.0)
             found[spec.lidar.topic] = scan
         if robot.imu is not None:
             found[spec.imu.topic] = imu_message(link, now, self.inner, self._true.factor("imu"))

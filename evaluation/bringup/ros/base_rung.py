@@ -12,6 +12,7 @@ from handcart.evaluation.bringup.rung import Facts, Rung, RungFailed
 
 from .driving import SPEED_M_S, TURN_DEG_S, DriveTrial, Motion, drive
 from .ros_site import RosSite
+from .scan_turn import check_side, scan_of
 from .unit_words import unit_hint
 
 DRIVE_S = 2.0
@@ -39,7 +40,9 @@ class BaseRung(Rung[RosSite]):
     """Step that moves the base a little along each axis, and compares three measurements."""
 
     name = "base"
-    summary = "forward, to the left and turning left, a little each: cmd_vel, odometry and a tape agree"
+    summary = (
+        "forward, to the left and turning left, a little each: cmd_vel, odometry, a tape and the lidar agree"
+    )
 
     @override
     def climb(self, site: RosSite) -> Facts:
@@ -49,11 +52,14 @@ class BaseRung(Rung[RosSite]):
         with site.backend() as backend:
             for axis in _axes(site):
                 words = f"{axis.name}: hold the space bar; letting go stops it"
+                before = scan_of(backend)
                 with site.operator.hold(words) as held:
                     done = drive(site, backend, held, axis.speeds, DRIVE_S)
                 truth = axis.shown * getattr(done.true, axis.name)
                 measured = site.number(f"{axis.name}_{axis.unit}", axis.question, truth) / axis.shown
                 _compare(site, axis, done, measured)
+                if axis.name == "turn" and not axis.speeds.forward:
+                    check_side(site, before, scan_of(backend), measured)
                 odometry = axis.shown * getattr(done.measured, axis.name)
                 facts[f"{axis.name}_{axis.unit}"] = round(axis.shown * measured, 2)
                 facts[f"{axis.name}_by_odometry_{axis.unit}"] = round(odometry, 2)

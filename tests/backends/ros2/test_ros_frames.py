@@ -16,7 +16,7 @@ from handcart.backends.ros2.bench.bench_frames import BenchFrames
 from handcart.backends.ros2.bench.local_bench import LocalBench
 from handcart.backends.ros2.bench.local_messages import new_message
 from handcart.backends.ros2.wire.frame_tree import FrameTree
-from handcart.robotics.geometry.transform import transform
+from handcart.robotics.geometry.transform import Transform, transform
 
 from .conftest import WORLD, Make
 
@@ -27,7 +27,7 @@ def report_of(monkeypatch: pytest.MonkeyPatch, moved: dict[str, tuple[float, ...
     """Check the librarian whose true sensors stand elsewhere: by x, y, z in [m] and yaw in [rad]."""
     whole = BenchFrames._message
 
-    def elsewhere(frames: BenchFrames, now: float, poses: dict[str, object], parent: str = "") -> object:
+    def elsewhere(frames: BenchFrames, now: float, poses: dict[str, Transform], parent: str = "") -> object:
         off = {
             name: pose @ transform(moved[name][:3], (0.0, 0.0, moved[name][3])) if name in moved else pose
             for name, pose in poses.items()

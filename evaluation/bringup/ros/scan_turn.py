@@ -1,0 +1,71 @@
+"""Which way a lidar counts: while the base turns, what it sees turns the other way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.capabilities.scan import Scan
+from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.evaluation.bringup.rung import RungFailed
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .ros_site import RosSite
+
+MIN_BEAMS = 20
+CLEARLY = 0.5
+"""Error of one direction, relative to that of the other, from which it is called the right one."""
+MIN_ERROR = 0.02
+"""Relative error of ranges below which both directions look alike."""
+
+
+def scan_of(backend: RosBackend) -> Scan | None:
+    """Return the lidar's scan; None without a lidar."""
+    lidar = backend.get(RangeSensor)  # type: ignore[type-abstract]
+    return None if lidar is None else lidar.scan()
+
+
+def check_side(site: RosSite, before: Scan | None, after: Scan | None, turn: float) -> None:
+    """Raise `RungFailed` if the scan turned with the base instead of against it.
+
+    In a round room, or where few beams return, nothing is said.
+
+    Args:
+        site: where.
+        before: the scan before the turn.
+        after: the scan after it.
+        turn: angle by which the base turned on the spot, in [rad], positive to the left.
+    """
+    if before is None or after is None:
+        return
+    right, mirrored = shift_error(before, after, turn), shift_error(before, after, -turn)
+    if mirrored < CLEARLY * right and right > MIN_ERROR:
+        raise RungFailed(
+            f"{site.spec.lidar.topic}: the base turned by {math.degrees(turn):.0f} deg, and what the lidar"
+            f" sees turned with it instead of against it ({mirrored:.1%} error, {right:.1%} the other way);"
+            " it counts the wrong way round: is it mounted upside down?"
+        )
+
+
+def shift_error(before: Scan, after: Scan, turn: float) -> float:
+    """Return the median relative difference of ranges if the lidar turned by an angle in [rad]; NaN if few
+    beams can be compared.
+    """
+    seen = _ranges_at(before, after.angles + turn)
+    both = np.isfinite(seen) & np.isfinite(after.ranges) & (seen > 0.0) & (after.ranges > 0.0)
+    if np.count_nonzero(both) < MIN_BEAMS:
+        return math.nan
+    return float(np.median(np.abs(np.log(after.ranges[both] / seen[both]))))
+
+
+def _ranges_at(scan: Scan, angles: FloatArray) -> FloatArray:
+    """Return the ranges (n,) of the beams nearest to angles (n,) in [rad]; NaN beside the fan."""
+    step = float(scan.angles[1] - scan.angles[0])
+    off = np.mod(angles - float(scan.angles[0]), math.tau)
+    places = np.rint(off / step).astype(int)
+    inside = places < len(scan.ranges)
+    found = np.full(len(angles), math.nan)
+    found[inside] = scan.ranges[places[inside]]
+    return found
