@@ -22,7 +22,13 @@ from handcart.backends.backend import RobotFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.ros_spec import RosArmSpec, RosGripperSpec, RosSpec
+from handcart.backends.description.ros_spec import (
+    RosArmSpec,
+    RosGripperSpec,
+    RosOdometrySpec,
+    RosSpec,
+    RosTopicSpec,
+)
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, BenchFaults, TopicFault
@@ -126,6 +132,8 @@ def librarian() -> RobotFile:
         arm=RosArmSpec(actions={ARM: robot.arm.joints}),
         gripper=RosGripperSpec(action=HAND),
         answer_ms=1000.0,
+        odometry=RosOdometrySpec(stale_ms=2000.0),  # the machine may be busy
+        joint_states=RosTopicSpec(topic="joint_states", stale_ms=2000.0),
         first_message_s=30.0,
         max_late_ms=1000.0,
         max_missed_periods=100,

@@ -42,7 +42,8 @@ class RosGoalSender(GoalSender):
         self._client = import_module("rclpy.action").ActionClient(node, self._type, name)
         self._new_id = import_module("unique_identifier_msgs.msg").UUID
         self._own: deque[bytes] = deque(maxlen=KEPT_IDS)
-        self._others = False
+        self._known: set[bytes] = set()
+        self._others = self._intruded = False
         kind_of_state = import_module("action_msgs.msg").GoalStatusArray
         profile = import_module("rclpy.qos").qos_profile_action_status_default
         node.create_subscription(kind_of_state, f"{name}/_action/status", self._heard, profile)
@@ -53,13 +54,20 @@ class RosGoalSender(GoalSender):
 
     @override
     def others_goal(self) -> bool:
-        return self._others
+        return self._others or self._intruded
 
     def _heard(self, message: Any) -> None:
         """Take the states of all goals of the server, of other clients as well."""
         self._came()
-        active = (each for each in message.status_list if each.status in ACTIVE_NUMBERS)
-        self._others = any(bytes(each.goal_info.goal_id.uuid) not in self._own for each in active)
+        foreign = {
+            name: each.status
+            for each in message.status_list
+            if (name := bytes(each.goal_info.goal_id.uuid)) not in self._own
+        }
+        self._others = any(status in ACTIVE_NUMBERS for status in foreign.values())
+        # One that ours replaced at once is over when its state arrives, and has been executed all the same.
+        self._intruded = self._intruded or (bool(self._own) and not foreign.keys() <= self._known)
+        self._known |= foreign.keys()
 
     @override
     def new_goal(self) -> Any:

@@ -101,13 +101,15 @@ def test_a_tree_of_frames_finds_its_way() -> None:
         one = new_message("geometry_msgs/TransformStamped")
         one.child_frame_id, one.header.frame_id, one.transform.translation.x = child, parent, x
         message.transforms.append(one)
+    turned = message.transforms[1].transform.rotation  # the mast, to the left
+    turned.z, turned.w = math.sin(math.pi / 4), math.cos(math.pi / 4)
     tree.take(message)
     found = tree.pose("base_link", "laser")
     assert found is not None
-    assert found[0, 3] == pytest.approx(3.0)
+    assert found[:3, 3] == pytest.approx([2.0, 1.0, 0.0])
     back = tree.pose("laser", "odom")
     assert back is not None
-    assert back[0, 3] == pytest.approx(-8.0)
+    assert back[:3, 3] == pytest.approx([-1.0, 7.0, 0.0])
     assert tree.pose("base_link", "elsewhere") is None
     message.transforms = message.transforms[:1]
     message.transforms[0].child_frame_id, message.transforms[0].header.frame_id = "base_link", "laser"
