@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform, transform
-from handcart.robotics.kinematics.shapes import Box, Solid
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Solid
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
 
 from .object_kind import ObjectKind
@@ -16,6 +19,9 @@ from .objects import Objects
 from .surface import ObjectSurface
 
 OWN_TRAY_NAME = "own tray"
+BELIEF_SIGMAS = 2.0  # of a believed place, that an object unseen so far is kept clear of
+MAX_BELIEF_M = 0.12  # kept clear at most: what is less sure is somewhere on its surface
+CLOSE_VIEW_M = 0.05  # around an object that was looked at closely: no other is there unseen
 
 
 def base_T_map(robot: Robot) -> Transform:
@@ -24,7 +30,10 @@ def base_T_map(robot: Robot) -> Transform:
 
 
 def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Solid, ...]:
-    """Return the surfaces, the seen objects but one, and the robot's own tray, posed in the base frame."""
+    """Return the surfaces, all known objects but one, and the robot's own tray, posed in the base frame.
+
+    An object that was not seen yet is kept clear of as far as it may be off its believed place.
+    """
     objects, to_base = model.of(Objects), base_T_map(robot)
     boxes: list[Solid] = [box for name, each in objects.objects.surfaces.items() for box in each.boxes(name)]
     for seen in objects.sightings:
@@ -32,8 +41,30 @@ def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Sol
             kind, surface = objects.objects.kind_of(seen.object), objects.objects.surfaces[seen.surface]
             body = kind.body(name_in_world(seen.object))
             boxes.append(body.seen_from(seen.pose.lift(surface.height_m)))
+    boxes += _believed(objects, without)
     around = tuple(box.seen_from(to_base) for box in boxes)
     return (*around, _own_tray(robot)) if robot.spec.has_tray else around
+
+
+def _believed(objects: Objects, without: str) -> Iterator[Solid]:
+    """Yield cylinders around the believed places of objects that were not seen, on the map.
+
+    What would reach to the object `without` is left out: that was looked at closely, and its neighbours seen.
+    """
+    held = "" if objects.held_object is None else objects.held_object.object
+    target = objects.seen(without)
+    for name, known in objects.objects.objects.items():
+        x, y = known.x_m, known.y_m
+        if x is None or y is None or name in (without, held) or objects.seen(name) is not None:
+            continue
+        kind, surface = objects.objects.kind_of(name), objects.objects.surfaces[known.on]
+        reach = kind.foot_radius + min(BELIEF_SIGMAS * known.sigma_mm / 1e3, MAX_BELIEF_M)
+        if target is not None:
+            beside = objects.objects.kind_of(without).foot_radius + CLOSE_VIEW_M
+            if math.hypot(target.pose.x - x, target.pose.y - y) < reach + beside:
+                continue
+        foot = transform((x, y, surface.height_m + kind.size[2] / 2))
+        yield Cylinder(foot, reach, kind.size[2], name_in_world(name))
 
 
 def _own_tray(robot: Robot) -> Box:
