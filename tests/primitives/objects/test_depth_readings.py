@@ -105,7 +105,7 @@ def thing(rig: Rig) -> Any:
 @pytest.mark.slow
 def test_parcel_without_tag_is_found_and_picked(tmp_path: Path) -> None:
     rig = without_tag(tmp_path)
-    outcome = rig.do(LookFor(object="parcel_1"))
+    outcome = rig.do(LookFor(object="parcel_1", tolerance_deg=6.0))
     assert isinstance(outcome, Success), outcome
     seen, true = rig.model.of(Objects).seen("parcel_1"), thing(rig).pose
     assert seen is not None

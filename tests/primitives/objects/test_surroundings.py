@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.object_site import base_T_map, surroundings
 from handcart.primitives.objects.objects import HeldObject, Objects, ObjectSighting
 from handcart.robotics.geometry.pose2 import Pose2
@@ -23,7 +24,10 @@ PARCEL_RADIUS_M = 0.0541  # half the diagonal of 60 x 90 mm
 def kept_clear(rig: Rig, without: str = "") -> dict[str, Solid]:
     """Return what is kept clear of, on the map, by its name."""
     to_map = inverse(base_T_map(rig.robot))
-    return {each.name: each.seen_from(to_map) for each in surroundings(rig.robot, rig.model, without)}
+    return {
+        each.name: each.seen_from(to_map)
+        for each in surroundings(rig.robot, rig.model.view(LookFor(object="parcel_1")), without)
+    }
 
 
 def note_seen(rig: Rig, name: str, x: float, y: float) -> None:
