@@ -24,10 +24,8 @@ PARCEL_RADIUS_M = 0.0541  # half the diagonal of 60 x 90 mm
 def kept_clear(rig: Rig, without: str = "") -> dict[str, Solid]:
     """Return what is kept clear of, on the map, by its name."""
     to_map = inverse(base_T_map(rig.robot))
-    return {
-        each.name: each.seen_from(to_map)
-        for each in surroundings(rig.robot, rig.model.view(LookFor(object="parcel_1")), without)
-    }
+    view = rig.model.view(LookFor(object="parcel_1"))  # type: ignore[arg-type]
+    return {each.name: each.seen_from(to_map) for each in surroundings(rig.robot, view, without)}
 
 
 def note_seen(rig: Rig, name: str, x: float, y: float) -> None:
