@@ -91,8 +91,8 @@ def test_the_pose_of_depth_is_that_of_its_stamp() -> None:
         assert abs(math.remainder(now - turned, math.tau)) == pytest.approx(0.1, abs=0.015)
 
 
-@pytest.mark.parametrize("topic", [DEPTH.topic, DEPTH.colour])
-def test_depth_that_lies_gives_no_picture(topic: str) -> None:
+def test_depth_that_lies_gives_no_picture() -> None:
+    topic = DEPTH.colour
     with backend_with((f"old-stamps@{topic}@0.1",)) as backend:
         for _ in range(20):
             backend.step()
