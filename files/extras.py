@@ -12,6 +12,7 @@ EXTRA_MODULES: dict[str, Sequence[str]] = {
     "video": ("av",),
     "pybullet": ("pybullet",),
     "bags": ("mcap", "rosbags"),
+    "bddl": ("bddl",),
     "cluster": ("distributed",),
     "export": ("arro3", "foxglove"),
     "view": ("viser", "yourdfpy"),
