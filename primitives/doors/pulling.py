@@ -18,8 +18,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .base_drift import BaseDrift
 
-SPEED_M_S = 0.04
-ACCELERATION_M_S2 = 0.08
+SPEED_M_S = 0.02  # faster, a door that jams is felt too late by a stiff arm
+ACCELERATION_M_S2 = 0.03
 GIVES_M_S_N = 0.0024  # speed with which the hand yields to a force across the path
 GIVES_AT_REST_M_S_N = 0.0006  # likewise in any direction, as soon as the fingers have closed
 MAX_GIVING_M_S = 0.02
@@ -124,7 +124,7 @@ def pull(
             break
         over = over + 1 if size > MAX_FORCE_N else 0
         easy = (MAX_PULL_N - resistance) / (MAX_PULL_N - EASY_FORCE_N)
-        allowed = SPEED_M_S * min(1.0, max(0.0, min(easy, 4.0 * (1.0 - _lead(robot) / MAX_LEAD_RAD))))
+        allowed = SPEED_M_S * min(1.0, max(-0.5, min(easy, 4.0 * (1.0 - _lead(robot) / MAX_LEAD_RAD))))
         speed = min(allowed, speed + ACCELERATION_M_S2 * robot.period)
         slow = slow + 1 if speed < BLOCKED_SPEED_M_S else 0
         if slow >= BLOCKED_PERIODS or over >= OVER_PERIODS:
