@@ -14,6 +14,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .arm_contact import LOAD_NAME, NO_TOUCH, ArmContact, Touch
 from .sliding import push_out, slide
 
+_MOST_SLIDING = 3.0  # times the commanded travel of a link
 _STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]
 _GRAZES = 0.003  # [m]
 _HALVINGS = 7
@@ -122,6 +123,8 @@ class SimulatedHand:
             if hit.depth == 0.0:
                 break
             end = push_out(self.arm, end, (hit.depth + _CLEAR) * normal)
+        if self.contact.travel(stands, end) > _MOST_SLIDING * self.contact.travel(stands, target) + _GRAZES:
+            return stands  # near a singular posture no small motion of the joints slides it
         free, _, there = self._first_hit(stands, end)
         return end if there.depth == 0.0 else stands + free * (end - stands)
 

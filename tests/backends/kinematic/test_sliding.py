@@ -78,3 +78,16 @@ def test_hand_that_slides_stops_at_what_stands_there(at_desk: Puppet) -> None:
     assert hand_of_robot is not None
     assert hand_of_robot.contact.deepest_of_arm(at_desk.scene.joints).depth < 1e-4
     assert hand(at_desk)[2] == pytest.approx(surface - 0.010, abs=2e-3)
+
+
+def test_hand_does_not_jump_where_no_small_motion_slides_it(
+    at_desk: Puppet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Near a singular posture, steps by the Jacobian lead far away."""
+    surface = lowered(at_desk)
+    at_desk.to(0.45, -0.05, surface - 0.010)
+    touched, joints = hand(at_desk), at_desk.scene.joints
+    far = joints + np.array([0.6, *np.zeros(len(joints) - 1)])
+    monkeypatch.setattr("handcart.backends.simulation.body.hand.slide", lambda *_: far)
+    at_desk.to(0.45, -0.02, surface - 0.010)
+    assert hand(at_desk) == pytest.approx(touched, abs=3e-4)
