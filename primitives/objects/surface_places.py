@@ -33,10 +33,14 @@ LIFT_M = 0.10  # over a grasp that must be reached too
 HIGHEST_TIP_M = 0.04  # of the finger tips over the surface in a grasp
 VIEW_DISTANCE_M = 0.35
 MAX_CANDIDATES = 40
+MAX_COMPARED = 5  # places from which everything is reached, that are compared by headings
 IK_RESTARTS = 4
 PITCHES_RAD = tuple(math.radians(each) for each in (90.0, 55.0, 30.0))
 """Postures of a hand over a surface: pointing down, and slanting ahead."""
 TURNS_RAD = tuple(math.radians(each) for each in (0.0, 90.0, 180.0, -90.0))
+
+HEADINGS_RAD = tuple(math.radians(each) for each in (0.0, 45.0, 90.0, 135.0))
+"""Of a hand that comes from above; half a turn further it grips alike."""
 
 
 class NoStandingPlace(Exception):
@@ -48,8 +52,9 @@ def standing_place(
 ) -> Place:
     """Return the place from which the arm reaches and the camera sees what is to be done on a surface.
 
-    The base faces one of the sides. Nearest places to the work come first; the first one from which
-    everything is reached is taken.
+    The base faces one of the sides. Nearest places to the work come first. Of the first ones from which
+    everything is reached, that is taken from which the hand comes down in most headings: an object may have
+    any.
 
     Args:
         robot: robot with an arm.
@@ -70,14 +75,19 @@ def standing_place(
             f"the base has no room beside the surface {name!r}: needed: {radius:.2f} m of free floor around"
             " its middle, reached from a place"
         )
-    best, missing = free[0], len(work) + 1
+    fit: list[tuple[int, Pose2]] = []
+    missing = len(work) + 1
     for base in free[:MAX_CANDIDATES]:
         points = work if len(work) else _ahead(base, robot, surface)
         unreached = sum(not _reaches(robot, arm, surface, base, point) for point in points)
-        if unreached < missing:
-            best, missing = base, unreached
-        if missing == 0:
-            return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
+        missing = min(missing, unreached)
+        if unreached == 0:
+            fit.append((sum(_headings_missed(robot, arm, surface, base, point) for point in points), base))
+            if fit[-1][0] == 0 or len(fit) >= MAX_COMPARED:
+                break
+    if fit:
+        best = min(fit, key=lambda each: each[0])[1]
+        return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
     count = max(1, len(work))
     raise NoStandingPlace(
         f"the arm doesn't reach all work on the surface {name!r} from one place: {missing} of {count} points"
@@ -153,6 +163,21 @@ def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose
     return any(_is_free(arm, collision, hand, home) for hand in _looks(robot, arm, spot))
 
 
+def _headings_missed(
+    robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray
+) -> int:
+    """Return in how many of some headings the hand cannot grip and lift at a point (2,) from above."""
+    base_T_map = inverse(base.lift())
+    spot = apply(base_T_map, np.array([[*point, surface.height_m]]))[0]
+    collision = CollisionModel(arm, tuple(box.seen_from(base_T_map) for box in surface.boxes("surface")))
+    home = np.array(robot.posture("home"))
+    hands = [_hand(robot, spot, PITCHES_RAD[0], roll) for roll in HEADINGS_RAD]
+    return sum(
+        not (_is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home))
+        for hand in hands
+    )
+
+
 def _sees(
     robot: RobotFile, arm: ArmModel, collision: CollisionModel, spot: FloatArray, home: FloatArray
 ) -> bool:
@@ -169,9 +194,14 @@ def _hands(robot: RobotFile, spot: FloatArray) -> Iterator[Transform]:
     """Yield base_T_hand (4, 4) with the finger tips over a point (3,), approached from above or ahead."""
     for pitch in PITCHES_RAD:
         for roll in TURNS_RAD[:2]:
-            tips = transform((spot[0], spot[1], spot[2] + HIGHEST_TIP_M), (0.0, pitch, 0.0))
-            back = transform((-robot.finger_shape.tip, 0.0, 0.0), (roll, 0.0, 0.0))
-            yield np.asarray(tips @ back)
+            yield _hand(robot, spot, pitch, roll)
+
+
+def _hand(robot: RobotFile, spot: FloatArray, pitch: float, roll: float) -> Transform:
+    """Return base_T_hand (4, 4) with the finger tips over a point (3,), at angles in [rad]."""
+    tips = transform((spot[0], spot[1], spot[2] + HIGHEST_TIP_M), (0.0, pitch, 0.0))
+    back = transform((-robot.finger_shape.tip, 0.0, 0.0), (roll, 0.0, 0.0))
+    return np.asarray(tips @ back)
 
 
 def _looks(robot: RobotFile, arm: ArmModel, spot: FloatArray) -> Iterator[Transform]:
