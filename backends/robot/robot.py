@@ -297,6 +297,8 @@ class Robot:
         travel, before = self.localization.travel, self.localization.odometry_pose
         self.localization.update(self.command)
         self.progress.update(self.command, travel, before)
+        if self.progress.blocked is not None or self.progress.blocked_wheel is not None:
+            self.localization.lift_watch.note_contact()
 
     def _feel(self) -> None:
         """Take in what the inertial sensors read."""

@@ -10,6 +10,7 @@ from .crowd import Crowd
 from .lidar import Lidar, beams_of
 from .lost import Lost, lifted_by
 
+SLIDING_PERIODS = 60  # after a contact, in which the base may slide off what it ran into
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 
 
@@ -19,6 +20,7 @@ class LiftWatch:
     def __init__(self, tread: float) -> None:
         """Begin without scans; `tread` of the wheels in [m]."""
         self._tread, self._jump, self._people_before = tread, ScanJump(), False
+        self._may_slide = 0  # periods left in which it may
 
     def take(self, lidar: Lidar, rolled: WheelTravel, still: int, crowd: Crowd, pose: Pose2) -> Lost | None:
         """Return the evidence that the base was lifted in the last periods, or None.
@@ -30,6 +32,7 @@ class LiftWatch:
             crowd: people around it: they change scans, too.
             pose: estimated map_T_base.
         """
+        self._may_slide = max(0, self._may_slide - 1)
         self._jump.roll(rolled.left, rolled.right, self._tread, rolled.sideways)
         if still > 0 and still % LOOK_AGAIN != 0:
             return None
@@ -38,9 +41,13 @@ class LiftWatch:
             return None
         if not self._jump.is_doubtful:  # another place seems full of people
             self._people_before = crowd.is_near
-        if self._jump.take(beams_of(lidar), still > 0, pose) and not self._people_before:
+        if self._jump.take(beams_of(lidar), still > 0, pose, self._may_slide > 0) and not self._people_before:
             return lifted_by(self._jump.share)
         return None
+
+    def note_contact(self) -> None:
+        """Note that the base ran into something: it may slide now."""
+        self._may_slide = SLIDING_PERIODS
 
     def reset(self) -> None:
         """Discard all scans so far."""

@@ -76,7 +76,7 @@ class Localization(ABC):
         """Field of the given map; None if no scan is compared with a map."""
         self.lifted: Lost | None = None
         """Evidence that the base was lifted and set down elsewhere; None before, and since it is located."""
-        self._lift_watch = LiftWatch(wheels.odometry.tread)
+        self.lift_watch = LiftWatch(wheels.odometry.tread)
         self.held_base = HeldBase(wheels, None, backend.period)
         """Watch for wheels that turn while something holds the base."""
         self.local_map: LocalMap | None = None
@@ -278,12 +278,12 @@ class Localization(ABC):
     def _watch_scans(self, rolled: WheelTravel) -> None:
         """Compare this period's scan with earlier ones; the wheels travelled this far, in [m]."""
         if self.held_base.update(rolled, self.still):
-            self._lift_watch.reset()
+            self.lift_watch.reset()
             self.crowd = Crowd()
         lidar = self._range_sensor
         if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
-        if (lifted := self._lift_watch.take(lidar, rolled, self.still, self.crowd, self.pose)) is not None:
+        if (lifted := self.lift_watch.take(lidar, rolled, self.still, self.crowd, self.pose)) is not None:
             self.lifted = lifted
             self._displaced()
 
@@ -373,7 +373,7 @@ class Localization(ABC):
         self._set_local_map(state.get(LOCAL_MAP_KEY))
         share = from_plain(state.get(LIFTED_KEY, 0.0), float, LIFTED_KEY)
         self.lifted, self.stale_s = lifted_by(share) if share else None, 0.0
-        self._lift_watch.reset()
+        self.lift_watch.reset()
         self.held_base.reset()
 
     def _set_local_map(self, echoes: object) -> None:

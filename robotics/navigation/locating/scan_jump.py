@@ -22,9 +22,10 @@ MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last
 
 
 class ScanJump:
-    """Compares each scan with the last one that fitted, moved as the wheels say, and as the estimate does.
+    """Compares each scan with the last one that fitted, moved as the wheels say.
 
-    A base that slides off what it ran into moves while its wheels stand; its scans show how.
+    A base that slides off what it ran into moves otherwise than its wheels; its scans show how. Then a scan
+    is also compared with the last one moved as the estimate does.
     """
 
     def __init__(self) -> None:
@@ -48,18 +49,20 @@ class ScanJump:
         """True if the last scans have changed, not yet often enough to show that the base was lifted."""
         return self._changes > 0
 
-    def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2) -> bool:
+    def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2, slides: bool = False) -> bool:
         """Return whether the base must have been lifted, by this scan and the previous ones.
 
         Args:
             beams: beams of the scan.
             at_rest: True if the base is at rest: scans are then taken more rarely.
             pose: estimated map_T_base.
+            slides: True if the base may slide: the estimate, which follows its scans, then counts as well.
         """
         before = self._reference
         if before is not None and same_ranges(before.ranges, beams.ranges):
             return False  # an old scan given again says nothing of where the base is now
-        changed = before is not None and self._is_changed(before, beams, pose.relative_to(self._pose))
+        estimated = pose.relative_to(self._pose) if slides else None
+        changed = before is not None and self._is_changed(before, beams, estimated)
         self._changes = self._changes + 1 if changed else 0
         if self._changes >= (CONFIRMED_CHANGES_AT_REST if at_rest else CONFIRMED_CHANGES):
             self.reset()
@@ -72,13 +75,13 @@ class ScanJump:
         """Discard all scans so far."""
         self._reference, self._moved, self._changes = None, Pose2(0.0, 0.0, 0.0), 0
 
-    def _is_changed(self, before: ScanBeams, beams: ScanBeams, estimated: Pose2) -> bool:
-        """Return whether neither the wheels' motion nor the estimated one explains a scan."""
+    def _is_changed(self, before: ScanBeams, beams: ScanBeams, estimated: Pose2 | None) -> bool:
+        """Return whether neither the wheels' motion nor the estimated one, if given, explains a scan."""
         far = math.hypot(self._moved.x, self._moved.y) > MAX_REFERENCE_M
         if far or abs(self._moved.theta) > MAX_REFERENCE_RAD or len(before.angles) != len(beams.angles):
             return False
         self.share = _changed_share(before, beams, self._moved)
-        if self.share > MAX_CHANGED_SHARE:
+        if estimated is not None and self.share > MAX_CHANGED_SHARE:
             self.share = min(self.share, _changed_share(before, beams, estimated))
         return self.share > MAX_CHANGED_SHARE
 
