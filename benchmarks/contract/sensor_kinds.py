@@ -20,6 +20,7 @@ import networkx
 from handcart.backends.description.sensor_table import SensorTable
 from handcart.backends.sensors.sensor_kind import SensorKind, sensor_kinds, sensor_specs
 
+TOPICS_FOLDER = "backends/ros2/"
 REPOSITORY_ROOT = Path(__file__).resolve().parents[2]
 SOURCE_FOLDERS = (
     "robotics",
@@ -61,8 +62,18 @@ def _members(annotation: object) -> tuple[object, ...]:
 def named_outside(kind: str) -> list[str]:
     """Return the modules besides a kind's own that name it or its parts.
 
-    Primitives are left out: they read sensors, and a new kind edits none of them.
+    Primitives are left out: they read sensors, and a new kind edits none of them. So is the backend of ROS 2:
+    a kind works on all simulated backends without it, and to have topics is more work (`named_by_topics`).
     """
+    return [path for path in _named(kind) if not path.startswith(TOPICS_FOLDER)]
+
+
+def named_by_topics(kind: str) -> list[str]:
+    """Return the modules of the backend of ROS 2 that name a kind or its parts."""
+    return [path for path in _named(kind) if path.startswith(TOPICS_FOLDER)]
+
+
+def _named(kind: str) -> list[str]:
     declared = sensor_kinds()[kind]
     own, parts = own_files(declared), [path.partition(":")[2] for path in _paths(declared)]
     spellings = {kind, *(part for part in parts if part[:1].isupper() and not part.isupper())}
@@ -124,7 +135,9 @@ def main() -> None:
     words.add_argument("kind", nargs="*", default=new_kinds(), help="default: all without an older key")
     for kind in words.parse_args().kind:
         found = named_outside(kind)
+        topics = named_by_topics(kind)
         print(f"{kind}: files edited outside its own: {len(found)} ({', '.join(found) or 'none'})")
+        print(f"{kind}: files of its topics of ROS 2: {len(topics)} ({', '.join(topics) or 'none'})")
 
 
 if __name__ == "__main__":
