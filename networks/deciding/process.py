@@ -71,7 +71,8 @@ class Process:
         """Return for each component how many elements an end in it leaves undone; at least 1."""
         left: list[int] = []
         for number, names in enumerate(self.parts):
-            actions = (action for name in names for action in self.out[name])
+            going_on = (name for name in names if name != self.network.goal)  # as in `ways_of`
+            actions = (action for name in going_on for action in self.out[name])
             nexts = ((self.part[to], action.binding is None) for action in actions for to in action.leads_to)
             left.append(max((left[to] + skips for to, skips in nexts if to != number), default=0))
         return [max(1, count) for count in left]

@@ -43,6 +43,13 @@ def best_of(task: Drawn, person_s: float = 600.0, steps: float | None = None) ->
 networks = st.builds(drawn, st.sampled_from(NETWORK_FAMILIES), st.integers(0, 10**6), st.just(5))
 
 
+def test_actions_out_of_the_goal_leave_a_price_for_each_end() -> None:
+    """No run does them, and what follows them is not on the way to the goal."""
+    network = built(("a", "z", 1, 1, 0.5, 0.0, None), ("z", "b", 1, 1, 1.0, 0.0, None)).network
+    process = Process(network, [Chance(0.5), Chance(1.0)], 600.0)
+    assert {name: process.stop_price(name) for name in network.situations} == dict.fromkeys("azb", 600.0)
+
+
 @given(task=networks)
 @settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 def test_least_cost_equals_that_of_an_independent_solver(task: Drawn) -> None:
