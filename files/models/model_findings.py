@@ -27,9 +27,16 @@ def findings_of(
 ) -> list[Finding]:
     """One finding for each thing wrong with the part of `document` at the path `at`."""
     walk = SchemaWalk(adapter.core_schema)
-    raw = error.errors(include_url=False)
+    raw = [each for each in error.errors(include_url=False) if not _counts_only_valid_items(each)]
     placed = [(walk.place(each["loc"]), each) for each in raw]
     return [_Wording(walk, document, at).finding(place, each) for place, each in _meant(placed)]
+
+
+def _counts_only_valid_items(error: Any) -> bool:
+    """Return whether a value is too short only without its invalid items, each of which has its own error."""
+    value = error["input"]
+    is_short = error["type"] == "too_short" and isinstance(value, list | dict)
+    return is_short and len(value) >= error["ctx"]["min_length"]
 
 
 _Placed = tuple[SchemaPlace, Any]

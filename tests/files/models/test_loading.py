@@ -107,6 +107,13 @@ def test_a_number_for_text_needs_quotes() -> None:
     assert messages("name: 512.7") == ["1:7: name is 512.7; allowed: text in quotes"]
 
 
+def test_list_with_a_wrong_item_is_not_called_too_short_as_well() -> None:
+    (finding,) = messages("name: a\nlengths_mm: [1, x]")
+    assert finding.startswith("2:17: lengths_mm[1] is 'x'")
+    (short,) = messages("name: a\nlengths_mm: [x]")
+    assert "lengths_mm" in short
+
+
 def test_t10_unknown_key_at_its_place_with_the_nearest() -> None:
     assert messages("name: a\nbooks:\n  - number: 1\n    width_m: 20\n") == [
         "3:5: the key 'width_mm' is missing; needed: a number from 15 to 45 mm",
