@@ -35,14 +35,21 @@ class TaskKnowledge:
     """map_T_base at first: at the place that the task names, or at the map's origin."""
     is_start_known: bool = True
     """False if the task says that the start is unknown."""
+    are_files_read: bool = True
+    """False if a file with places, or of a domain, is missing or its places can't be read."""
 
     def names(self) -> dict[str, Collection[object]]:
-        """Return the names that parameters may use, by kind; a kind without a file is missing."""
-        found: dict[str, Collection[object]] = {}
+        """Return the names that parameters may use, by kind; a kind without a file, or with one that can't be
+        read, is missing.
+        """
+        every: dict[str, Collection[object] | None] = {}
         for section in self.sections.values():
-            found |= section.names()
-        computed = found.get(PLACES_KIND, ())
-        if self.places is not None or computed or self._more_places():
+            every |= section.names()
+        found = {kind: names for kind, names in every.items() if names is not None}
+        computed = every.get(PLACES_KIND, ())
+        if computed is None or not self.are_files_read:
+            found.pop(PLACES_KIND, None)
+        elif self.places is not None or computed or self._more_places():
             found[PLACES_KIND] = [*self.all_places(), *computed]
         return found
 
@@ -77,7 +84,10 @@ def read_knowledge(
     start = _start(document, places)
     is_known = not is_start_unknown(document, list(places.value.places) if places else ())
     paths = {key: found for key in domain_keys() if (found := path(key)) is not None}
-    return TaskKnowledge(places, read_sections(paths, start, document, findings), start, is_known)
+    named = [key for key in domain_keys() if document.root.deepest(("knowledge", key))[1]]
+    lacks_places = places is None and document.root.deepest(("knowledge", PLACES_KIND))[1]
+    sections = read_sections(paths, start, document, findings)
+    return TaskKnowledge(places, sections, start, is_known, not lacks_places and len(named) == len(paths))
 
 
 def read_sections(

@@ -95,9 +95,9 @@ class Section:
         read = {key: files.read(key, partial(load, model=model)) for key, model in cls.FILES.items()}
         return cls(**{key: found for key, found in read.items() if found is not None})
 
-    def names(self) -> Mapping[str, Collection[object]]:
+    def names(self) -> Mapping[str, Collection[object] | None]:
         """Return the known names by kind: parameters marked with `Names(KIND)` are checked against them, and
-        `{all: KIND}` in a task file lists them.
+        `{all: KIND}` in a task file lists them. None: there are names of this kind in a file that is wrong.
         """
         return {}
 

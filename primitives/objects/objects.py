@@ -83,9 +83,9 @@ class Objects(Section):
             yield from gripper_findings(self.listed.document, self.objects.kinds, robot.gripper.opening_mm)
 
     @override
-    def names(self) -> Mapping[str, Collection[object]]:
+    def names(self) -> Mapping[str, Collection[object] | None]:
         if self.listed is None:
-            return {}
+            return {"places": None}
         surfaces = self.objects.surfaces
         computed = [name for name, each in surfaces.items() if each.place is None]
         return {"objects": self.objects.objects, "surfaces": surfaces, "places": computed}
