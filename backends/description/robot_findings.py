@@ -28,12 +28,14 @@ if TYPE_CHECKING:
 
 CAN_FINDINGS = "handcart.backends.can.devices.can_findings:can_findings"
 """Finds what is wrong in the section `can`, given the robot and the document."""
+ROS_FINDINGS = "handcart.backends.ros2.ros_findings:ros_findings"
+"""Finds what is wrong in the section `ros2`, given the same."""
 
 
 def robot_findings(robot: RobotFile, document: Document, drives: bool = True) -> list[Finding]:
     """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file.
 
-    With `drives` that of the section `can` as well.
+    With `drives` those of the sections `can` and `ros2` as well.
     """
     try:
         urdf = robot.urdf_text()
@@ -53,6 +55,7 @@ def robot_findings(robot: RobotFile, document: Document, drives: bool = True) ->
         *([] if frames else (*mount_findings(robot, urdf, document), *_box_findings(robot, document))),
         *_positioning_findings(robot, document),
         *(imported(CAN_FINDINGS)(robot, document) if drives and robot.can is not None else ()),
+        *(imported(ROS_FINDINGS)(robot, document) if drives and robot.ros2 is not None else ()),
     ]
 
 

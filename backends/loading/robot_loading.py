@@ -24,7 +24,7 @@ def load_robot(name: str, drives: bool = True) -> RobotFile:
 
     Args:
         name: name or path.
-        drives: True to check the section `can` completely, as driving by CAN and `check` need it.
+        drives: True to check the sections `can` and `ros2` completely, as `check` and a real robot need it.
 
     Raises:
         FileError: the file or its URDF is missing or invalid.

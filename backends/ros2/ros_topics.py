@@ -21,14 +21,12 @@ from handcart.backends.description.ros_spec import (
     RosSpec,
     RosTopicSpec,
 )
-from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.robot.mounted_camera import camera_mount, known_camera, mount_of
 from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, message_kind, velocity_message
 from handcart.backends.ros2.wire.ros_link import Link, Take
 from handcart.backends.saved_state import NotAState
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
-from handcart.files.suggest import suggest
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
@@ -40,6 +38,7 @@ from .joint_controllers import FingerController, JointController, TopicControlle
 from .joint_states import JointStates
 from .ros_arm import RosArm
 from .ros_base import OdometryTopic, RosBase, RosHolonomicBase
+from .ros_findings import ros_faults
 from .ros_gps import RosGps
 from .ros_gripper import RosGripper
 from .ros_imu import RosImu
@@ -275,42 +274,9 @@ class RosTopics:
 
 def check_joints(robot: RobotFile, spec: RosSpec) -> None:
     """Raise `UnknownJoints` unless each joint of the arm, and no other one, has one controller."""
-    joints = () if robot.arm is None else robot.arm.joints
-    driven = [
-        joint
-        for controllers in (spec.arm.joints_by_topic(joints), spec.arm.actions)
-        for each in controllers.values()
-        for joint in each
-    ]
-    named = {"arm: controllers": driven, "names": [*spec.names], "reversed": [*spec.reversed]}
-    wrong = [
-        f"ros2: {key}: the arm has no joint {joint!r}{suggest(joint, joints)}"
-        for key, each in named.items()
-        for joint in dict.fromkeys(each)
-        if joint not in joints
-    ]
-    for joint in joints:
-        count = driven.count(joint)
-        if count != 1:
-            wrong.append(f"ros2: arm: controllers: {count} of them have the joint {joint!r}; needed: one")
-    if robot.gps is not None and spec.gps is None:
-        wrong.append("ros2: gps: the robot has a receiver; needed: origin_lat_deg and origin_lon_deg")
-    wrong += _unknown_cameras(robot, spec)
+    wrong = [": ".join(["ros2", *map(str, key[:1]), words]) for key, words, _ in ros_faults(robot, spec)]
     if wrong:
         raise UnknownJoints(wrong)
-
-
-def _unknown_cameras(robot: RobotFile, spec: RosSpec) -> Iterator[str]:
-    """Yield names of cameras that the robot's file lacks, or that have their topic elsewhere."""
-    first = None if robot.camera is None else robot.name_of(robot.camera)
-    for key, named, kind in (("cameras", spec.cameras, CameraSpec), ("depth", spec.depth, DepthCameraSpec)):
-        known = [name for name in robot.all_of(kind) if name != first]
-        for name in named:
-            if name == first:
-                yield f"ros2: cameras: {name!r} is the first camera; needed: its topic under the key camera"
-            elif name not in known:
-                words = "camera" if key == "cameras" else "depth camera"
-                yield f"ros2: {key}: the robot has no further {words} {name!r}{suggest(name, known)}"
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:

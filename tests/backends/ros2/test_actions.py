@@ -188,7 +188,7 @@ def test_a_file_that_names_two_ways_is_refused() -> None:
         RosGripperSpec(max_effort_n=5.0)
     both = RosArmSpec(actions={ARM: ("joint_1",)}, controllers={"arm/command": ("joint_1",)})
     assert both.joints_by_topic(("joint_1",)) == {"arm/command": ("joint_1",)}
-    with pytest.raises(UnknownJoints, match="2 of them have the joint 'joint_1'"):
+    with pytest.raises(UnknownJoints, match="2 controllers have the joint 'joint_1'"):
         from handcart.backends.ros2.ros_topics import check_joints
 
         check_joints(load_robot("librarian"), RosSpec(arm=both))
