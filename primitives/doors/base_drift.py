@@ -64,4 +64,4 @@ class BaseDrift:
             return None
         ranges = np.array([each.ranges for each in self._scans])
         motions = small_motions(self._scans[0].angles, self._reference, ranges)
-        return None if motions is None else drift(np.array(self._times), motions)
+        return None if motions is None else drift(np.array(self._times), motions, REFERENCE_PERIODS)

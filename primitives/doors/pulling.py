@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from enum import Enum
 from typing import NamedTuple
 
@@ -17,17 +17,17 @@ from handcart.robotics.manipulation.doors.path_fit import PathFit, PathPrior, fi
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .base_drift import BaseDrift
+from .stiffness import Stiffness
 
-SPEED_M_S = 0.02  # faster, a door that jams is felt too late by a stiff arm
+MAX_SPEED_M_S, MIN_SPEED_M_S = 0.02, 0.010  # of a hand that nothing resists, by how stiff the arm is
 ACCELERATION_M_S2 = 0.03
-GIVES_M_S_N = 0.0024  # speed with which the hand yields to a force across the path
-GIVES_AT_REST_M_S_N = 0.0006  # likewise in any direction, as soon as the fingers have closed
+GIVES_M_S_N = 0.0012  # speed with which the hand yields to a force across the path
+GIVES_AT_REST_M_S_N = 0.00015  # likewise in any direction, as soon as the fingers have closed
 MAX_GIVING_M_S = 0.02
-EASY_FORCE_N = 10.0  # resistance up to which the hand keeps its speed
-MAX_PULL_N = 18.0  # resistance at which it stands still
+MAX_PULL_N = 18.0  # resistance at which the hand stands still
 MAX_FORCE_N = 25.0  # in any direction
-BLOCKED_SPEED_M_S = 0.004
-BLOCKED_PERIODS = 16
+BLOCKED_TRAVEL_M = 0.001  # of the handle in so many periods: less, and it is blocked
+BLOCKED_PERIODS = 24
 OVER_PERIODS = 2  # above the maximum force
 MAX_TURN_RATE_RAD_S = 0.4
 POINT_SPACING_M = 0.002
@@ -109,7 +109,9 @@ def pull(
     first = robot.arm_model.forward(robot.arm.command())
     points = [measured_bar(robot, grip)]
     path = fit_path(np.array(points), POINT_SIGMA_M, prior)
-    speed, strongest, slow, over = 0.0, 0.0, 0, 0
+    speed, strongest, over = 0.0, 0.0, 0
+    travels: list[float] = []
+    stiffness = Stiffness(MAX_PULL_N, MAX_FORCE_N)
     ending, force = PullEnding.REACHED, _force(robot) - bias
     while True:
         bar, force, before = measured_bar(robot, grip), _force(robot) - bias, force
@@ -123,16 +125,17 @@ def pull(
         if is_there(path, bar):
             break
         over = over + 1 if size > MAX_FORCE_N else 0
-        easy = (MAX_PULL_N - resistance) / (MAX_PULL_N - EASY_FORCE_N)
-        allowed = SPEED_M_S * min(1.0, max(-0.5, min(easy, 4.0 * (1.0 - _lead(robot) / MAX_LEAD_RAD))))
-        speed = min(allowed, speed + ACCELERATION_M_S2 * robot.period)
-        slow = slow + 1 if speed < BLOCKED_SPEED_M_S else 0
-        if slow >= BLOCKED_PERIODS or over >= OVER_PERIODS:
+        stiffness.add(speed * robot.period, resistance)
+        easy = stiffness.step(resistance) / robot.period
+        cruise = min(MAX_SPEED_M_S, max(MIN_SPEED_M_S, stiffness.sudden_step() / robot.period))
+        in_lead = 4.0 * cruise * (1.0 - _lead(robot) / MAX_LEAD_RAD)
+        allowed = min(cruise, max(-0.5 * cruise, min(easy, in_lead)))
+        speed = min(allowed, max(0.0, speed) + ACCELERATION_M_S2 * robot.period)
+        travels.append(path.travel(bar))
+        if is_blocked(travels) or over >= OVER_PERIODS:
             ending = PullEnding.RESISTED
             break
-        mean = (
-            force + before
-        ) / 2.0  # a stiff arm that yields to each force alone swings from period to period
+        mean = (force + before) / 2.0  # a stiff arm that yields to each force alone swings
         gives = _at_most(GIVES_M_S_N * (mean - (mean @ along) * along), MAX_GIVING_M_S)
         turn = _turn_rate(robot, first, path.turned(bar))
         if not _step(robot, np.concatenate([speed * along + gives, turn])):
@@ -144,6 +147,14 @@ def pull(
     bar = measured_bar(robot, grip)
     moved.add(bar)
     return Pull(fit_path(_apart(moved.points()), POINT_SIGMA_M, prior), ending, bar, strongest)
+
+
+def is_blocked(travels: Sequence[float]) -> bool:
+    """Return whether a handle got no further, by its ways in [m] at all periods."""
+    return (
+        len(travels) > BLOCKED_PERIODS
+        and max(travels[-BLOCKED_PERIODS:]) - travels[-1 - BLOCKED_PERIODS] < BLOCKED_TRAVEL_M
+    )
 
 
 def _apart(points: FloatArray) -> FloatArray:

@@ -55,13 +55,18 @@ def _solved(A: FloatArray, change: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(A[usable], change[usable], rcond=None)[0])
 
 
-def drift(times: FloatArray, motions: FloatArray) -> FloatArray:
+def drift(times: FloatArray, motions: FloatArray, references: int) -> FloatArray:
     """Return smooth motions (k, 3), quadratic in time and zero at its start, next to noisy ones.
+
+    The noise of the reference shifts all motions alike: it is estimated with them.
 
     Args:
         times: (k,) since the reference, in [s].
         motions: (k, 3) of single scans.
+        references: number of scans that the reference is the mean of.
     """
     scale = max(float(times[-1]), 1e-9)
-    powers = np.column_stack([times / scale, (times / scale) ** 2])
-    return np.asarray(powers @ np.linalg.lstsq(powers, motions, rcond=None)[0])
+    powers = np.column_stack([times / scale, (times / scale) ** 2, np.ones(len(times))])
+    A = np.vstack([powers, [0.0, 0.0, np.sqrt(references)]])
+    found = np.linalg.lstsq(A, np.vstack([motions, np.zeros(3)]), rcond=None)[0]
+    return np.asarray(powers[:, :2] @ found[:2])

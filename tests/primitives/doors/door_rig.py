@@ -44,5 +44,9 @@ def changed(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
 
 def opening(rig: Rig, door: str) -> float:
     """Return the true opening of a door, in [rad] or [m]."""
-    scene: Any = rig.backend.scene  # type: ignore[attr-defined]
-    return float(scene.props["doors"].openings[door])
+    return float(props(rig).openings[door])
+
+
+def props(rig: Rig) -> Any:
+    """Return the simulated doors."""
+    return rig.backend.scene.props["doors"]  # type: ignore[attr-defined]

@@ -32,9 +32,15 @@ def test_drift_is_found_among_noise_within_a_fifth_of_a_millimetre() -> None:
     reference = ranges_in_room(0, 0, 0) + 0.002 * rng.standard_normal(360)
     motions = small_motions(ANGLES, reference, scans)
     assert motions is not None
-    off = drift(times, motions)[-1] - truth[-1]
+    off = drift(times, motions, 25)[-1] - truth[-1]
     assert np.hypot(*off[:2]) < 6e-4
     assert abs(off[2]) < 2e-4
+
+
+def test_noise_of_the_reference_is_no_drift() -> None:
+    rng, times = np.random.default_rng(2), np.linspace(0.05, 30.0, 600)
+    motions = np.array((0.0003, -0.0003, 0.0001)) + 0.0003 * rng.standard_normal((600, 3))
+    assert np.abs(drift(times, motions, 20)).max() < 1.5e-4
 
 
 def test_bare_surroundings_give_no_motion() -> None:

@@ -1,0 +1,40 @@
+"""How much the force on a hand grows with its way, and the way that it may go in a period."""
+
+from __future__ import annotations
+
+MIN_STIFFNESS_N_M = 1000.0  # of an arm that holds its joints
+MIN_STEP_M = 0.00005  # in a period: by less, the noise of the force hides its growth
+FADES = 0.95  # of what was found, a period: a handle in motion resists unevenly
+FIRST_PERIODS = 20  # in which the arm bends until the handle moves
+SHARE = 0.6  # of the missing force that a step may add
+MARGIN_N = 13.0  # below the largest force: a door in motion resists, and then jams within a period
+
+
+class Stiffness:
+    """Stiffness of an arm that pulls a handle, by the steps of its command and the force after each."""
+
+    def __init__(self, most: float, sudden: float) -> None:
+        """Prepare for a pull that keeps below `most` [N], and below `sudden` [N] where the handle stops."""
+        self._most, self._sudden = most, sudden
+        self._now = self._first = MIN_STIFFNESS_N_M
+        self._before: float | None = None
+        self._periods = 0
+
+    def add(self, step: float, resistance: float) -> None:
+        """Note the resistance in [N] after a step of the command along the path, in [m]."""
+        before, self._before = self._before, resistance
+        found = 0.0
+        if before is not None and step >= MIN_STEP_M:
+            found = (resistance - before) / step
+        self._now = max(found, FADES * self._now, MIN_STIFFNESS_N_M)
+        self._periods += 1
+        if self._periods <= FIRST_PERIODS:
+            self._first = max(found, self._first)
+
+    def step(self, resistance: float) -> float:
+        """Return the step in [m] after which the hand still pulls with less than it may; negative: back."""
+        return SHARE * (self._most - resistance) / self._now
+
+    def sudden_step(self) -> float:
+        """Return the longest step in [m] of a hand in motion: the handle may stop within it."""
+        return (self._sudden - MARGIN_N) / self._first
