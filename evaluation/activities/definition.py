@@ -70,14 +70,12 @@ def load_definition(name: str, instance: int = 0) -> Definition:
     activity, config = _bddl()
     names = sorted(activity.get_all_activities())
     if name not in names:
-        wrong = f"unknown activity {name!r}{suggest(name, names)}"
-        raise FileError([Finding(name, 0, 0, f"{wrong}; allowed: an activity of BEHAVIOR-1K")])
+        raise FileError([Finding("BEHAVIOR-1K", 0, 0, f"unknown activity {name!r}{suggest(name, names)}")])
     path = Path(config.get_definition_filename(name, instance))
     if not path.is_file():
-        wrong = f"the activity {name!r} has no definition {instance}"
-        raise FileError(
-            [Finding(name, 0, 0, f"{wrong}; allowed: 0 to {activity.get_instance_count(name) - 1}")]
-        )
+        last = activity.get_instance_count(name) - 1
+        allowed = f"0 to {last}" if last else "0"
+        raise FileError([Finding(name, 0, 0, f"no definition {instance}; allowed: {allowed}")])
     conditions = activity.Conditions(name, instance, DOMAIN)
     terms = {
         category: tuple(each for each in every if not each.endswith(WILDCARD))

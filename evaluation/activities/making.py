@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError, Finding
 from handcart.primitives.objects.object_findings import OPENING_MARGIN_MM
@@ -51,13 +53,26 @@ def make(
     Raises:
         NoBddl: the package with the definitions is missing.
         FileError: the activity, or something in it, isn't known or not possible, at its line.
+        OSError: the folder can't be written.
     """
     definition = load_definition(name, instance)
     relations = relations_of(definition)
+    named = _named_from(folder, robot)
     sizes, scaled = _sizes(definition, relations, _widest_mm(robot), scale)
     room = furnish(definition, relations, sizes)
-    write_activity(definition, room, folder, robot)
+    write_activity(definition, room, folder, named)
     return MadeActivity(definition, room, folder, scaled)
+
+
+def _named_from(folder: Path, robot: str) -> str:
+    """Return how a task in a folder names a robot: its name, or the path of its file from there."""
+    if not robot.endswith((".yaml", ".yml")) or (SHIPPED_FOLDER / robot).exists():
+        return robot
+    file, beside = Path(robot).resolve(), folder.resolve().parent
+    if not file.is_relative_to(beside):
+        words = f"the task can't name a file that is not below {beside}"
+        raise FileError([Finding(robot, 0, 0, f"{words}; allowed: a robot's name, or a file below that")])
+    return Path(os.path.relpath(file, folder.resolve())).as_posix()
 
 
 def _widest_mm(robot: str) -> float:

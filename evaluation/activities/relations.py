@@ -75,9 +75,7 @@ def _unknown_things(definition: Definition) -> Iterator[Finding]:
     for category, terms in definition.terms.items():
         if category not in (AGENT, *known) and (category in used or used & set(terms)):
             wrong = f"no size is known for {category!r}{suggest(category, known)}"
-            yield definition.finding(
-                [category], f"{wrong}; allowed: rigid things and furniture of things.yaml"
-            )
+            yield definition.finding([category], wrong)
 
 
 def _relation(definition: Definition, literal: Literal) -> ThingRelation | Finding | None:

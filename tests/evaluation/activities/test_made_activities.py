@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 
 pytest.importorskip("bddl", reason="the package bddl isn't installed: pip install 'handcart[bddl]'")
 
+from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.simulation.objects.object_props import ObjectProps
 from handcart.evaluation.activities.activity_survey import ActivitySurvey
 from handcart.evaluation.activities.bddl_judge import judge_start
@@ -18,6 +20,7 @@ from handcart.evaluation.activities.true_things import true_things
 from handcart.evaluation.judging.survey import SurveyedRun
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.files.errors import FileError
+from handcart.networks.task.task_file import load_task
 from handcart.primitives.activities.activity import Activity
 from handcart.robotics.geometry.pose2 import Pose2
 from tests.primitives.objects.fetching import scene_of
@@ -95,6 +98,16 @@ def test_unknown_activity_is_refused_with_the_nearest_name(tmp_path: Path) -> No
         make("store_hony", 0, tmp_path)
 
 
+def test_file_of_a_robot_is_named_from_the_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(SHIPPED_FOLDER / "librarian", tmp_path / "robot")
+    monkeypatch.chdir(tmp_path)
+    make("store_honey", 0, Path("honey"), "robot/robot.yaml")
+    assert load_task(Path("honey/task.yaml")).robot == str(tmp_path / "robot" / "robot.yaml")
+    with pytest.raises(FileError, match=r"can't name a file that is not below .*; allowed: a robot's name"):
+        make("store_honey", 0, Path("far/honey"), "robot/robot.yaml")
+    assert not Path("far").exists()
+
+
 def test_unknown_thing_is_refused_at_its_line(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"problem0\.bddl:\d+:\d+: no size is known for 'bicycle\.n\.01'"):
         make("putting_bike_in_garage", 0, tmp_path)
@@ -108,9 +121,9 @@ def test_state_that_is_not_simulated_is_refused_at_its_line(tmp_path: Path) -> N
 
 def test_thing_too_wide_for_the_fingers_is_refused_or_scaled(tmp_path: Path) -> None:
     with pytest.raises(
-        FileError, match=r"beer_bottle\.n\.01_1 is too wide for the fingers: 61 mm; allowed: at most"
+        FileError, match=r"jar__of__honey\.n\.01_1 is too wide for the fingers: 62 mm; allowed: at most"
     ):
-        make("store_beer", 0, tmp_path, robot="toyama")
-    made = make("store_beer", 0, tmp_path, robot="toyama", scale=True)
-    assert made.room.sizes["beer_bottle.n.01_1"].size_mm[0] < 61.0
+        make("store_honey", 0, tmp_path, robot="toyama")
+    made = make("store_honey", 0, tmp_path, robot="toyama", scale=True)
+    assert made.room.sizes["jar__of__honey.n.01_1"].size_mm[0] < 62.0
     assert any("made narrower" in line for line in made.words())
