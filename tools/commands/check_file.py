@@ -82,6 +82,8 @@ def check(
     from handcart.tools.terminal.first_use import announced
 
     try:
+        if (bench or bag) and not ros2:
+            raise InputError(f"{'--bag' if bag else '--bench'} without --ros2; needed: both")
         given = dict(split_setting(each) for each in settings or [])
         given |= {"policy": policy} if policy else {}
         with announced(f"checking {file}"):

@@ -84,12 +84,12 @@ class Undetermined(NamedTuple):
     def words(self) -> str:
         """Description of the direction, its size and its limit as text."""
         size, limit = self.shown
+        digits = (0 if limit >= 10.0 and self.unit == "mm" else 2) if limit >= 0.1 else 4
+        sizes = f"3 sigma {size:.{digits}f} {self.unit}, at most {limit:.{digits}f} {self.unit} allowed"
         if self.direction is None:
-            return f"the heading is not determined: 3 sigma {size:.2f} deg, at most {limit:.2f} deg allowed"
+            return f"the heading is not determined: {sizes}"
         along = f"along {round(math.degrees(self.direction))} deg on the map"
-        return (
-            f"the position is not determined {along}: 3 sigma {size:.0f} mm, at most {limit:.0f} mm allowed"
-        )
+        return f"the position is not determined {along}: {sizes}"
 
 
 def undetermined(

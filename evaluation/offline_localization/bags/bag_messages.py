@@ -93,8 +93,10 @@ def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
     """Return the storage files of a bag, and notes about unusual ones.
 
     Raises:
-        BagError: the folder contains no storage file.
+        BagError: the path is missing, or the folder contains no storage file.
     """
+    if not path.exists():
+        raise BagError(f"no such file or folder; {ALLOWED_TEXT}")
     if not path.is_dir():
         return [path], []
     files = sorted(each for each in path.iterdir() if has_bag_suffix(each) and each.is_file())

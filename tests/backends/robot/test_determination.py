@@ -7,7 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from handcart.backends.robot.localization.determination import PoseNeed, difference, room_left, undetermined
+from handcart.backends.robot.localization.determination import (
+    PoseNeed,
+    Undetermined,
+    difference,
+    room_left,
+    undetermined,
+)
 from handcart.robotics.geometry.pose2 import Pose2
 
 NEED = PoseNeed(0.04, math.radians(1.0))
@@ -85,6 +91,11 @@ def test_an_uncertain_heading_is_named() -> None:
     assert found is not None
     assert found.direction is None
     assert found.words == "the heading is not determined: 3 sigma 1.50 deg, at most 1.00 deg allowed"
+
+
+def test_a_small_limit_is_not_shown_as_zero() -> None:
+    assert Undetermined(0.0, 0.019, 1e-5).words.endswith("3 sigma 19.0000 mm, at most 0.0100 mm allowed")
+    assert Undetermined(0.0, 0.0027, 0.0026).words.endswith("3 sigma 2.70 mm, at most 2.60 mm allowed")
 
 
 def test_a_pose_that_nothing_tells_is_determined_nowhere() -> None:

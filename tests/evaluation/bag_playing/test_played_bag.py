@@ -71,3 +71,8 @@ def test_a_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.mcap").write_bytes(b"no bag")
     with pytest.raises(FileError, match="no bag that can be read"):
         BagLink(tmp_path / "a.mcap")
+
+
+def test_a_missing_bag_is_called_missing(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"b\.mcap: no such file or folder; allowed: rosbag2"):
+        BagLink(tmp_path / "b.mcap")

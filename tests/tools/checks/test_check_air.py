@@ -38,6 +38,12 @@ def test_a_difference_is_told_with_its_place(handcart: Callable[..., Said], tmp_
     assert found["robot"]["topics"][0]["topic"] == "odom"
 
 
+def test_a_bag_without_ros2_is_not_passed_over(handcart: Callable[..., Said]) -> None:
+    said = handcart("check", "cart", "--bag", "drive.mcap")
+    assert said.status == 2
+    assert "--bag without --ros2; needed: both" in said.err
+
+
 def test_a_robot_without_topics_is_refused(handcart: Callable[..., Said], tmp_path: Path) -> None:
     folder = tmp_path / "cart"
     shutil.copytree(robot_path("cart").parent, folder)
