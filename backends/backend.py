@@ -58,6 +58,8 @@ class Backend(ABC):
     """True if simulated drives can be put in front of a simulated backend; see `build_on_bench`."""
     drive_kinds: ClassVar[frozenset[str]] = frozenset({"differential", "ackermann"})
     """Kinds of drives in a robot's file that it can drive."""
+    lacks: ClassVar[frozenset[str]] = frozenset()
+    """Keys of a world's file, such as `doors`, whose things it refuses to simulate."""
     simulated: bool = True
     """True if `build` creates a new world; a real world is as it was left."""
     address: str = ""

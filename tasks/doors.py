@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from .domain import Domain, Knowledge
+
+_HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "doors",
@@ -19,4 +23,5 @@ DOMAIN = Domain(
     survey="handcart.evaluation.doors.door_survey:DoorSurvey",
     faults="handcart.evaluation.doors.door_faults:DOOR_FAULTS",
     files={"doors": "handcart.primitives.doors.doors_file:DoorsFile"},
+    rehearsals={_HERE / "open_drawer" / "task.yaml": {}},
 )

@@ -29,6 +29,7 @@ class PyBulletBackend(PhysicsBackend):
     """
 
     name = "pybullet"
+    lacks = frozenset({"doors"})
     SIMULATIONS = ("pybullet", "physics", "scene")
     _engine: BulletEngine
 

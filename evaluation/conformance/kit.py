@@ -15,7 +15,7 @@ from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import Rehearsal, Solo
-from handcart.evaluation.conformance.faults.repertoire import declared, repertoire
+from handcart.evaluation.conformance.faults.repertoire import declared, left_out, repertoire
 from handcart.evaluation.conformance.planted.mutants import Caught, mutants, try_mutant
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.reach import Reach
@@ -115,7 +115,20 @@ class KitSetting:
         """The tasks that the robot is tried in: the user's own, or shipped ones."""
         if self.own_tasks:
             return tuple(Path(each).resolve() for each in self.own_tasks)
-        return repertoire(self.robot, self._chosen, self.backend)
+        return repertoire(self.robot, self._chosen, self.simulated or self.backend)
+
+    def left_out(self) -> dict[str, str]:
+        """Return why primitives are not tried on this backend, by their names."""
+        if self.own_tasks:
+            return {}
+        backend, tried = self.simulated or self.backend, self.tried()
+        tasks = left_out(self.robot, self._chosen, backend)
+        return {
+            action.do: f"{backend} simulates no {' and no '.join(keys)}"
+            for path, keys in tasks.items()
+            for action in load_task(path, self._chosen).network.actions
+            if action.do not in tried
+        }
 
     def task_runs(self) -> list[OneRun]:
         """Return the task runs of the kit, each without and with the robot's errors."""

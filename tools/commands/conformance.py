@@ -67,6 +67,8 @@ def conformance(
         backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or (), own, bench
     )
     _check(setting)
+    for name, why in sorted(setting.left_out().items()):
+        print(f"left out: {name}: {why}", file=sys.stderr)
     if quick:
         print("quick: few faults and no complete tasks; --full tries everything", file=sys.stderr)
     with _progress() as tell:
@@ -136,8 +138,10 @@ def _check(setting: KitSetting) -> None:
     for task in setting.own_tasks:
         if errors := check(task, setting.backend, {"robot": setting.robot}).errors:
             raise FileError(errors)
-    tried = setting.tried()
+    tried, left = setting.tried(), setting.left_out()
     for name in setting.primitives:
+        if name in left:
+            raise typer.BadParameter(f"no fault can be tried in {name!r}: {left[name]}")
         if name not in tried:
             raise typer.BadParameter(f"no fault can be tried in {name!r}{suggest(name, tried)}")
     whole = [task.parent.name for task in setting.tasks]

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.registry import backend_class
 from handcart.files.errors import FileError
+from handcart.files.yaml.yaml_document import read_document
 from handcart.networks.task.preparing import check
 from handcart.networks.task.task_file import Task, load_task
 from handcart.tasks.domain import domains
@@ -31,6 +33,23 @@ def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[P
     Raises:
         FileError: the robot's file is invalid.
     """
+    return tuple(path for path in _fitting(robot, settings, backend) if not lacking(path, backend))
+
+
+def left_out(robot: str, settings: Mapping[str, str], backend: str) -> dict[Path, tuple[str, ...]]:
+    """Return the tasks of `repertoire` whose worlds a backend refuses, with the keys of what it lacks."""
+    found = {path: lacking(path, backend) for path in _fitting(robot, settings, backend)}
+    return {path: keys for path, keys in found.items() if keys}
+
+
+def lacking(path: Path, backend: str) -> tuple[str, ...]:
+    """Return the keys of a task's world whose things a backend doesn't simulate."""
+    keys = backend_class(backend).lacks
+    world = load_task(path).path("world") if keys else None
+    return () if world is None else tuple(sorted(keys & set(read_document(world).data)))
+
+
+def _fitting(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:
     load_robot(robot)
     own = tuple(path for path in declared() if _made_for(load_task(path), robot))
     return own or tuple(path for path in declared() if _possible(path, settings, backend))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.description.robot_names import robot_path
-from handcart.evaluation.conformance.faults.repertoire import repertoire
+from handcart.evaluation.conformance.faults.repertoire import lacking, repertoire
 from handcart.evaluation.conformance.kit import KitSetting, default_robot
 from handcart.evaluation.trials.rig import RigFiles
 from handcart.networks.task.task_file import load_task
@@ -16,8 +16,8 @@ from handcart.tools.main import main
 
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
 TRIED = {
-    "librarian": "APPROACH EXPLORE INSERT LOCATE LOOK_FOR MODIFY MOVE_ARM MOVE_TO PICK PICK_UP PLACE "
-    "RECOGNIZE RELEASE SEARCH STOW",
+    "librarian": "APPROACH CLOSE EXPLORE INSERT LOCATE LOOK_FOR MODIFY MOVE_ARM MOVE_TO OPEN PICK PICK_UP "
+    "PLACE RECOGNIZE RELEASE SEARCH STOW",
     "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE MOVE_TO PICK_UP_BLOCK STACK",
     "atrv": "DIVIDE MOVE_TO TRACK",
     "el_verde": "DEPLOY MODIFY MOVE_TO ORIENT STAND",
@@ -33,6 +33,19 @@ def test_faults_are_tried_in_all_that_a_robot_is_made_for(robot: str) -> None:
 def test_faults_are_tried_in_every_registered_primitive() -> None:
     every = {name for names in TRIED.values() for name in names.split()}
     assert every == set(primitive_names())
+
+
+@pytest.mark.parametrize(("backend", "keys"), [("pybullet", ("doors",)), ("mujoco", ()), ("kinematic", ())])
+def test_engine_without_joints_of_the_world_lacks_doors(backend: str, keys: tuple[str, ...]) -> None:
+    assert lacking(TASKS / "open_drawer" / "task.yaml", backend) == keys
+
+
+@pytest.mark.slow
+def test_doors_are_left_out_by_name_where_an_engine_has_none(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["conformance", "--backend", "pybullet", "--primitive", "OPEN"])
+    assert end.value.code == 2
+    assert "'OPEN': pybullet simulates no doors" in " ".join(capsys.readouterr().err.split())
 
 
 def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
@@ -53,7 +66,11 @@ def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
     librarian = str(robot_path("librarian"))
     tasks = repertoire(librarian, {"robot": librarian}, "kinematic")
     names = [path.parent.name for path in tasks]
-    assert sorted(names) == ["drive_map"] * 3 + ["fetch_and_carry"] * 2 + ["return_book", "return_books"]
+    assert sorted(names) == ["drive_map"] * 3 + ["fetch_and_carry"] * 2 + [
+        "open_drawer",
+        "return_book",
+        "return_books",
+    ]
 
 
 def test_checks_are_made_where_the_first_task_is_done() -> None:
