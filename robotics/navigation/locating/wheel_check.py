@@ -46,6 +46,8 @@ FASTEST_KEPT = 0.8
 AGREEING_SCANS = 6
 """Scans in a row that agree with the wheels again, until the wheels are believed."""
 MIN_BEAMS = 20
+MAX_SLIDE_M, MAX_SLIDE_RAD = 0.15, 0.3
+"""Motion beyond that of the wheels from one scan to the next: more, and the base was lifted, not held."""
 
 
 class Contradiction(NamedTuple):
@@ -228,6 +230,8 @@ class Baseline:
         match = match_surfaces(self._surface, now, starts[0], prior, SMALL_GATES_M)
         noise = np.asarray(np.linalg.inv(_determined(match.information, prior)), dtype=np.float64)
         if match.inliers < MIN_INLIERS or not self._is_beyond(match.pose, noise, lag):
+            return None
+        if (_size(match.pose) > _size(self._moved) + (MAX_SLIDE_M, MAX_SLIDE_RAD)).any():
             return None
         pose = self._then.compose(match.pose)
         cos, sin = math.cos(self._then.theta), math.sin(self._then.theta)

@@ -115,3 +115,19 @@ def test_a_corridor_that_looks_alike_denies_no_wheels() -> None:
     for _ in range(40):
         assert drive.roll(DRIVES, (1.0, 1.0)) is None
     assert not drive.check.is_contradicted
+
+
+@pytest.mark.parametrize(
+    ("jump", "is_held"),
+    [(Pose2(0.0, 0.0, 0.2), True), (Pose2(0.0, 0.0, 0.45), False), (Pose2(-0.5, 0.4, 0.0), False)],
+)
+def test_jump_farther_than_a_base_slides_is_no_held_base(
+    library_boxes: Boxes, jump: Pose2, is_held: bool
+) -> None:
+    """Between two scans it was lifted and set down near by, or only turned by what it ran into."""
+    drive = Drive(library_boxes)
+    for _ in range(8):
+        drive.roll(DRIVES, (1.0, 1.0))
+    drive.pose = drive.pose.compose(jump)
+    found = [drive.roll(DRIVES, (1.0, 1.0)) for _ in range(3)]
+    assert any(each is not None for each in found) is is_held
