@@ -231,7 +231,7 @@ class Baseline:
         noise = np.asarray(np.linalg.inv(_determined(match.information, prior)), dtype=np.float64)
         if match.inliers < MIN_INLIERS or not self._is_beyond(match.pose, noise, lag):
             return None
-        if (_size(match.pose) > _size(self._moved) + (MAX_SLIDE_M, MAX_SLIDE_RAD)).any():
+        if (_size(match.pose) - _size(self._moved) > np.array([MAX_SLIDE_M, MAX_SLIDE_RAD])).any():
             return None
         pose = self._then.compose(match.pose)
         cos, sin = math.cos(self._then.theta), math.sin(self._then.theta)
