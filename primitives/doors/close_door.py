@@ -16,7 +16,7 @@ from handcart.robotics.manipulation.doors.path_fit import PathFit
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .door_states import state_after
-from .doors import Doors
+from .doors import Doors, DoorState
 from .move_door import MoveDoor
 from .pulling import Pull, PullEnding
 
@@ -64,7 +64,7 @@ class CloseDoor(MoveDoor):
     @override
     def move_handle(
         self, robot: Robot, model: ModelView, joint: DoorJoint, span: tuple[float, float], grip: FloatArray
-    ) -> Generator[None, None, Pull]:
+    ) -> Generator[None, None, tuple[Pull, DoorState]]:
         way = joint.travel(span[0])
 
         def is_too_far(path: PathFit, bar: FloatArray) -> bool:
@@ -78,6 +78,4 @@ class CloseDoor(MoveDoor):
             raise Discrepancy(f"the stop of {self.door} isn't felt", measured=off, cause=causes.MISPLACED)
         if abs(left) > CLOSED_TOLERANCE_M:
             raise Discrepancy(f"something blocks {self.door}", measured=off, cause=causes.ARM_BLOCKED)
-        state = state_after(robot, self.door, joint, pulled, span)
-        model.of(Doors).note(state._replace(opened=0.0))
-        return pulled
+        return pulled, state_after(robot, self.door, joint, pulled, span)._replace(opened=0.0)

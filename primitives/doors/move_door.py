@@ -37,7 +37,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .door_look import LocatedHandle, find_handle
 from .door_names import DoorName, front_in_world, handle_in_world
 from .door_states import measured_joint
-from .doors import Doors
+from .doors import Doors, DoorState
 from .doors_file import KnownDoor
 from .handle_grasp import APPROACH_M, PlannedHandle, plan_handle
 from .pulling import Pull, PullEnding, measured_bias, pull, yield_to_force
@@ -74,6 +74,7 @@ class MoveDoor(ActionPrimitive):
     _why_unseen: Discrepancy | None = PrivateAttr(default=None)
     _held: bool = PrivateAttr(default=False)
     _done: bool = PrivateAttr(default=False)
+    _states_before: tuple[DoorState, ...] | None = PrivateAttr(default=None)
     _over: int = PrivateAttr(default=0)
     _bias: FloatArray = PrivateAttr(default_factory=lambda: np.zeros(3))
 
@@ -88,8 +89,8 @@ class MoveDoor(ActionPrimitive):
     @abstractmethod
     def move_handle(
         self, robot: Robot, model: ModelView, joint: DoorJoint, span: tuple[float, float], grip: FloatArray
-    ) -> Generator[None, None, Pull]:
-        """Move the held handle, check how far it went, and note it."""
+    ) -> Generator[None, None, tuple[Pull, DoorState]]:
+        """Move the held handle, check how far it went, and return how the door is left."""
 
     @override
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
@@ -137,9 +138,11 @@ class MoveDoor(ActionPrimitive):
         joint = believed.with_handle(seen, span[0])
         plan = yield from self._planned(robot, model, door, joint, span)
         grip = yield from self._take_handle(robot, model, door, joint, plan, span)
-        pulled = yield from self.move_handle(robot, model, joint, span, grip)
+        pulled, state = yield from self.move_handle(robot, model, joint, span, grip)
         yield from self._let_go(robot)
         yield from self._check_stays(robot, model, joint, pulled)
+        self._states_before = model.of(Doors).door_states
+        model.of(Doors).note(state)
         if self.stow:
             yield from move_to_posture(robot, "home", around=surroundings(robot, model))
         self._done = True
@@ -174,6 +177,8 @@ class MoveDoor(ActionPrimitive):
         """Play the motion backwards: the handle is brought back before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
+        if self._states_before is not None:
+            model.of(Doors).door_states = self._states_before
 
     def prior(self, joint: DoorJoint, span: tuple[float, float]) -> PathPrior:
         """Return the believed path from where the handle is, in the base frame."""

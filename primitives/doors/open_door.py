@@ -19,7 +19,7 @@ from handcart.robotics.manipulation.doors.path_fit import PathFit
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .door_states import state_after
-from .doors import Doors
+from .doors import Doors, DoorState
 from .move_door import MoveDoor
 from .pulling import MAX_PULL_N, Pull, PullEnding
 
@@ -58,7 +58,7 @@ class OpenDoor(MoveDoor):
     @override
     def move_handle(
         self, robot: Robot, model: ModelView, joint: DoorJoint, span: tuple[float, float], grip: FloatArray
-    ) -> Generator[None, None, Pull]:
+    ) -> Generator[None, None, tuple[Pull, DoorState]]:
         way = joint.travel(self._wanted(joint))
 
         def is_there(path: PathFit, bar: FloatArray) -> bool:
@@ -73,5 +73,4 @@ class OpenDoor(MoveDoor):
             )
             reason = f"{self.door} doesn't open further with {MAX_PULL_N:g} N"
             raise Discrepancy(reason, measured=far, cause=causes.ARM_BLOCKED)
-        model.of(Doors).note(state_after(robot, self.door, joint, pulled, span))
-        return pulled
+        return pulled, state_after(robot, self.door, joint, pulled, span)

@@ -91,6 +91,7 @@ def test_drawer_that_moves_after_it_was_let_go_is_given_up(
         outcome = rig.do(OpenDoor(door="drawer", travel_mm=60.0, stow=False))
         assert isinstance(outcome, GiveUp)
         assert "drawer doesn't stay" in outcome.reason
+        assert rig.model.of(Doors).state_of("drawer") is None
 
 
 def test_close_that_is_blocked_on_the_way_leaves_the_drawer_open(tmp_path: Path) -> None:
