@@ -61,11 +61,9 @@ class RosGpsSpec(RosTopicSpec):
     """Sigma of a fix on each axis, if its message states none."""
 
 
-class RosCameraSpec(RosTopicSpec):
-    """Topic of a camera's pictures."""
+class RosLensSpec(RosTopicSpec):
+    """Topic of pictures with a calibration beside them."""
 
-    topic: Topic = "camera/image_raw"
-    stale_ms: StaleTime = 1000.0
     info: Topic | None = None
     """Topic of its calibration (default: `camera_info` beside the pictures)."""
 
@@ -76,7 +74,14 @@ class RosCameraSpec(RosTopicSpec):
         return self.info or (f"{folder}/camera_info" if folder else "camera_info")
 
 
-class RosDepthSpec(RosTopicSpec):
+class RosCameraSpec(RosLensSpec):
+    """Topic of a camera's pictures."""
+
+    topic: Topic = "camera/image_raw"
+    stale_ms: StaleTime = 1000.0
+
+
+class RosDepthSpec(RosLensSpec):
     """Topics of a depth camera, registered to one lens."""
 
     topic: Topic = "camera/aligned_depth_to_color/image_raw"
@@ -84,14 +89,6 @@ class RosDepthSpec(RosTopicSpec):
     colour: Topic = "camera/color/image_raw"
     """Colours, of the same size."""
     stale_ms: StaleTime = 1000.0
-    info: Topic | None = None
-    """Topic of its calibration (default: `camera_info` beside the depth)."""
-
-    @property
-    def info_topic(self) -> str:
-        """Return the topic of its `camera_info`."""
-        folder = self.topic.rpartition("/")[0]
-        return self.info or (f"{folder}/camera_info" if folder else "camera_info")
 
 
 class RosVelocitySpec(FileModel):

@@ -105,7 +105,7 @@ def measure(
             path = folder / f"{kind}-{topic}"
             record(path, storage, periods, spoil_of(kind, topic))
             tried += 1
-            said = told(path, periods)
+            said = playing_error(path, periods)
             if f"({topic})" not in said:
                 missed.append(f"{kind} on {topic}: {said or 'nothing was said'}")
     return same, missed, tried
@@ -144,7 +144,7 @@ def played(path: Path, periods: int) -> Iterator[Reading]:
             yield reading_of(backend)
 
 
-def told(path: Path, periods: int) -> str:
+def playing_error(path: Path, periods: int) -> str:
     """Return what a backend says about a bag; "" if it plays to its end."""
     try:
         for _ in played(path, periods):

@@ -173,23 +173,23 @@ def try_other(python: str) -> int:
     finally:
         bench.kill()
     try:
-        told = json.loads(said.strip().splitlines()[-1])
+        report = json.loads(said.strip().splitlines()[-1])
     except (ValueError, IndexError):
         print(f"another distribution, {python}: FAILED: {said.strip()[-300:]}")
         return 1
     way, turn = after.travel_m - before.travel_m, after.joint - before.joint
     good = (
-        told["odometry"] > 40
-        and told["beams"] == 360
+        report["odometry"] > 40
+        and report["beams"] == 360
         and way > 0.5
-        and abs(told["driven_m"] - way) < 0.1
+        and abs(report["driven_m"] - way) < 0.1
         and abs(turn - 0.1) < 0.02
     )
     print(
-        f"another distribution, rclpy {told['rclpy']}, Python {told['python']}:"
-        f" {'works' if good else 'FAILED'}: {told['odometry']} odometry,"
-        f" {told['scans']} scans of {told['beams']} beams, {told['joint_states']} joint states;"
-        f" drove {told['driven_m']:.2f} m by odometry, {way:.2f} m truly; moved a joint by {turn:.3f}",
+        f"another distribution, rclpy {report['rclpy']}, Python {report['python']}:"
+        f" {'works' if good else 'FAILED'}: {report['odometry']} odometry,"
+        f" {report['scans']} scans of {report['beams']} beams, {report['joint_states']} joint states;"
+        f" drove {report['driven_m']:.2f} m by odometry, {way:.2f} m truly; moved a joint by {turn:.3f}",
         flush=True,
     )
     return 0 if good else 1

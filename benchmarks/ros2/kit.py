@@ -85,10 +85,10 @@ def robot_by_actions(name: str, folder: Path) -> str:
     robot = load_robot(name)
     copy = shutil.copytree(robot.folder, folder / "robot")
     file = next(copy.glob("robot.y*ml"))
-    told = yaml.safe_load(file.read_text(encoding="utf-8"))
+    content = yaml.safe_load(file.read_text(encoding="utf-8"))
     arm = {"arm": {"actions": {ACTION: list(robot.arm.joints)}}} if robot.arm is not None else {}
-    told["ros2"] = {**arm, **({"gripper": HAND} if robot.gripper is not None else {})}
-    file.write_text(yaml.safe_dump(told), encoding="utf-8")
+    content["ros2"] = {**arm, **({"gripper": HAND} if robot.gripper is not None else {})}
+    file.write_text(yaml.safe_dump(content), encoding="utf-8")
     return str(file)
 
 

@@ -19,17 +19,7 @@ class LocalGoal(SentGoal, ServedGoal):
     def __init__(self, kind: str, request: Any) -> None:
         """Begin without an answer; `kind` is the type of the action."""
         self._kind, self._request = kind, request
-        self._state, self._result, self._cancel = GoalStage.SENT, None, False
-
-    @property
-    @override
-    def state(self) -> GoalStage:
-        return self._state
-
-    @property
-    @override
-    def result(self) -> Any:
-        return self._result
+        self.state, self.result, self._cancel = GoalStage.SENT, None, False
 
     @property
     @override
@@ -51,7 +41,7 @@ class LocalGoal(SentGoal, ServedGoal):
 
     @override
     def end(self, state: GoalStage, result: Any) -> None:
-        self._state, self._result = state, result
+        self.state, self.result = state, result
 
 
 class LocalAction:

@@ -49,9 +49,9 @@ class FrameTree:
         return None
 
 
-def pose_of_transform(told: Any) -> Transform | None:
+def pose_of_transform(message: Any) -> Transform | None:
     """Return the pose (4, 4) of a `geometry_msgs/Transform`; None if it is none."""
-    place, turn = told.translation, told.rotation
+    place, turn = message.translation, message.rotation
     x, y, z, w = float(turn.x), float(turn.y), float(turn.z), float(turn.w)
     norm = math.hypot(x, y, z, w)
     numbers = (float(place.x), float(place.y), float(place.z), norm)

@@ -25,15 +25,15 @@ ACTIVE_NUMBERS = (1, 2, 3)
 
 
 class SentGoal(Protocol):
-    """A goal that was sent, by what has arrived of it."""
+    """A goal that was sent, by what has arrived of it.
 
-    @property
-    def state(self) -> GoalStage:
-        """Return its state."""
+    Attributes:
+        state: stage that it has reached.
+        result: what it ended with; None before its end.
+    """
 
-    @property
-    def result(self) -> Any:
-        """Return its result; None before its end."""
+    state: GoalStage
+    result: Any
 
     def cancel(self) -> None:
         """Ask for its end; one that is not accepted yet is cancelled once it is."""

@@ -77,8 +77,8 @@ class RosGoalSender(GoalSender):
     def send(self, goal: Any) -> SentGoal:
         sent, name = _RosGoal(self._came), uuid4().bytes
         self._own.append(name)
-        told = self._new_id(uuid=np.frombuffer(name, np.uint8))
-        self._client.send_goal_async(goal, goal_uuid=told).add_done_callback(sent.answered)
+        goal_id = self._new_id(uuid=np.frombuffer(name, np.uint8))
+        self._client.send_goal_async(goal, goal_uuid=goal_id).add_done_callback(sent.answered)
         return sent
 
 
@@ -88,22 +88,12 @@ class _RosGoal(SentGoal):
     def __init__(self, came: Came) -> None:
         """Begin without an answer."""
         self._came, self._handle, self._cancel = came, None, False
-        self._state, self._result = GoalStage.SENT, None
-
-    @property
-    @override
-    def state(self) -> GoalStage:
-        return self._state
-
-    @property
-    @override
-    def result(self) -> Any:
-        return self._result
+        self.state, self.result = GoalStage.SENT, None
 
     @override
     def cancel(self) -> None:
         self._cancel = True
-        if self._handle is not None and self._state is GoalStage.RUNNING:
+        if self._handle is not None and self.state is GoalStage.RUNNING:
             self._handle.cancel_goal_async()
 
     def answered(self, answer: Any) -> None:
@@ -111,9 +101,9 @@ class _RosGoal(SentGoal):
         self._came()
         handle = self._handle = answer.result()
         if not handle.accepted:
-            self._state = GoalStage.REJECTED
+            self.state = GoalStage.REJECTED
             return
-        self._state = GoalStage.RUNNING
+        self.state = GoalStage.RUNNING
         handle.get_result_async().add_done_callback(self._ended)
         if self._cancel:
             handle.cancel_goal_async()
@@ -121,8 +111,8 @@ class _RosGoal(SentGoal):
     def _ended(self, answer: Any) -> None:
         self._came()
         got = answer.result()
-        self._result = got.result
-        self._state = ENDS_BY_NUMBER.get(got.status, GoalStage.ABORTED)
+        self.result = got.result
+        self.state = ENDS_BY_NUMBER.get(got.status, GoalStage.ABORTED)
 
 
 class _RosServedGoal(ServedGoal):

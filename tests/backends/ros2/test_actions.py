@@ -95,7 +95,7 @@ def test_a_stop_cancels_what_is_under_way(make: Make) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "name", "told"),
+    ("fault", "name", "words"),
     [
         ("rejects", ARM, "rejected a goal; is it active"),
         ("aborts", ARM, "aborted a goal: GOAL_TOLERANCE_VIOLATED"),
@@ -105,13 +105,13 @@ def test_a_stop_cancels_what_is_under_way(make: Make) -> None:
         ("cancels", HAND, "somebody else cancelled a goal"),
     ],
 )
-def test_a_goal_that_comes_to_nothing_stops_the_robot(make: Make, fault: str, name: str, told: str) -> None:
+def test_a_goal_that_comes_to_nothing_stops_the_robot(make: Make, fault: str, name: str, words: str) -> None:
     with make(faults=(f"{fault}@{name}@0.3",), **BY_ACTIONS) as backend:
         gripper = backend.get(Gripper)  # type: ignore[type-abstract]
         assert gripper is not None
         swing(backend, 4)
         begun = arm_of(backend).command()
-        with pytest.raises(RosFault, match=f"{name}: .*{told}"):
+        with pytest.raises(RosFault, match=f"{name}: .*{words}"):
             for period in range(40):
                 arm_of(backend).move(begun + 0.01 * (period + 1) * WAY)
                 gripper.move(0.07 if period % 2 else 0.0)
@@ -143,15 +143,15 @@ def test_fingers_by_an_action_press_and_open(make: Make) -> None:
                 assert gripper.closed_on_something() is pressing
 
 
-def test_an_action_that_nobody_serves_is_told_before_anything_moves(
+def test_an_action_that_nobody_serves_is_named_before_anything_moves(
     monkeypatch: pytest.MonkeyPatch, make: Make
 ) -> None:
     monkeypatch.setattr(LocalLink, "serve_action", lambda *_: None)
-    with pytest.raises(NotOnTheAir) as told:
+    with pytest.raises(NotOnTheAir) as words:
         make(**BY_ACTIONS, first_message_s=0.2)
     for name in (ARM, LIFT, HAND):
         assert f"{name}: nobody serves the action; needed: a controller that takes control_msgs/" in str(
-            told.value
+            words.value
         )
 
 

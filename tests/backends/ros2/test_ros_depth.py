@@ -137,11 +137,11 @@ def test_a_check_names_depth_of_another_size_or_lens() -> None:
     assert "head/depth/camera_info: its lens (focal 90.0 90.0" in report.faults[0].words
 
 
-def test_cameras_that_the_robot_lacks_are_told() -> None:
+def test_cameras_that_the_robot_lacks_are_named() -> None:
     robot = robot_with_cameras()
     assert robot.camera is not None
     wrong = RosSpec(depth={"dep": DEPTH}, cameras={robot.name_of(robot.camera): RosCameraSpec()})
-    with pytest.raises(UnknownJoints) as told:
+    with pytest.raises(UnknownJoints) as caught:
         check_joints(robot, wrong)
-    assert "depth: the robot has no further depth camera 'dep'; did you mean 'deep'?" in str(told.value)
-    assert "is the first camera; needed: its topic under the key camera" in str(told.value)
+    assert "depth: the robot has no further depth camera 'dep'; did you mean 'deep'?" in str(caught.value)
+    assert "is the first camera; needed: its topic under the key camera" in str(caught.value)

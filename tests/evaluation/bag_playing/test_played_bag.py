@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
 
-from benchmarks.ros2.bags import SPOILED_S, played, player, record, spoil_of, told
+from benchmarks.ros2.bags import SPOILED_S, played, player, playing_error, record, spoil_of
 from handcart.backends.backend import RobotFault
 from handcart.backends.description.ros_spec import RosOdometrySpec, RosSpec
 from handcart.backends.loading.robot_loading import load_robot
@@ -48,7 +48,7 @@ def test_the_end_of_a_bag_is_silence(whole: Path) -> None:
 )
 def test_a_spoiled_topic_of_a_bag_is_named(tmp_path: Path, kind: str, topic: str, words: str) -> None:
     record(tmp_path / "bag", "SQLITE3", PERIODS, spoil_of(kind, topic))
-    said = told(tmp_path / "bag", PERIODS)
+    said = playing_error(tmp_path / "bag", PERIODS)
     first, _, rest = words.partition(".*")
     assert first.strip() in said
     assert rest in said

@@ -50,10 +50,12 @@ def test_a_place_that_needs_less_is_nothing_to_tell() -> None:
     assert forecast(False, 10.0, PoseNeed(2.0, math.radians(5.0))).found is None
 
 
-@pytest.mark.parametrize(("along", "across", "told"), [(2.0, 0.05, False), (0.05, 2.0, True)])
-def test_a_forecast_counts_in_the_direction_of_the_need(along: float, across: float, told: bool) -> None:
+@pytest.mark.parametrize(("along", "across", "is_reported"), [(2.0, 0.05, False), (0.05, 2.0, True)])
+def test_a_forecast_counts_in_the_direction_of_the_need(
+    along: float, across: float, is_reported: bool
+) -> None:
     found = forecast(False, 10.0, PoseNeed(along, math.radians(5.0), across)).found
-    assert (found is not None) is told
+    assert (found is not None) is is_reported
 
 
 def hall_forecast(reach: float) -> PoseForecast:
