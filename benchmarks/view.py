@@ -49,7 +49,7 @@ def cost(task: Path) -> None:
     spent: dict[bool, list[float]] = {False: [], True: []}
     size, lasted = 0, 0.0
     with TemporaryDirectory() as there:
-        run_task(task, Path(there), RunOptions())  # what is compiled at first counts for neither
+        run_task(task, Path(there), RunOptions())  # compiling counts for neither
         for _ in range(REPEAT_COUNT):
             for playback in (False, True):
                 before = time.process_time()

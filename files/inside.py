@@ -60,7 +60,7 @@ def resolve_inside(root: Path, relative: str, *, start: Path | None = None) -> P
     try:
         real_root = root.resolve()
         real = _written_form((start or root).resolve(), relative).resolve()
-    # RuntimeError is how Python before 3.13 tells of links in a circle.
+    # Python before 3.13 raises RuntimeError for a circle of links.
     except (OSError, RuntimeError, ValueError):
         raise UnsafePath(relative, "cannot be followed") from None
     if real == real_root or not real.is_relative_to(real_root):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from handcart.robotics.numerics.arrays import FloatArray
 
 _WORST_CONDITION = 1e12
-_POSE = 6  # numbers that a group can tell at most: it is wrong as a pose is
+_POSE = 6  # maximum independent numbers of a group: a pose has six
 
 
 def clustered_sigmas(

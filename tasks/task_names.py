@@ -50,7 +50,7 @@ def _tasks_below(folder: Path, prefix: str) -> dict[str, Path]:
 def _exists(path: Path) -> bool:
     try:
         return path.exists()
-    except (OSError, ValueError):  # a name too long, or with a null byte: whoever opens the file reports it
+    except (OSError, ValueError):  # a name too long, or with a null byte: the reader of the file reports it
         return True
 
 

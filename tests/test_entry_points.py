@@ -196,7 +196,7 @@ def test_a_plugin_that_cannot_be_imported_is_told(
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "garden", raising=False)
     with fresh_registries() as class_of:
-        assert class_of[kind](SHIPPED[kind][1])  # the others go on
+        assert class_of[kind](SHIPPED[kind][1])  # the others continue
         with pytest.raises(BrokenPlugin, match=wrong):
             class_of[kind](name)
 

@@ -15,7 +15,7 @@ pytest.importorskip("pybullet_data", reason="the example's arm comes with PyBull
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "docs" / "how_to" / "robots.md").read_text(encoding="utf-8")
-LONG = ("campaign", "--backend")  # what other tests run
+LONG = ("campaign", "--backend")  # covered by other tests
 
 
 def commands() -> list[list[str]]:

@@ -2,6 +2,6 @@
 
 import logging
 
-# What they say of the bus is told in words by the backend's own errors; who wants it adds a handler.
+# The backend's own errors report bus faults; add a handler to get the libraries' log lines as well.
 for _library in ("can", "canopen"):
     logging.getLogger(_library).addHandler(logging.NullHandler())

@@ -15,7 +15,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.lens_fold import LensKind
 
 Pixels = Annotated[int, Field(gt=0, le=20_000)]
-MAX_OFF_AXIS_DEG = 75  # what is seen is worked out in a plane, which grows without bound toward 90
+MAX_OFF_AXIS_DEG = 75  # the field of view is computed in a plane, which grows without bound toward 90
 FOLD_PX = 0.5
 COEFFICIENT_COUNTS = {
     "plumb_bob": (4, 5),

@@ -15,7 +15,7 @@ from handcart.robotics.perception.landmarks.tag_family import TagFamily, tags_of
 
 from .printed_tag import FACE_TURNS
 
-FINGERTIP_ROOM_MM = 30.0  # behind a bar, for finger tips
+FINGERTIP_ROOM_MM = 30.0  # free depth behind a bar, for finger tips
 EDGE_M = 0.06  # from the middle of a handle to the edge of its door
 
 

@@ -30,7 +30,7 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.numerics.arrays import FloatArray
 
-_PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
+_PRESSES = 2e-4  # [m] of command beyond their position from which the fingers press
 
 
 class KinematicBase(CommandedBase):

@@ -46,7 +46,7 @@ SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let 
 LET_DOWN = 0.01  # [m] above its highest point under the wheels
 CAR_WHEELS_M = np.array(
     [[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)]
-)  # of a car, about its rear axle [m]
+)  # of a car, around its rear axle [m]
 MAX_TILT_DEG = {"floor": 4.0, "terrain": 45.0}  # of the base; beyond it for `TIPPED_S`, it has tipped
 TIPPED_S = 1.0  # a base that runs into something lifts its wheels and falls back within half a second
 FALLEN_DEG = 45.0  # from where no base comes back

@@ -35,7 +35,7 @@ from .state_signature import check_signature, sign
 
 ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
 _ITERATIONS = 100
-_STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
+_STICKS = 0.8  # share of a sticking contact's slide that one step takes back
 
 _OFF = 2e-4  # [m] that a sheet lies above what it is painted on
 _FLAT = ((0.5, 0.5),) * 4
@@ -75,7 +75,7 @@ class BulletEngine(Engine):
             numSubSteps=self.substeps,
             numSolverIterations=_ITERATIONS,
             frictionERP=_STICKS,
-            enableConeFriction=0,  # with it, what is held creeps out of the hand
+            enableConeFriction=0,  # with it, a held object creeps out of the hand
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
@@ -116,7 +116,7 @@ class BulletEngine(Engine):
     def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
         shapes = tile_shape(self.client, cell, heights)
         x, y = corner + cell * (len(heights) - 1) / 2
-        middle = (float(heights.min()) + float(heights.max())) / 2  # Bullet has a field about its middle
+        middle = (float(heights.min()) + float(heights.max())) / 2  # Bullet centres a height field
         body = self.p.createMultiBody(0.0, *shapes, (x, y, middle), physicsClientId=self.client)
         return self._rub(body, friction)
 
@@ -227,7 +227,7 @@ class BulletEngine(Engine):
         )
         return np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
 
-    # What is held together
+    # Bodies that are held together
 
     @override
     def pin(self, wanted: Pinned | None) -> None:

@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .bullet import bullet, quiet
 
 _FLOOR = 0.37  # grey
-_HULL_MARGIN = 0.001  # that Bullet adds about a hull [m]
+_HULL_MARGIN = 0.001  # margin that Bullet adds around a hull [m]
 
 
 def floor_look(client: int) -> int:

@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 SAME_POSE_M, SAME_POSE_RAD = 0.004, 0.005  # of motion since the average began
 SAME_SURFACE_M = 0.04  # between a range and its average; more is another surface, and the range itself counts
-MIN_WEIGHT = 0.1  # of the latest scan: what comes nearer slowly is not averaged away
+MIN_WEIGHT = 0.1  # of the latest scan: a slowly approaching obstacle must not be averaged away
 
 
 class AveragedScan:

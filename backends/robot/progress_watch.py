@@ -13,7 +13,7 @@ from handcart.robotics.navigation.locating.moved_scan import rolled_motion
 
 from .localization.localization import Localization
 
-ROUGH_SIGMA_M = 0.1  # of a position: more, and its corrections are no motion
+ROUGH_SIGMA_M = 0.1  # of a position: corrections of a less certain pose are not motion
 
 
 class ProgressWatch:

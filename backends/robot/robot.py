@@ -130,7 +130,7 @@ class Robot:
         self._movers: set[int] = set()
         self._moved: set[int] = set()
 
-    # What it can do
+    # Capabilities
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT:
         """Return the capability of a kind, the first one of several; of cameras as `camera_of_kind` does.
@@ -230,7 +230,7 @@ class Robot:
         radius = self.spec.footprint_radius_m
         return UnseenGround(lidar, radius, lambda: self.localization.odometry_pose, lambda: self.time)
 
-    # What is estimated
+    # Estimates
 
     @property
     def driven(self) -> tuple[float, float]:

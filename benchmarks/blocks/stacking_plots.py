@@ -10,7 +10,7 @@ from handcart.evaluation.viewing.drawing.figure_file import save_figure
 
 from .stacking_experiment import Experiment
 
-# In plain words: mathematical letters are put down one by one, and browsers lay them over each other.
+# In plain words: mathematical letters are drawn one by one, and browsers overlap them.
 AXIS_LABELS = ("error in x [mm]", "error in y [mm]", "processed error in x [mm]", "processed error in y [mm]")
 
 

@@ -126,7 +126,7 @@ class Trials:
         self._made: dict[bytes, Prepared] = {}
         import matplotlib
 
-        matplotlib.get_configdir()  # it makes that folder when it is first asked, and nobody watches yet
+        matplotlib.get_configdir()  # it makes that folder at the first request, and no watcher exists yet
         (work / "temporary").mkdir()
         tempfile.tempdir = str(work / "temporary")
         caches = [Path(tempfile.tempdir), Path.home() / ".cache", Path.home() / ".config" / "matplotlib"]
@@ -255,7 +255,7 @@ class _Tried:
         except NotAState as error:
             if "needed: " not in str(error) or not sound:
                 raise
-            self._trials.forget()  # maybe refused only because that robot has gone on with another run
+            self._trials.forget()  # possibly rejected only because that robot has begun another run
             header, prepared = self._trials.prepared(self._folder)
             past = put_back(self._folder, header, prepared)
         if sound and past.checkpoint is not None and not self._true(header, prepared):

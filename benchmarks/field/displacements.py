@@ -30,7 +30,7 @@ from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 from handcart.robotics.numerics.arrays import FloatArray
 
-LEG_COUNTS = (0, 1, 2, 4)  # of ten metres, from stop to stop; 0: while it stands there
+LEG_COUNTS = (0, 1, 2, 4)  # of ten metres, from stop to stop; 0 at a stop
 
 
 class Way(NamedTuple):
@@ -83,7 +83,7 @@ def row_of(world: str, legs: int, found: list[Way]) -> list[str]:
     covariances = np.array([way.covariance for way in found])
     worst = np.sqrt(np.maximum(0.0, np.linalg.eigvalsh(covariances)[:, -1]))
     away = np.hypot(*errors.T)
-    floor = 1e-6 * np.eye(2)  # a base that stands is known to have stood
+    floor = 1e-6 * np.eye(2)  # a base at rest is known to be at rest
     return [
         world,
         f"{10 * legs} m" if legs else "0 m, 9 s",

@@ -68,7 +68,7 @@ def _answered(folder: Path, message: bytes) -> bool:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
         line.settimeout(ANSWER_TIMEOUT_S)
         line.connect(str(folder / "control"))
-        with suppress(BrokenPipeError):  # too long: told, and hung up on
+        with suppress(BrokenPipeError):  # too long: reported, then disconnected
             line.sendall(message + b"\n")
         answer = b""
         while not answer.endswith(b"\n"):

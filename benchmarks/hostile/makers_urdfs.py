@@ -40,12 +40,12 @@ drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 6
         turn_acceleration_deg_s2: 90}
 """
 STEP_PERIODS = 3  # periods that a backend is stepped
-MAX_LINES = 60  # lines that a person is told without asking for more
+MAX_LINES = 60  # default number of printed lines
 NAMED_CAUSE = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
 CRASH_WORDS = re.compile(r"status (5|1|-)|a traceback|it crashed")
 PROGRESS_WORDS = re.compile(r"checking .* \.\.\.$")
 """Progress line of a command that takes long, as it may on a busy machine."""
-LOOK_PERIOD = 4  # of the looks at what people are told
+LOOK_PERIOD = 4  # of the checks of printed messages
 WALL_TIME_RATIO = 20  # times as long as a processor's time it may take on a busy machine
 
 
@@ -115,7 +115,7 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
     rng = random.Random(seed)
     chosen = found if len(found) <= most else sorted(rng.sample(found, most))
     cases = [Case(path, None, "as it is", n % LOOK_PERIOD == 0) for n, path in enumerate(chosen)]
-    # What lies about in a thousand copies that differ in a mesh is one kind of robot.
+    # A thousand copies that differ in a mesh are one kind of robot.
     kinds = [path for path in found if "random_urdfs" not in path.parts]
     while mutants > 0:
         path = rng.choice(kinds)
@@ -125,7 +125,7 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
             continue
         cases.append(Case(path, text, what, mutants % LOOK_PERIOD == 0))
         mutants -= 1
-    # Those of a robot together, the robots in any order: what is told before the end is of all kinds.
+    # Group by robot, robots in any order, so that early output covers all kinds.
     order = {path: rng.random() for path in {case.path: None for case in cases}}
     return sorted(cases, key=lambda case: order[case.path])
 
@@ -284,7 +284,7 @@ def _check(
             wrong.append(f"on stderr: {err.strip()[:200]}")
         wrong += _of_json(status, out, urdf)
         out, err = _for_people(status, path, wrong) if people else ("", "")
-    # What `--allow` changes stands on stderr, a line a pair.
+    # `--allow` reports its changes on stderr, a line a pair.
     if (lines := len((out if "--allow" in options else out + err).splitlines())) > MAX_LINES:
         wrong.append(f"{lines} lines")
     return status, wrong

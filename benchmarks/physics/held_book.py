@@ -27,7 +27,7 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.numerics.arrays import FloatArray
 
 WORLD_FILE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "world.yaml"
-ROUND_S = 12.0  # of driving, after which it begins anew
+ROUND_S = 12.0  # of driving, after which the drive starts again
 TURNS, DRIVES = 0.5, 0.2  # [rad/s], [m/s]
 SWING_RAD = 0.3  # of the arm's first joint, to and fro [rad]
 

@@ -107,7 +107,7 @@ class BagLink(Link):
 
     @override
     def listeners(self, topic: str) -> list[str]:
-        return [f"/{NODE} ({kind})" for kind in COMMAND_KINDS]  # a bag doesn't tell
+        return [f"/{NODE} ({kind})" for kind in COMMAND_KINDS]  # a bag does not record the listeners
 
     @override
     def mismatches(self, topic: str, is_command: bool) -> list[str]:

@@ -13,7 +13,7 @@ from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.stack import MOST_OFF
 from handcart.robotics.geometry.transform import inverse
 
-LEANS_MM, LEANS_DEG = 2.5, 0.1  # what the base leans while a landmark is looked at, beside the sigma of that
+LEANS_MM, LEANS_DEG = 2.5, 0.1  # tilt of the base while a landmark is observed, besides its sigma
 FIXED_MM, FIXED_DEG = 6.0, 0.3  # fixed limits of where FIXATE finds the base
 STACKED_MM = 1e3 * MOST_OFF + LIMIT_SIGMAS * 0.5  # STACK's own limit and its sensor's
 STACK_NAME = "STACK"

@@ -12,7 +12,7 @@ from handcart.robotics.geometry.transform import apply
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 from handcart.robotics.numerics.arrays import FloatArray
 
-CYLINDER_POINTS = 24  # points about a cylinder
+CYLINDER_POINTS = 24  # points around a cylinder
 MIN_ZONE_SIDE_M = 0.01  # [m] of a zone's side
 ZONE_MARGIN_M = 0.01  # [m] above and below
 

@@ -19,7 +19,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from .wall_planning import NamedStop, Trip, WallPlan
 
 PEDESTAL_RATIO = 0.4  # of a table's side is its pedestal's
-ROW_TONES = (154, 190, 215)  # of rows: a block can't be told from one of the same tone below it
+ROW_TONES = (154, 190, 215)  # of rows: a block cannot be distinguished from one of the same tone below it
 STONE_GREY = 60
 
 

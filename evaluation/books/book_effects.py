@@ -15,10 +15,10 @@ from handcart.robotics.perception.books.call_number import parse
 
 from .shelving import Shelving, longest_rising
 
-SEEN_MM = 8.0  # that a book may be seen away from where it stands
+SEEN_MM = 8.0  # maximum distance of a seen book from its true place
 SLOT_MM = 15.0  # the same of a slot's middle, along the shelf
 EDGE_MM = 8.0  # that a leading edge may be beside the middle of its slot: further out it jams
-PROUD_MM = 60.0  # that a spine may stand before the shelf when its book is inserted
+PROUD_MM = 60.0  # maximum distance of a spine before the shelf after its book was inserted
 NO_BOOK_HELD = "the hand holds no book"
 APPROACH, RELEASE = "APPROACH", "RELEASE"
 

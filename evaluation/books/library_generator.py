@@ -33,7 +33,7 @@ Tag = Literal["readable", "smeared", "unknown"]
 Blocked = Literal["none", "way_around", "closed"]
 
 MAP_RESOLUTION_M = 0.02  # [m], as drawn from a floor plan
-FREE_RADIUS_M = 0.38  # [m] that must be free about a way
+FREE_RADIUS_M = 0.38  # [m] of free space around a route
 BOX_SIZE_M = (0.5, 0.4, 0.6)  # [m]
 DOORWAY_M = (0.7, 1.9, 2.5)  # [m]: a doorway from x to x at y, the only way out of the corner of `closed`
 

@@ -16,7 +16,7 @@ OTHER_FONTS = ("STIXGeneral", "STIXGeneralBol", "cmr10", "cmss10", "cmtt10", "cm
 LEAST_PLAY_MM = 3.0  # that a slot must be wider than its book to count as one
 IN_THE_WAY = 0.3  # of the wanted slots that something is in or leans into, at level 1
 _THICKEST_HELD, _THINNEST_TAGGED = 55.0, 15.0
-_LEAST_SLOT_MM = 10.0  # what is narrower in a row is the play between books
+_LEAST_SLOT_MM = 10.0  # narrower gaps in a row are play between books
 
 
 @dataclass(frozen=True)

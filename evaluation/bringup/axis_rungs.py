@@ -215,7 +215,7 @@ class FreeWay:
             joint: number of the joint that moves, from 0.
             limit: position to move it to, in [rad] or [m].
         """
-        floor = self._lowest(posture) - _DEEPER  # wheels and casters stand on it
+        floor = self._lowest(posture) - _DEEPER  # wheels and casters are on it
         step = _SLIDE_STEP if self._slides[joint] else _STEP
         steps = max(2, math.ceil(abs(limit - posture[joint]) / step))
         for angle in np.linspace(posture[joint], limit, steps):

@@ -42,7 +42,7 @@ def save(record: RungRecord, path: Path) -> None:
 
     yaml = YAML()
     yaml.default_flow_style = False
-    yaml.width = 4096  # what is folded reads badly
+    yaml.width = 4096  # folded lines are hard to read
     out = StringIO()
     yaml.dump(record.model_dump(mode="json"), out)
     write_whole(path, out.getvalue())

@@ -61,7 +61,7 @@ class RobotSite(ABC):
     def backend(self, seed: int = 0) -> AbstractContextManager[Backend]:
         """Return a context with the robot, set up and at rest; a real one is claimed for this process."""
 
-    # What a person says, kept for the record
+    # Answers of a person, kept in the record
 
     def confirm(self, key: str, question: str) -> bool:
         """Ask a question with yes or no."""

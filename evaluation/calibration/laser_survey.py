@@ -16,7 +16,7 @@ WALL_DISTANCE_M = 2.0  # [m] from the pointers to the walls
 RULER_STEP_M = 0.001  # [m] of the ruler
 POINTER_HEIGHT_M = 0.3  # [m] of the pointers; they sit on the base's axis
 AHEAD, LEFT = 0.0, math.pi / 2
-REST_PERIODS = 6  # periods for which the arm must stand before somebody reads
+REST_PERIODS = 6  # periods for which the arm must be at rest before a reading
 
 
 def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float, scale: float) -> FloatArray:

@@ -80,7 +80,7 @@ def _words_in(path: Path) -> Iterator[_Word]:
         try:
             yield from _words(read_document(path, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES).root)
         except InputError:
-            return  # who reads it tells what is wrong with it
+            return  # the reader of that file reports its errors
 
 
 def _words(node: Node) -> Iterator[_Word]:

@@ -43,7 +43,7 @@ def check_scheduler(address: str, timeout: float) -> None:
         said = asyncio.run(asyncio.wait_for(_identity(_address_in(address), timeout), timeout))
     except TimeoutError:
         raise NoScheduler(address, f"no scheduler answers within {timeout:g} s") from None
-    except Exception as error:  # whatever somebody else sends
+    except Exception as error:  # a foreign server may send anything
         words = clipped(f"{type(error).__name__}: {error}".split("\n")[0])
         raise NoScheduler(address, f"no scheduler answers: {words}") from None
     kind = said.get("type") if isinstance(said, dict) else None

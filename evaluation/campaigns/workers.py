@@ -195,7 +195,7 @@ def end(processes: Iterable[BaseProcess]) -> None:
 def _let_go(worker: Worker) -> None:
     worker.connection.close()
     worker.process.join(5.0)
-    if worker.process.is_alive():  # what it wrote is whole; something of a library's doesn't end
+    if worker.process.is_alive():  # its output is complete; a library's thread does not end
         worker.process.kill()
 
 

@@ -27,7 +27,7 @@ from .field_effects import FIELD_EFFECTS
 from .laid_placement import Place, Placement
 from .total_station import Sight, TotalStation
 
-LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
+LOOKS_BACK = 1.0  # [s] before a sensor is released, in which the hand is above it
 TRACK_PERIOD_S = 0.5  # [s] between points of the tracks that are drawn
 NOTES_FILE = "survey.jsonl"
 TRACK_NAMES = ("fixes", "particles", "odometry", "estimate", "truth")
@@ -103,7 +103,7 @@ class FieldSurvey(Survey):
             for note in self._notes.until(self._scene.time):
                 self._take_up(self._notes.checked(note, FieldNote))
         for laid in self._model.of(FieldWork).laid:
-            if laid.name not in self._blocks:  # nobody noted anything
+            if laid.name not in self._blocks:  # nothing was recorded
                 self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
 
     def _take_up(self, note: FieldNote) -> None:

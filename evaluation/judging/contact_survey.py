@@ -18,7 +18,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from .survey import Survey, SurveyedRun
 
 FINGERS_BODY = "fingers"  # both fingers together, as one body that pushes
-STANDING_SPEED_M_S = 0.02  # of the base, below which it stands: whoever touches it then ran into it
+STANDING_SPEED_M_S = 0.02  # of the base; below it the base is at rest, and the other body ran into it
 MAX_LISTED_CONTACTS = 8  # contacts listed one by one in a run's metrics
 Pair = tuple[str, str]
 

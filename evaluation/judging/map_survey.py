@@ -21,10 +21,10 @@ from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
 EXPLORE_NAME = "EXPLORE"
 MAX_WALL_MEDIAN_MM, MAX_WALL_95_MM = 50.0, 150.0  # fixed limits of the walls that EXPLORE claims to know
-MIN_MAPPED_PERCENT = 95.0  # of the floor that the robot could stand on
+MIN_MAPPED_PERCENT = 95.0  # of the floor that the robot can reach
 FLOOR_CELL_M = 0.1
 FLOOR_MARGIN_M = 1.0
-FLOOR_ROOM_M = 0.12  # beside the footprint, for floor that the robot can surely reach
+FLOOR_ROOM_M = 0.12  # added to the footprint, for floor that the robot can certainly reach
 
 
 class MapFigures(NamedTuple):

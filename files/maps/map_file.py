@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Metres = Annotated[float, Field(ge=-1e7, le=1e7)]  # grid coordinates on the Earth are as large
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-MOVINGAI_CELL_M = 1.0  # of a MovingAI map, which tells none
+MOVINGAI_CELL_M = 1.0  # of a MovingAI map, whose file has no resolution
 
 
 def _place(text: str) -> str:

@@ -90,8 +90,8 @@ def load_part(
     if not there:
         raise FileError([document.finding(path, f"the key {path[-1]!r} is missing; needed: a value")])
     try:
-        # Strict on JSON is what a file needs: no kind taken for another, yet lists become tuples
-        # and words members of enumerations.
+        # Strict validation of JSON suits a file: no type passes for another, but lists become tuples
+        # and words become members of enumerations.
         return adapter.validate_json(json.dumps(node.plain()), strict=True, context=context)
     except ValidationError as error:
         raise FileError(findings_of(error, adapter, document, path)) from None

@@ -21,7 +21,7 @@ _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 _LONGEST_NUMBER = 40
 
 _SOME = "a number to some readers, text to others"
-# `y` and `n` are left out: no reader in use takes them for booleans, and `y` is an axis.
+# `y` and `n` are missing: no reader in use takes them for booleans, and `y` is an axis.
 _AMBIGUOUS = (
     (re.compile(r"(?i:yes|no|on|off)"), "true or false to some readers, text to others", "true, false"),
     (re.compile(r"[-+]?[0-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)?"), "a number to base 60 to some readers", ""),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-_EVERY = 2000  # steps between two looks of who watches
+_EVERY = 2000  # steps between two checks by the observer
 
 
 class TooMuch(Exception):

@@ -222,7 +222,7 @@ class Coordinator:
         self.life.plan()
         try:
             plan = self._route.plan()
-        except Exception as error:  # a fault in planning: nobody knows what is next (row N10)
+        except Exception as error:  # a fault in planning: the next action is unknown (row N10)
             self._robot.stop()
             self._log.not_planned(self.situation, error)
             return GiveUp(f"planning failed: {type(error).__name__}: {error}")
@@ -271,7 +271,7 @@ class Coordinator:
             return log.not_started(action, unmet)
         self._watch.begins(self.situation, at)
         self.life.act()
-        self._supervision.between_actions()  # what was asked for since the last look: then it doesn't start
+        self._supervision.between_actions()  # a request since the last check: then the action does not start
         self._supervision.begins(log.started + 1)
         log.start(action, primitive, self.planner.fails(action), at)
         periods = attempt(
@@ -345,7 +345,7 @@ class Coordinator:
         if self._log.open and outcome == "Error":
             reason = f"{reason}; how action {self.running} ended is not in the journal for good"
         end = self._end(outcome, reason)
-        with suppress(Exception):  # what broke the run off may break this off, too
+        with suppress(Exception):  # the cause that ended the run may end this, too
             self._log.stopped(reason, self._robot.time)
             self._log.ended(end, measure(self._robot))
         return end

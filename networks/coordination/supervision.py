@@ -211,7 +211,7 @@ class Supervision:
 
     def _honour(self, request: Request, asked: float, attempt: Attempt) -> Periods:
         if request in _STOPS:
-            self._robot.stop()  # before all else; closing the attempt may take its time
+            self._robot.stop()  # stop first; closing the attempt may take time
             attempt.close()
             self._robot.stop()
             self._on_stop(_ENDING[request], asked)

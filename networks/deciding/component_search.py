@@ -208,7 +208,7 @@ class ComponentSearch:
         table = self._table
         states = table.reached(roots, options)
         states = states[table.expanded[states]]
-        # What has failed more often follows: the equations are nearly triangular.
+        # States with more Fails come first: the equations become nearly triangular.
         states = states[np.argsort(-table.states[states, 1:].sum(axis=1, dtype=np.int64), kind="stable")]
         size = len(states)
         place = np.full(len(options), -1)

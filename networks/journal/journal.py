@@ -210,7 +210,7 @@ def check_not_alive(folder: Path, name: str = "journal.jsonl") -> None:
     try:
         file = os.open(folder / name, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
-        return  # who reads it tells of that
+        return  # the reader of the journal reports it
     try:
         _lock(file, folder, fcntl.LOCK_SH)
     finally:

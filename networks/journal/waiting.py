@@ -36,7 +36,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
         elif kind == "ACK":
             found.pop(record["record"], None)
             started = None if started and started["q"] == record["record"] else started
-        elif kind == "EPOCH":  # somebody went on with it
+        elif kind == "EPOCH":  # the run was resumed
             started = None
     if not records or _simulated(records):
         return found

@@ -21,7 +21,7 @@ from .asking import ask as ask
 from .control_line import MAX_MESSAGE_BYTES, ControlLine
 
 MAX_CONNECTIONS = 64
-MOST_NEW = 16  # of them that are taken in a period
+MOST_NEW = 16  # maximum requests read in a period
 SILENCE_TIMEOUT_S = 60.0  # after which an idle connection is closed
 
 Message = Mapping[str, Any]
@@ -137,7 +137,7 @@ class Control:
             return _refusal("this is not a JSON object")
         try:
             return orjson.dumps(self._answer(request))
-        except Exception as error:  # a fault of ours must not end the run of who asked
+        except Exception as error:  # a fault of a request must not end the run
             return orjson.dumps(
                 {"ok": False, "error": f"a fault in handcart: {type(error).__name__}: {error}"}
             )
@@ -159,7 +159,7 @@ def _bound(path: Path, kind: socket.SocketKind) -> socket.socket:
     listening.setblocking(False)
     before = os.umask(0o177)
     try:
-        path.unlink(missing_ok=True)  # the journal is ours, so nobody listens there
+        path.unlink(missing_ok=True)  # this process owns the journal, so no other one listens there
         with socket_path(path) as name:
             listening.bind(name)
     except OSError as error:

@@ -82,7 +82,7 @@ class ControlLine:
             sent = self.socket.send(self._goes) if self._goes else 0
         except BlockingIOError:
             return
-        except OSError:  # it has hung up; what it said before is heard all the same
+        except OSError:  # the client hung up; its earlier requests still count
             self._deaf, sent = True, len(self._goes)
         self._goes = self._goes[sent:]
         self.moved = now if sent else self.moved

@@ -45,5 +45,5 @@ class OwnPage:
 
     def knows(self, token: str) -> bool:
         """Return whether a token is right, in a time that does not depend on where it differs (row U5)."""
-        # Bytes that are no text come as they are.
+        # Bytes that are not text are kept as they are.
         return hmac.compare_digest(token.encode(errors="surrogateescape"), self.token.encode())

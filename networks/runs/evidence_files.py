@@ -52,7 +52,7 @@ class EvidenceFiles(RunObserver):
             except OSError as error:
                 self.lost = error.strerror
             if evidence.calibrated and isinstance(event.outcome, Success):
-                with suppress(OSError):  # a disk that takes no more doesn't keep the run from going on
+                with suppress(OSError):  # a full disk does not end the run
                     self._keep_calibrated(evidence.calibrated)
 
     def _write(self, name: str, evidence: Evidence) -> None:

@@ -71,7 +71,7 @@ class FlightRecorder(RunObserver):
         if robot.time <= self._time:
             return
         self._time = robot.time
-        # What a sensor's fault means is for those to say who need the reading.
+        # The primitive that needs the reading handles a sensor's fault.
         with suppress(Exception):
             self._rows.append(self._read(robot))
 

@@ -139,7 +139,7 @@ def _warnings(
     loaded: Loaded[Places], rooms: Collection[PlaceRoom], task: Task, any_driven: bool
 ) -> Iterator[Finding]:
     for each in rooms:
-        if each.way.route is not None:  # tasks share their places: one that isn't used is only told
+        if each.way.route is not None:  # tasks share their places: an unused one is only a warning
             continue
         if not each.used:
             words = f"no action uses the place {each.name!r}; {each.way.reason}"

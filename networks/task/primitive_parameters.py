@@ -89,7 +89,7 @@ class ParameterReader:
         self, kind: type[ActionPrimitive], number: int, given: Node, late: dict[str, str]
     ) -> dict[str, Any]:
         content = given.content if isinstance(given.content, dict) else {}
-        # What a reference that leads nowhere stands for is told already.
+        # A reference to nothing is already reported.
         open_ = {*late, *(key for key, part in content.items() if _is_reference(part))}
         kept = replace(given, content={key: part for key, part in content.items() if key not in open_})
         path = ("actions", number, "with")

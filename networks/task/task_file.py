@@ -153,7 +153,7 @@ class _Reader:
         for kind, names in listed.items():
             if names is not None:  # None: their file is wrong, or missing
                 self._document = with_all(self._document, kind, names)
-        if goes_over_unknown(self._document):  # then each of its actions would be told
+        if goes_over_unknown(self._document):  # otherwise each of its actions would be reported
             self._add_all(file_faults(self._document))
             self._findings.raise_all()
 
@@ -179,7 +179,7 @@ class _Reader:
     def _written(self) -> Task:
         file = self._whole(TaskFile)
         situations, entries = self._situations(), self._listed("actions", ActionEntry)
-        # Their facts are but compared, so what follows from an element may stand there.
+        # Their facts are only compared, so they may contain values that follow from an element.
         known = {name: Situation(name, cast(Any, facts)) for name, facts in situations.items()}
         self._check_entries(entries, known)
         start = self._named("start", situations)
@@ -202,7 +202,7 @@ class _Reader:
         aims = file.aims(file.interrupts, lambda number: goal_copies(copies, file.interrupts[number].goal))
         return self._built(file, copies, facts, actions, goal, otherwise, aims)
 
-    # Parts, each None or left out where the file is wrong: `_whole` tells that
+    # Parts, each None if the file is wrong or lacks it: `_whole` reports that
 
     def _whole(self, kind: type[FileModelT]) -> FileModelT | None:
         try:
@@ -292,7 +292,7 @@ class _Reader:
         parts = repetitions(repeats, entries.values(), set(self._otherwise()) - ends)
         faults = list(repeat_faults(parts, situations, entries, start, goal))
         self._add_all(faults)
-        if faults:  # which element an action belongs to can't be told
+        if faults:  # the element of an action is unknown
             self._findings.raise_all()
         try:
             return repeated(situations, entries, start, parts)
@@ -342,7 +342,7 @@ class _Reader:
             wrong = None if extra is None else lack(name, extra)
             if extra is None or wrong is None:  # it is there, and broken
                 raise
-            if extra not in self._lacking:  # told once, not for each action
+            if extra not in self._lacking:  # report it once, not for each action
                 self._add(("actions", number, "do"), wrong)
             self._lacking.add(extra)
         return None

@@ -23,7 +23,7 @@ from handcart.robotics.perception.drawing.overlay import draw_overlay
 from .building import Building
 from .building_site import VIEW_DISTANCE_M
 
-BLOCK_SEARCH_RADIUS_M = 0.015  # about where it should stand
+BLOCK_SEARCH_RADIUS_M = 0.015  # around the expected position
 BLOCK_MAX_PICTURES = 2  # pictures
 
 

@@ -37,13 +37,13 @@ from .landmark_views import LandmarkViews, Sought, offsets
 
 Rule = Literal["residual", "paper"]
 STOP_RULES = {"residual": StopRule(), "paper": PAPER_RULE}
-MOST_MOVES = 6  # of the hand, until the landmark stands where it should
+MOST_MOVES = 6  # of the hand, until the landmark is at its expected position
 HEADING_NOISE = 0.0004  # [rad] of a landmark's direction in one picture
-LEAN_SHARE = 0.3  # of what the base leans by its model: what may be wrong with that
-AGREE, AGREE_TURN = 0.003, 0.003  # [m], [rad] between errors that tell of one place of the base
+LEAN_SHARE = 0.3  # error of the suspension's model, as a share of the modelled tilt
+AGREE, AGREE_TURN = 0.003, 0.003  # [m], [rad] between errors that belong to one pose of the base
 CENTRED_TOLERANCE_M = 0.02  # from its place in the picture, within which a landmark counts
 SEARCH_RINGS = 2  # of views in a search
-MOST_VIEWS = 8  # to tell landmarks apart
+MOST_VIEWS = 8  # to distinguish landmarks
 MOST_TRIES = 20  # of views that the arm may not reach
 BASE_TILT_COVARIANCE = np.diag([0.010, 0.010, 0.010]) ** 2
 """Covariance in [m², rad²] added to the believed pose of the base, which tilts and turns under the arm."""
@@ -157,7 +157,7 @@ def fixate(
         away = float(np.hypot(*(seen[:2, 3] - view.camera_T_landmark[:2, 3])))
         if away < CENTRED_TOLERANCE_M:
             error = on_floor(view.travelling_error(base_T_hand, seen))
-            # Where the base was moved meanwhile, what was seen before is over.
+            # Where the base was moved meanwhile, earlier observations are void.
             found = [each for each in found if _agree(each, error)] + [error]
         if there and len(found) >= looks:
             return Fixation(_mean(found), base_T_hand, views.frames, moves, tuple(found))

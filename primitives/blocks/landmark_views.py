@@ -34,9 +34,9 @@ from handcart.robotics.perception.landmarks.landmark_in_view import wholly_in_vi
 from handcart.robotics.perception.landmarks.landmark_pose import planar_pose
 
 NEARER, FARTHER = 0.05, 0.05  # [m] by which a landmark may be off its height in a picture
-MIN_MARK_SPACING_M = 0.02  # nearer than that two marks can't stand
+MIN_MARK_SPACING_M = 0.02  # minimum distance of two marks
 SEARCH_STEP_M = 0.09  # between the views of a search: the picture shows 0.24 x 0.18 m
-MAX_VIEW_STEPS = 6  # steps, to a view that tells two explanations apart
+MAX_VIEW_STEPS = 6  # steps, to a view that separates two hypotheses
 SAME_PX = 8.0  # between two finds of one mark in a picture
 
 

@@ -101,7 +101,7 @@ def _rectangle(floor: Pose2, length: float, width: float) -> Rectangle:
 
 def _common(one: Rectangle, other: Rectangle) -> FloatArray:
     """Return (n, 2) corners of what two rectangles share, in [m]."""
-    middle = np.array(one[0])  # near the origin, as OpenCV reckons in single precision
+    middle = np.array(one[0])  # near the origin, because OpenCV computes in single precision
     beside = (other[0][0] - one[0][0], other[0][1] - one[0][1])
     found, corners = cv2.rotatedRectangleIntersection(((0.0, 0.0), *one[1:]), (beside, *other[1:]))
     if found == cv2.INTERSECT_NONE:

@@ -45,7 +45,7 @@ BOARD_CLEARANCE_M = 0.006  # from the book's foot to the board
 CENTRING_MAX_VIEWS = 4
 CENTRING_TOLERANCE_M = 0.0005  # off its slot's middle that the hand needn't move for
 SIDE_SEARCH_RADIUS_M = 0.010  # from where SEARCH saw it that the slot's side is looked for
-SIDE_UNAIDED_RADIUS_M = 0.005  # the same where nothing but its place tells it from another edge
+SIDE_UNAIDED_RADIUS_M = 0.005  # likewise where only its position distinguishes it from another edge
 
 
 class Approach(ActionPrimitive):

@@ -11,10 +11,10 @@ from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
 from .book_grip import GRIP_HEIGHT, hand_to_spine
 from .catalogue import Book
 
-SPINE_OVERHANG_M = 0.004  # that spines stand before a shelf's front
+SPINE_OVERHANG_M = 0.004  # of spines before a shelf's front
 SHELF_HEIGHT_M = 0.35  # above its board that a shelf may be filled, or closed
 PANEL_THICKNESS_M = 0.03  # at most, of its sides
-ON_TRAY = (0.005, 0.15, 0.10, 0.26)  # [m] from its rear, how deep, wide and high a book may stand there
+ON_TRAY = (0.005, 0.15, 0.10, 0.26)  # [m] from its rear: depth, width and height of the room for a book
 SHELF_DEPTH_M = 0.25  # of its depth that counts
 
 

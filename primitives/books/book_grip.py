@@ -16,7 +16,7 @@ from .catalogue import Book, name_of_book
 BOOK_GRIP_DEPTH_M = 0.03  # of the book's rear that the pads cover
 GRIP_HEIGHT = 0.12  # [m] from the book's foot to the hand
 THICKNESS_ERROR = 0.004  # [m] by which a book may differ from its entry in the catalogue
-MIN_BOOK_WIDTH_MM = 2.0  # between the pads: less is no book
+MIN_BOOK_WIDTH_MM = 2.0  # between the pads: a smaller gap means no book
 
 
 def hand_to_spine(robot: Robot) -> float:

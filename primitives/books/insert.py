@@ -43,7 +43,7 @@ from .book_row import row_contacts
 from .held_book import HeldBookPrimitive
 from .shelf_front import measure_shelf
 
-TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
+TIPS_BEFORE = 0.007  # [m] from the finger tips to the shelf's front: spines reach 3 mm beyond it
 INSERT_SPEED_M_S = 0.02
 JAM_FORCE_N = 7.0  # sliding in takes 2
 PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it

@@ -36,7 +36,7 @@ MIN_SIGHTINGS = 3  # views in which the tag was read
 VIEW_MAX_PICTURES = 2  # from each view, until the tag is read
 
 TAG_SIDE = 0.010  # [m] of the tag's black square
-REARMOST, FOREMOST = -0.04, 0.14  # [m] from the tray's rear: where a spine can stand
+REARMOST, FOREMOST = -0.04, 0.14  # [m] from the tray's rear: possible positions of a spine
 ASIDE_ON_TRAY = 0.10  # [m] from the tray's middle, likewise
 DEPTH_WEIGHT = 5e-4  # of a distance along a line of sight: 1 % of 0.2 m, against 0.05 mm across
 

@@ -44,18 +44,18 @@ from .held_book import HeldBookPrimitive
 from .shelf_front import measure_shelf
 
 LOWER_SPEED = 0.01  # [m/s]
-BOARD_CONTACT_FORCE_N = 3.0  # from below that mean that the book stands on the board
-TOO_LOW = 0.006  # [m] below where the board should be: there is none
+BOARD_CONTACT_FORCE_N = 3.0  # from below: the book is on the board
+TOO_LOW = 0.006  # [m] below the board's expected height: there is no board
 RELEASE_CLEARANCE_M = 0.012  # that the fingers open wider than the book
 BACK_OFF = 0.06  # [m]: the tips leave the book's rear
 HOME_SPEED = 0.02  # [m/s]
 HOME_MAX_FORCE_N = 8.0  # sliding home takes 3
 PUSH_OVERTRAVEL_M = 0.008  # that the push may be commanded past flush: the arm yields to friction
 PUSH_MIN_FORCE_N = 1.5  # below this the fingers pushed nothing: they passed the book by
-FLUSH_DEPTH_M = 0.0  # behind the shelf's front edge, to which the tips push: spines stand 3 mm about it
+FLUSH_DEPTH_M = 0.0  # behind the shelf's front edge, to which the tips push: spines are within 3 mm of it
 MAX_OVERHANG_M = 0.006  # before the front edge: a book that stays there isn't home
 WITHDRAWN_DISTANCE_M = 0.18  # from the tips to the shelf's front, after withdrawing and while looking
-LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the foot
+LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels are near a book's lower end
 SAME_PLACE = 0.012  # [m] between where the book was let go and where its label is seen
 
 

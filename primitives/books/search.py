@@ -55,7 +55,7 @@ CLOSE_LOOK_OFFSET_M = 0.03  # to both sides of the slot, for a closer look
 SLOT_PLAY_M = 0.006  # that a slot is wider than its book, about
 SLOT_SIDE_SIGMA_M = 0.001  # of a slot's sides
 GAP_TOLERANCE_M = 0.004  # that an interval may be wider than it looks before it is looked at from nearby
-LEFT_OF = 0.25  # [m] from a slot that books' sides are noted: what APPROACH sees past the held book
+LEFT_OF = 0.25  # [m] from a slot in which sides of books are recorded: APPROACH sees them past the held book
 MAX_SIDE_GAP_M = 0.002  # between the sides of two books, at most
 
 

@@ -18,7 +18,7 @@ from handcart.robotics.perception.books.spine_edges import (
 from .hand_view import HandView
 
 M_PER_PX = 0.0003
-STRIP_HEIGHTS_M = (0.045, 0.160)  # above the board: what is seen from the height at which a book goes in
+STRIP_HEIGHTS_M = (0.045, 0.160)  # above the board: heights that are visible from where a book goes in
 SPINE, DARK = (
     (0.010, 0.002),
     (0.001, 0.005),

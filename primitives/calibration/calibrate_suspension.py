@@ -42,7 +42,7 @@ from .sightings import above, creep, see
 
 VIEW_HEIGHTS_M = (0.26, 0.32)  # of the camera above the landmarks
 MIN_SWING_RATIO = 1.2  # times what counts as a swing: so far the hand must swing at least
-LOOKS_PER_SWING = 2  # between swings; the hand is raised and lowered between them, so that the arm errs anew
+LOOKS_PER_SWING = 2  # between swings; the hand is raised and lowered between them, so that its error varies
 RAISE_HEIGHT_M = 0.03
 
 Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]

@@ -44,7 +44,7 @@ FRAMEWORK_MODULES.add(__name__)
 
 RESTORE_MAX_TRIES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
-STUCK_TRAVEL_M = 0.01  # less travel of a restoring base is none
+STUCK_TRAVEL_M = 0.01  # minimum travel that counts for a restoring base
 RESTLESS_REASON = "the robot doesn't come to rest before the start"
 PUSHED_REASON = "the base was moved while it stood"
 NOT_ALONE = "another primitive moves the robot at the same time"
@@ -315,7 +315,7 @@ def _look_again(
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, model: WorldModel) -> Periods:
     displaced, view = robot.localization.displacements, model.view(primitive)
-    for _ in settle(robot):  # an arm that turns back at once jerks the base, and what stands on it slides
+    for _ in settle(robot):  # an arm that turns back at once jerks the base, and objects on it slide
         _alone(robot, primitive)
         yield
     end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot, primitive.max_joint_error)

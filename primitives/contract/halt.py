@@ -15,7 +15,7 @@ from handcart.primitives.restoring.snapshot import settle
 from .tracking_error_monitor import TRACKING_TOLERANCE_RAD
 
 RELIEF_MAX_TRIES = 5  # commands to hold the measured pose, until the hand hardly presses
-PRESSING_FORCE_N = 5.0  # on the hand: less is none, for a reading that is off
+PRESSING_FORCE_N = 5.0  # on the hand: a smaller force may be the sensor's offset
 
 
 def halt(robot: Robot) -> Generator[None, None, None]:

@@ -9,7 +9,7 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
 STANDSTILL_TIMEOUT_S = 10.0
-MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is no motion
+MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is not motion
 
 
 class StandstillMonitor:

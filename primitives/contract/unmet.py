@@ -72,7 +72,7 @@ def _unmet_by_arm(primitive: ActionPrimitive, robot: Robot) -> str:
         return ""
     hand, shape = robot.base_T("hand"), robot.spec.footprint_shape
     spots = [hand[:2, 3]]
-    if is_holding(robot):  # what is held reaches to the finger tips at least
+    if is_holding(robot):  # a held object reaches at least to the finger tips
         ahead = np.array([robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])
         spots.append((hand @ ahead)[:2])
     away = shape.distances(np.array(spots))

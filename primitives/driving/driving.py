@@ -31,11 +31,11 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
 MAP_MATCH_TOLERANCE_M = 0.12  # from anything on the map: pose error, noise and half a cell together
-BESIDE_IT = 0.6  # [m] about what the base would touch, in which the scan is remembered
-LEAST_OFF = 0.05  # [m] from a wall of the map that a scan must show something, to be something else
+BESIDE_IT = 0.6  # [m] around the base's possible contacts, in which the scan is remembered
+LEAST_OFF = 0.05  # [m] from a wall of the map at which a scan shows something other than the wall
 WATCH_HORIZON_M = 1.0  # of route that is watched ahead
 CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
-OBSTACLE_MEMORY_RADIUS_M = 2.5  # about what stands in a car's way, in which what was sensed is remembered
+OBSTACLE_MEMORY_RADIUS_M = 2.5  # around an obstacle in a car's way, in which readings are remembered
 ROCK_POSITION_TOLERANCE_M = 0.4  # error of a rock's believed position, mostly from the pose of the car
 TURNING_RADIUS_RATIO = 1.05  # of the turning circle that the steering allows: planned with something in hand
 

@@ -61,7 +61,7 @@ SLIP_DISTANCE_M = 0.1  # that the base was driven meanwhile: something stops it
 MAX_CORRECTIONS = 3  # times that a base which drives by its wheels alone is led on after a look at rest
 REPLAN_DISTANCE_M = 0.3  # off the goal, from where a route is planned again
 CLOSER_NEED_RATIO = 0.8  # of what a place needs: the estimate changes until the base is at rest
-FINAL_APPROACH_M = 0.05  # before the goal, where it turns and comes to stand
+FINAL_APPROACH_M = 0.05  # before the goal, where it turns and stops
 
 
 class MoveTo(ActionPrimitive):

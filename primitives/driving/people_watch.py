@@ -22,7 +22,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 REACH_M = 6.0  # from the lidar, within which people are tracked
 LESS_ROOM_RATIO = 0.4  # of the stated distance, where no way keeps it
 WAITING_MOTION_M = 0.1  # from where it began to wait, beyond which the base gets on
-WAITING_PAUSE_S = 1.0  # between two reasons to stand that are one wait
+WAITING_PAUSE_S = 1.0  # between two stops that count as one wait
 NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the person
 
 

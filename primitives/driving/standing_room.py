@@ -17,10 +17,10 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL, SENSED_ROOM
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
-STAND_MARGIN_M = 0.002  # between the arm and what stands around
+STAND_MARGIN_M = 0.002  # between the arm and obstacles
 AVOIDED_RADIUS_M = 0.15  # from where it couldn't be done
 COLLISION_CHECK_STRIDE = 4  # points of a path between looks for contacts
-MAX_START_INTRUSION_M = 0.3  # that the base may stand too near to something, when it sets out
+MAX_START_INTRUSION_M = 0.3  # by which the base may be too near to something when it starts
 
 
 class StandingRoom:

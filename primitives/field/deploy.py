@@ -203,7 +203,7 @@ class Deploy(TreePrimitive):
         room = 0.0
         with suppress(Discrepancy):
             room = scara_of(robot).room_beside(beside, math.radians(robot.spec.tolerance.base_deg))
-        return room or math.inf  # what can't be reached from there anyway needs nothing
+        return room or math.inf  # an unreachable target needs no room
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """Return the contacts of the hand with the sensor, and of the sensor with the ground."""

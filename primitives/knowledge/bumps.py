@@ -97,7 +97,7 @@ def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     bump = remember_bump(robot, model, blocked.forwards, blocked)
     if robot.localization.is_located:
         keep_off_bumps(robot, model, returns=True)
-    else:  # nobody knows where on the map that is
+    else:  # its place on the map is unknown
         model.bumps, model.arm_bumps = known
     evidence.points["bumped"] = bump_fronts(bump, robot.spec.footprint_radius_m)
     moved = Measured(

@@ -19,7 +19,7 @@ from handcart.robotics.manipulation.motions.trajectory import time_path
 from handcart.robotics.numerics.arrays import FloatArray
 
 ARM_MARGIN_M = 0.005  # between the arm and anything
-ALLOWED_CONTACTS = ((HELD_NAME, "tray"),)  # what the hand holds was taken from there
+ALLOWED_CONTACTS = ((HELD_NAME, "tray"),)  # a held object was taken from the tray
 FINGER_RESOLUTION_M = 5e-4  # to which fingers are known, so that one model serves for many motions
 MAX_JOINT_LAG_RAD = 0.15  # behind the command at which something stops the arm: two periods at top speed
 SLIDE_LAGS = 0.03  # [m] the same of joints that slide

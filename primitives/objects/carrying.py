@@ -21,7 +21,7 @@ from .object_site import held_box
 
 OUTLINE_MARGIN_M = 0.02  # within the robot's outline
 GOOD_CLEARANCE_M = 0.015
-MORE_POSTURES = 60  # that are looked at once one is found, for one with the whole arm within the outline
+MORE_POSTURES = 60  # tried after the first hit, for one with the whole arm within the outline
 STEP_M = 0.06  # between tried places of the hand
 HEIGHTS_M = (0.06, 0.12, 0.2)  # of the object's foot over the body
 TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))

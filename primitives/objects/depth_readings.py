@@ -35,7 +35,7 @@ MAX_OFF_SIGMAS = 5.0  # of the only object of a kind from where it is believed t
 CLEAR_M = 0.010  # around an object within which points are its own
 MIN_OBSTACLE_POINTS = 30
 INNER_SHARE = 0.7  # of an upper side, around its middle
-SQUARE_M = 0.001  # difference of two sides that are taken for the same
+SQUARE_M = 0.001  # maximum difference of two sides that count as equal
 
 
 class ObjectBelief(NamedTuple):
@@ -251,7 +251,7 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[O
 
 def _log_density(place: FloatArray, belief: ObjectBelief) -> float:
     if belief.place is None:
-        return 0.0  # anywhere on about a square metre
+        return 0.0  # anywhere on a square metre
     off = math.hypot(place[0] - belief.place[0], place[1] - belief.place[1]) / belief.sigma
     return -0.5 * off**2 - math.log(2.0 * math.pi * belief.sigma**2)
 

@@ -20,7 +20,7 @@ from .surface import ObjectSurface
 
 OWN_TRAY_NAME = "own tray"
 BELIEF_SIGMAS = 2.0  # of a believed place, that an object unseen so far is kept clear of
-MAX_BELIEF_M = 0.12  # kept clear at most: what is less sure is somewhere on its surface
+MAX_BELIEF_M = 0.12  # maximum kept clear: a less certain object may be anywhere on its surface
 CLOSE_VIEW_M = 0.05  # around an object that was looked at closely: no other is there unseen
 
 

@@ -85,5 +85,5 @@ def kind_of(error: Exception) -> CauseKind:
 
 def _is_framework(frame: FrameType) -> bool:
     module = str(frame.f_globals.get("__name__", ""))
-    inner = frame.f_code.co_name.startswith("<")  # lambdas and comprehensions tell nothing
+    inner = frame.f_code.co_name.startswith("<")  # lambdas and comprehensions have no useful name
     return inner or module.partition(".")[0] in FRAMEWORK_MODULES or module in FRAMEWORK_MODULES

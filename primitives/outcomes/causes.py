@@ -13,7 +13,7 @@ NO_PROGRESS: Final = CauseKind("no_progress", "The base does not move as it is d
 OFF_GOAL: Final = CauseKind("off_goal", "The robot does not come to its goal within the tolerance.")
 BASE_STOPPED: Final = CauseKind("base_stopped", "Something stops the base, or its drives are off.")
 
-# Where the robot and things are
+# Positions of the robot and of things
 LOST: Final = CauseKind("lost", "The robot does not know where it is.")
 DISPLACED: Final = CauseKind("displaced", "The robot was moved by others.")
 UNDETERMINED: Final = CauseKind("undetermined", "The sensors do not determine a pose well enough.")
@@ -31,7 +31,7 @@ FINGERS_STUCK: Final = CauseKind("fingers_stuck", "The fingers do not open or cl
 NOT_HELD: Final = CauseKind("not_held", "The hand does not hold the thing that it should hold.")
 SLIPPED: Final = CauseKind("slipped", "A thing slipped out of the hand.")
 
-# What was there before the start
+# Conditions before the start
 NOT_KNOWN: Final = CauseKind("not_known", "Knowledge is missing that a file or an earlier action gives.")
 UNSUITABLE: Final = CauseKind("unsuitable", "The robot has not the parts that are needed.")
 PRECONDITION: Final = CauseKind("precondition", "A condition of the start is not met.")

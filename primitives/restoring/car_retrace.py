@@ -18,7 +18,7 @@ from .arm_command import command_moment, moves_fingers, renew_arm
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
-MIN_ROLL_M = 1e-5  # between two periods, less is no motion
+MIN_ROLL_M = 1e-5  # between two periods, less is not motion
 CAR_POINT_SPACING_M = 0.05  # between points of the way back
 MIN_STRETCH_M = 0.10  # a way that is not worth driving back
 FINAL_SPEED_M_S = 0.1  # straight on, in the end

@@ -33,10 +33,10 @@ EXACT_REACH_S = 10.0
 WIDENING_S = 20.0
 """Time in which the tolerance then grows to the widest one."""
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
-LONGEST_LOOK = 120.0  # [s] that a car stands to be sure where it does
+LONGEST_LOOK = 120.0  # [s] that a car waits until its pose is certain
 LOOK_DURATION_S = 1.0  # of it at a time
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
-STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is no motion
+STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is not motion
 
 
 def retrace(

@@ -22,7 +22,7 @@ RESIDUAL_SIGMAS = 3.0  # sigmas
 REST_PERIODS = 5  # periods without any motion that count as rest
 REST_TIMEOUT_S = 5.0
 KNOWN_AGAIN = 20  # more of them until the pose of a base that was pushed is known again
-JOINT_NOISE = 2e-4  # [rad] between two readings of a joint that stands
+JOINT_NOISE = 2e-4  # [rad] between two readings of a joint at rest
 MIN_HELD_WIDTH_M = 0.002
 """Opening above which fingers that press on something hold it; below, they press on each other."""
 

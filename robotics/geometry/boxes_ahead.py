@@ -7,7 +7,7 @@ import numpy as np
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 
-_STEEP = 1e-300  # what is parallel to a side counts as this much across it
+_STEEP = 1e-300  # minimum slope, for rays that are parallel to a side
 
 
 @compiled

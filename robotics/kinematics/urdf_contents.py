@@ -178,7 +178,7 @@ def _link(link: ElementTree.Element) -> LinkFacts:
 def _scale(mesh: ElementTree.Element) -> tuple[float, float, float]:
     try:
         x, y, z = map(float, mesh.get("scale", "1 1 1").split())
-    except ValueError:  # of a visual mesh: nobody looks at its size
+    except ValueError:  # the size of a visual mesh is not needed
         return 1.0, 1.0, 1.0
     return x, y, z
 

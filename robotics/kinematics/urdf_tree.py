@@ -17,7 +17,7 @@ MOVABLE_KINDS = ("revolute", "continuous", "prismatic")
 _FREE = ("floating", "planar")
 _OF_JOINT = ("origin", "parent", "child", "axis", "limit", "mimic")
 _WORDS = ("name", "type", "link", "joint", "filename")
-_SPECK = 1e-300  # below that a number is none for the parser behind Pinocchio
+_SPECK = 1e-300  # the parser behind Pinocchio rejects smaller numbers
 
 Element = ElementTree.Element
 

@@ -120,7 +120,7 @@ def main() -> None:
         with contextlib.suppress(Exception):
             import_module(name)
     sys.path[0] = os.getcwd()
-    sys.dont_write_bytecode = True  # otherwise a mutant's bytecode could be taken for the next one's
+    sys.dont_write_bytecode = True  # otherwise a mutant's bytecode could be loaded for the next one
     gc.collect()
     gc.freeze()
     for line in sys.stdin:

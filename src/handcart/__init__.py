@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
     from handcart.tools.api import Result, campaign, check, conformance, load_task, run
 
-# In a checkout the rooms stand at its top, and `handcart/` holds links to them for tools that look for files.
+# In a checkout the rooms are at its top, and `handcart/` holds links to them for tools that look for files.
 _TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 if os.path.isfile(os.path.join(_TOP, "src", "handcart", "__init__.py")):
     __path__.insert(0, _TOP)  # first: tracebacks and breakpoints then have the rooms' own paths

@@ -60,7 +60,7 @@ def test_colour_is_greyed_16_bits_are_cut_and_what_is_clear_is_told(tmp_path: Pa
 def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: int) -> None:
     """T2"""
     words = error_of(bomb(tmp_path / "a.png", side, side, 0 if side > 9999 else 100))
-    is_counted = side < 10_000  # Pillow refuses the others before it tells their size
+    is_counted = side < 10_000  # Pillow rejects the others before it reports their size
     count = f"{side} x {side} pixels" if is_counted else "far too many pixels"
     assert f"a.png:1:1: the picture has {count}" in words
     assert f"allowed: {MAX_PIXELS} in all" in words

@@ -26,7 +26,7 @@ def test_no_line_of_code_knows_the_robot() -> None:
         for word in links
         if f'"{word}' in path.read_text(encoding="utf-8")
     ]
-    defaults = {"librarian"}  # what commands take where no robot is named
+    defaults = {"librarian"}  # robot that commands use by default
     assert [each for each in known if each[1] not in defaults] == []
 
 

@@ -96,7 +96,7 @@ def _install(package: Path, site: Path, monkeypatch: pytest.MonkeyPatch) -> None
     subprocess.run([*command, "--target", str(site), str(package)], check=True)
     monkeypatch.setenv("PYTHONPATH", str(site))
     monkeypatch.syspath_prepend(site)
-    monkeypatch.setattr(registry, "_all", registry._all.__wrapped__)  # what a new process would read
+    monkeypatch.setattr(registry, "_all", registry._all.__wrapped__)  # as a new process would read them
 
 
 def _in_this_process(words: list[str]) -> int:

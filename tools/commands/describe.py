@@ -67,5 +67,5 @@ def _tree(kind: type[ActionPrimitive]) -> str:
     nobody: Any = None
     try:
         return ascii_tree(kind.model_construct().tree(nobody, nobody)).rstrip()
-    except Exception:  # somebody's tree that asks robot, model or a required parameter while it is built
+    except Exception:  # a user's tree that asks robot, model or a required parameter while it is built
         return ""

@@ -37,7 +37,7 @@ class Guard(OwnPage):
             answer = said(error.status, error.reason)
         except web.RequestPayloadError:
             answer = said(400, "the request isn't encoded as its headers say")
-        except Exception as error:  # the page tells it to who asked
+        except Exception as error:  # the page reports it to the client
             answer = said(500, f"a fault in handcart: {type(error).__name__}: {error}")
         if not answer.prepared:
             for name, value in PAGE_HEADERS.items():

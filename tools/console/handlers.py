@@ -27,7 +27,7 @@ from .watcher import Watcher
 
 MOST_BODY = 16_384  # of a command, in [bytes]
 PATIENCE_S = 5.0  # [s] for a command's body
-BEAT_S = 2.0  # [s] after which who listens hears something, even if nothing is new
+BEAT_S = 2.0  # [s] after which listeners get a message, even if nothing is new
 MOST_FILE = 64 * 2**20
 TAB_HEADER = "X-Console-Tab"
 """Header with the unique identifier of each open page."""

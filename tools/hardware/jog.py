@@ -51,7 +51,7 @@ def jog(
     with site.backend() as backend:
         jogger = Jogger(backend, spec)
         if axis not in jogger.axes:
-            raise UnknownAxis(axis, jogger.axes)  # before somebody is asked to hold a key
+            raise UnknownAxis(axis, jogger.axes)  # before a person is asked to hold a key
         words = f"{axis}: hold the space bar; the hand runs at {1e3 * slower * HAND_SPEED:.0f} mm/s at most"
         with operator.hold(words) as held:
             done = jogger.jog(axis, wanted, held, slower)

@@ -29,7 +29,7 @@ IMPORT_NAMES = {
 }
 """Import names of libraries whose package has another name."""
 _SILENT = {
-    "OPENCV_LOG_LEVEL": "SILENT",  # its C++ code tells stderr of each picture that it can't read
+    "OPENCV_LOG_LEVEL": "SILENT",  # its C++ code prints each picture that it cannot read to stderr
     "OPENCV_FFMPEG_LOGLEVEL": "-8",  # as does the encoder of videos
     "PYTHONWARNINGS": "ignore",  # in processes that are begun by this one
 }
@@ -108,7 +108,7 @@ def required() -> list[Requirement]:
 
 
 def _installed() -> Iterator[tuple[str, str]]:
-    for folder in reversed(sys.path):  # what comes first on the path comes last here, and counts
+    for folder in reversed(sys.path):  # reversed, because the first folder on the path counts
         try:
             names = os.listdir(folder or ".")
         except OSError:

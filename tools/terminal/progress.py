@@ -168,5 +168,5 @@ class Progress(RunObserver):
 
     def _print(self, words: str) -> None:
         self._begins()
-        with suppress(OSError):  # nobody reads it any more: that must not end a run (row K14)
+        with suppress(OSError):  # the reader is gone: that must not end a run (row K14)
             self._console.print(words)

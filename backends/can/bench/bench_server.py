@@ -60,7 +60,7 @@ class BenchServer:
         self._alone = self._alone or now - self._passed > _PATIENCE * self._period
         if not self._alone:
             return
-        # What this machine was too slow for is left out.
+        # Skip the periods that this machine was too slow for.
         self._passed = max(self._passed, now - _CATCH_UP * self._period)
         while now - self._passed >= self._slice:
             self._passed += self._slice

@@ -15,7 +15,7 @@ from .errors import QueueFull
 Heard = Callable[[can.Message, bool], None]
 """Callback for each frame; its second argument is True if the frame was sent, False if received."""
 
-_BURST = 2000  # frames that are taken in at once at most, so that a flooded bus doesn't hold the loop
+_BURST = 2000  # maximum frames read at once: a flooded bus must not hold up the loop
 _LOST = 3  # frames in a row that the interface may refuse to queue
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
@@ -59,7 +59,7 @@ class CanLine(canopen.Network):
             QueueFull: that has happened several times in a row.
             can.CanError: of the interface.
         """
-        # A copy: what waits in the interface's queue stays what it was when the buffer is filled anew.
+        # A copy: frames in the interface's queue must not change when the buffer is refilled.
         frame = can.Message(
             arbitration_id=can_id, data=bytes(data), is_remote_frame=remote, is_extended_id=can_id > 0x7FF
         )
@@ -107,7 +107,7 @@ class CanLine(canopen.Network):
 
     def flush(self) -> None:
         """Discard the frames that the interface has not sent yet."""
-        with suppress(NotImplementedError, can.CanError):  # `stop` must go on to send them
+        with suppress(NotImplementedError, can.CanError):  # `stop` must send the remaining frames
             self._bus.flush_tx_buffer()
 
     @property

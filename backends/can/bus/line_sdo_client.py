@@ -10,7 +10,7 @@ from canopen.sdo.exceptions import SdoCommunicationError
 from .can_line import CanLine
 
 _LENGTH = 8  # bytes of each SDO frame (CiA 301)
-_FRAMES = 16  # of one answer: what is asked for are numbers
+_FRAMES = 16  # maximum frames of one answer: only numbers are read
 
 
 class NoAnswer(SdoCommunicationError):

@@ -88,7 +88,7 @@ class Axes(Mapping[str, Axis]):
 
     def sync(self) -> None:
         """End a period: send SYNC, and receive the answers that arrive within half a period."""
-        self._line.drain()  # what is late belongs to an earlier SYNC
+        self._line.drain()  # late frames belong to an earlier SYNC
         for axis in self.values():
             axis.ask()
         self._line.sync.transmit()

@@ -36,7 +36,7 @@ NEW_SETPOINT, AT_ONCE = 1 << 4, 1 << 5
 SETPOINT_TAKEN = 1 << 12
 _START, _PREPARE = 0x01, 0x80  # NMT commands (CiA 301)
 _WRITE_WORD = 0x2B  # command of an SDO that writes two bytes (CiA 301)
-_STANDS = 0.01  # of top speed: slower it stands
+_STANDS = 0.01  # ratio of the top speed; a slower axis is at rest
 _CREEP = 0.01  # of top speed: no way is planned slower
 
 
@@ -201,7 +201,7 @@ class Axis(canopen.RemoteNode):
             return
         counts = self.units.counts(self._target)
         if self.mode == PROFILE_POSITION and counts != self._sent:
-            if self._asks:  # twice between two answers, as a stop does: ask anew
+            if self._asks:  # asked twice between two answers, as a stop does: ask again
                 self._send(word, 0x607A, self._sent or 0)
             self._plan_speed()
             self._asks = True

@@ -18,7 +18,7 @@ _QUICK_STOP = 3  # abort connection option (6007h)
 _PRE_OPERATIONAL = 0  # error behaviour (1029h): commands that were queued are not taken any more
 _ANY = 0xFFFFFFFF
 _IF_THERE = (
-    (0x1006, 0),  # only tells the drive how often SYNC comes
+    (0x1006, 0),  # only gives the drive the period of SYNC
     (0x1029, 1),  # without it a node becomes PRE-OPERATIONAL (CiA 301)
     (0x1400, 5),  # besides the heartbeat
     (0x6080, 0),  # besides 607Fh

@@ -19,7 +19,7 @@ from .axis import ENABLED, FAULT, HOLD_COMMAND, QUICK_STOP, Axis, state_of
 _WITHIN = 2.0  # [s] that drives may take, brakes included
 _LOOKS = 20  # that simulated drives may take
 _PAUSE = 0.005  # [s] between two looks
-# What leads from a state towards OPERATION ENABLED; FAULT is a person's to reset.
+# Command from each state towards OPERATION ENABLED. Only a person resets FAULT.
 _NEXT = {
     "SWITCH ON DISABLED": State402.CW_SHUTDOWN,
     "READY TO SWITCH ON": State402.CW_SWITCH_ON,

@@ -76,7 +76,7 @@ def as_the_library_spells(text: str) -> str:
     for line in lines:
         head = re.match(r"(\s*\[)([^\]]*)(\].*)", line, re.DOTALL)
         section = head[2].strip() if head else section
-        if _NAMES.fullmatch(section):  # needed by nobody, and the library reads only lists without gaps
+        if _NAMES.fullmatch(section):  # the library reads only lists without gaps; handcart needs none
             result.append("")
         elif head:
             result.append(f"{head[1]}{_section(section)}{head[3]}")
@@ -142,6 +142,6 @@ def _data_types(lines: list[str]) -> dict[str, int]:
         elif entry := re.match(r"\s*datatype\s*=\s*(\w+)", line, re.IGNORECASE):
             try:
                 types[section] = number(entry[1])
-            except ValueError:  # reported with its line by whoever checks the file
+            except ValueError:  # the check of the file reports it with its line
                 continue
     return types

@@ -8,7 +8,7 @@ import serial
 
 from handcart.backends.live.sensor_errors import NoSensor
 
-_MOST = 1 << 16  # bytes that are taken in at once at most
+_MOST = 1 << 16  # maximum bytes read at once
 _LONGEST = 1 << 14  # bytes of a line
 
 

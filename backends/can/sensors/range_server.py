@@ -26,7 +26,7 @@ class RangeServer:
         """Send this period's scan; `time` [s] is the sensor's. Never waits: clients that don't read are
         disconnected.
         """
-        with contextlib.suppress(BlockingIOError):  # nobody calls
+        with contextlib.suppress(BlockingIOError):  # no client is connecting
             caller, _ = self._listening.accept()
             caller.setblocking(False)
             self._heard.append(caller)

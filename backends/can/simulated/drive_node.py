@@ -120,7 +120,7 @@ class DriveNode(canopen.LocalNode):
         self.life.fail()
         self.emcy.send(code, register=1)
 
-    # What comes in
+    # Received frames
 
     def _on_nmt(self, _can_id: int, data: bytearray, _stamp: float) -> None:
         command, node = data[0], data[1]
@@ -278,7 +278,7 @@ class DriveNode(canopen.LocalNode):
         if mode is not None and self.life.state == ENABLED:
             mode.latch()
 
-    # What goes out
+    # Sent frames
 
     def answer(self) -> None:
         """Send the PDOs that answer a SYNC."""

@@ -145,7 +145,7 @@ class MujocoBody(RobotBody):
         """Return the appearance of its links."""
         return robot_looks(partial(read_robot, self._urdf))
 
-    # Where it is
+    # Readings of the body
 
     @override
     def put(self, base: Pose2, height: float = 0.0) -> None:
@@ -177,7 +177,7 @@ class MujocoBody(RobotBody):
     def _body(self, link: str) -> int:
         return self._engine.link_body(self.id, self.link_index[link])
 
-    # What it does
+    # Commands to the body
 
     @override
     def joints(self, names: Sequence[str]) -> MujocoJoints:
@@ -202,7 +202,7 @@ class MujocoBody(RobotBody):
             (name, each) for name in links for each in spec.body(ROBOT_PREFIX + name).geoms
         ]:
             if surface.friction is not None:
-                geometry.priority = 1  # it alone tells how a pair rubs
+                geometry.priority = 1  # its friction alone counts for a pair
                 geometry.friction = (surface.friction * surface.against, 0.005, 0.0001)
             if surface.sticks:
                 geometry.solimp = TYRE_IMPEDANCE if link in self.rolling else PAD_IMPEDANCE

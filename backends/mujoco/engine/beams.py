@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .mujoco_module import mujoco
 from .world_spec import ROBOT_GROUP
 
-_FAR = 1e10  # [m], whatever the ways are long: what is beyond it MuJoCo does not look at
+_FAR = 1e10  # [m], beyond any real range: MuJoCo ignores what is farther
 
 
 class _Field(NamedTuple):

@@ -42,7 +42,7 @@ class MujocoEngine(Engine):
     """
 
     CHUNK = math.inf
-    CONTACTS_CARRY = 0.5  # they know speeds, not places: what they hold in a hand that turns drifts
+    CONTACTS_CARRY = 0.5  # contacts act on speeds, not on positions: an object in a turning hand drifts
 
     def __init__(self, period: float) -> None:
         """Start the engine; see `Engine`."""
@@ -253,11 +253,11 @@ class MujocoEngine(Engine):
         """MuJoCo's numbers of what is held together."""
         return self.link_body(pinned.body, pinned.link), self._numbering.things[pinned.other].body
 
-    # What is there
+    # Bodies of the model
 
     @override
     def touching(self, body: int) -> Collection[Touching]:
-        data = self.data  # what is numbered below may be numbered anew by it
+        data = self.data  # compiling may renumber what `data` refers to
         return self._pressing.touching(data, body)
 
     @override
@@ -290,7 +290,7 @@ class MujocoEngine(Engine):
             raise NotAState("no saved state: the engine's world has other bodies")
         own = {name: state[name] for name in state if name not in ("pinned", "leans")}
         self.pin(pinned)
-        restore(model, data, own)  # what slips just now isn't held
+        restore(model, data, own)  # an object that is slipping now is not held
         self._leaning.set(model, leans != 0)
         self.displaced()
         self._seen = None

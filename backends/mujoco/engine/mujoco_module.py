@@ -27,6 +27,6 @@ def mujoco() -> ModuleType:
     if find_spec("mujoco") is None:
         raise MissingMuJoCo
     module = import_module("mujoco")
-    # Else it writes them into a file, MUJOCO_LOG.TXT, wherever a run was begun.
+    # Without this, MuJoCo writes them into MUJOCO_LOG.TXT in the current folder.
     module.set_mju_user_warning(logging.getLogger(__name__).info)
     return module

@@ -14,7 +14,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .mujoco_module import mujoco
 from .pins import Pins
 
-STICKING_SPEED_M_S = 0.005  # [m/s]: slower, what slid in the hand is held again
+STICKING_SPEED_M_S = 0.005  # [m/s]: an object that slid in the hand is held again below this speed
 
 
 class Slipping:
@@ -47,7 +47,7 @@ class Slipping:
         pinned = self.pinned
         assert pinned is not None
         if self._pins.closed(data):
-            # While they hold, contacts carry next to nothing: what is still can pull at these points alone.
+            # While the pins hold, contacts carry almost nothing: the pins alone carry an object at rest.
             if self._pins.pull(data) > pinned.force_n / (1.0 - self._carry):
                 self._pins.open(data)
             return

@@ -15,10 +15,10 @@ from handcart.backends.simulation.body.simulated_parts import SimulatedGripper
 from .robot_body import RobotBody
 
 FINGER_JOINTS = ("left_finger", "right_finger")
-PRESSING_LEAD_M = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
+PRESSING_LEAD_M = 3e-4  # [m] of command beyond their position from which the fingers press
 # [m] that the drive's set-point runs into what the fingers press on: they open at once
 MAX_SET_POINT_LEAD_M = 2e-3
-STILL_TRAVEL_M = 3e-4  # [m] in a period: slower fingers stand
+STILL_TRAVEL_M = 3e-4  # [m] in a period: slower fingers are at rest
 FINGER_STEP_RATIO = 0.3  # of the way to where they belong that the fingers make in a step of the solver
 
 

@@ -62,7 +62,7 @@ class BookBody(ThingBody):
         """
         spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
         grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
-        # As dark as the cloth or darker is ink on it; what is lighter is paper.
+        # Pixels as dark as the cloth or darker are ink, lighter ones are paper.
         ink, paper = np.minimum(spine / grey, 1.0), np.clip((spine - grey) / (255.0 - grey), 0.0, 1.0)
         shown = 255.0 * ((1.0 - paper) * ink * cloth + paper)
         strips = [np.full((len(spine), _STRIP // 2, 3), 255.0) * each for each in (cloth, _LEAVES)]

@@ -161,7 +161,7 @@ class Engine(ABC):
         """Return the force (3,) of the rigid connection on its first body, in the world, in [N]."""
         return np.zeros(3)
 
-    # What is there
+    # Bodies of the world
 
     @abstractmethod
     def touching(self, body: int) -> Collection[Touching]:

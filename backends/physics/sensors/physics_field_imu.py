@@ -11,7 +11,7 @@ from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 
 from .physics_imu import PhysicsImu
 
-REST_SPEED_M_S = 2e-3  # [m/s]: slower, a base stands
+REST_SPEED_M_S = 2e-3  # [m/s]: a slower base is at rest
 
 
 class PhysicsFieldImu(FieldImu):

@@ -21,7 +21,7 @@ MOVED_JOINTS = ("left_finger", "right_finger", "left_steering", "right_steering"
 """Joints that are moved, besides the arm's and the wheels'."""
 ROCKER_JOINTS = ("left_rocker", "right_rocker")
 """Passive joints of a suspension, with opposite axes: a differential keeps them equal."""
-# what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
+# effort that holds a joint at rest if the URDF has none [Nm] or [N]
 DEFAULT_HOLDING_EFFORT = 1000.0
 
 

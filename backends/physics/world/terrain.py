@@ -11,7 +11,7 @@ from handcart.backends.physics.engine.engine import Engine
 from handcart.backends.simulation.noise.keyed_noise import keyed
 from handcart.robotics.numerics.arrays import FloatArray
 
-# [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
+# [m] between points with a height; with 0.25 m a foot would be on ridges of 27 degrees
 CELL_M = 0.05
 CELLS_PER_SIDE = 200  # of a tile's side
 MIN_GROUND_AHEAD_M = 12.0  # [m] from the robot to ground that isn't there yet, at least

@@ -27,7 +27,7 @@ MAX_TILE_INDEX = 10_000  # tile of the ground
 MAX_LATE_BODIES = 1000  # tiles and things that come after the beginning
 FLOOR_FRICTION = 1.0
 SOLID_FRICTION = 0.65
-PASSER_TURNS_RAD = (0.0, math.pi / 4)  # of the boxes that stand for a disc
+PASSER_TURNS_RAD = (0.0, math.pi / 4)  # turns of the boxes that approximate a disc
 _AWAY = transform((0.0, 0.0, -50.0))
 _WALL, _FURNITURE, _WOOD = 165, 110, 130
 

@@ -11,7 +11,7 @@ from .lidar import Lidar, beams_of
 from .lost import Lost, lifted_by
 
 SLIDING_PERIODS = 60  # after a contact, in which the base may slide off what it ran into
-LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
+LOOK_AGAIN = 10  # periods at rest between scans that are compared for a moved base
 
 
 class LiftWatch:
@@ -37,7 +37,7 @@ class LiftWatch:
         if still > 0 and still % LOOK_AGAIN != 0:
             return None
         if lidar.silence:
-            self._jump.reset()  # what changes in a gap does not change at once
+            self._jump.reset()  # a change across a gap in the scans is not a jump
             return None
         if not self._jump.is_doubtful:  # another place seems full of people
             self._people_before = crowd.is_near

@@ -30,8 +30,8 @@ from .older_states import completed, local_map_of
 from .pose_covariance import SCAN_REPEATABILITY, worst_sigmas
 from .sensed import Sensed
 
-STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
-# [m] by which encoders of wheels that stand differ, as an arm pulls at the base
+STILL_SCANS = 20  # periods at rest after which further scans add no information
+# [m] between encoders of wheels at rest, as an arm pulls at the base
 MAX_REST_WHEEL_DIFFERENCE_M = 2e-4
 STALE_SCAN_MOTION = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
 DRAWN_SURFACE_M = 0.03  # error of surfaces that are drawn from several scans
@@ -66,7 +66,7 @@ class Localization(ABC):
         """Travel of the wheels."""
         self.still = 0
         """Number of periods in which the wheels were at rest, apart from deflection."""
-        self._stood = self.travel  # what the wheels had travelled when they last turned
+        self._stood = self.travel  # travel of the wheels when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
         self._period, self.stale_s = backend.period, 0.0
         """Time for which the lidar has repeated a scan although the base moved, in [s]."""
@@ -82,7 +82,7 @@ class Localization(ABC):
         self.local_map: LocalMap | None = None
         """Map drawn since the pose on the given map is unknown; None while that pose is known."""
 
-    # What is estimated
+    # Estimates
 
     @property
     def pose(self) -> Pose2:
@@ -345,7 +345,7 @@ class Localization(ABC):
             self._ranges, self._seen_at = scan.ranges.copy(), self.travel
         return self.travel.away(self._seen_at) > STALE_SCAN_MOTION
 
-    # For a checkpoint
+    # Checkpoints
 
     def state(self) -> dict[str, Any]:
         """Return the estimates so far, as plain data."""

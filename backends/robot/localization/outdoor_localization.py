@@ -24,7 +24,7 @@ from .localization import Localization
 from .lost import Lost
 from .sensed import Sensed
 
-MAX_TRAVEL_WITHOUT_GYRO_M = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
+MAX_TRAVEL_WITHOUT_GYRO_M = 0.15  # [m] of wheel travel that the gyros may miss
 
 
 class OutdoorLocalization(Localization):

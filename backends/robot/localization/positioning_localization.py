@@ -39,7 +39,7 @@ class PositioningLocalization(Localization):
     def _correct(self) -> None:
         reading = self._positioning.reading()
         if reading is None or not np.isfinite((*reading.pose, reading.age)).all():
-            return  # a broken one is no reading
+            return  # skip an invalid reading
         periods = round(reading.age / self._period)
         if self._filter.take(reading.number, reading.pose, periods) and self.still > periods:
             self._displaced()

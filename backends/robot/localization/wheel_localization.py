@@ -20,8 +20,8 @@ from .lidar import Lidar
 from .localization import Localization
 from .lost import Lost, silenced_for
 
-REST_PERIODS = 4  # periods at rest after which a scan tells whether the base is where its wheels say
-# [m] that wheels may be driven, by which alone it is reckoned, while they read the same
+REST_PERIODS = 4  # periods at rest after which a scan shows whether the wheels' pose is right
+# [m] of commanded travel alone that is added while the encoders read the same
 MAX_COMMANDED_TRAVEL_M = 0.03
 
 

@@ -65,7 +65,7 @@ class RosGoalSender(GoalSender):
             if (name := bytes(each.goal_info.goal_id.uuid)) not in self._own
         }
         self._others = any(status in ACTIVE_NUMBERS for status in foreign.values())
-        # One that ours replaced at once is over when its state arrives, and has been executed all the same.
+        # A goal that a newer one of ours replaced is over when its state arrives. It was executed anyway.
         self._intruded = self._intruded or (bool(self._own) and not foreign.keys() <= self._known)
         self._known |= foreign.keys()
 

@@ -174,7 +174,7 @@ class RosLink(Link):
     @override
     def mismatches(self, topic: str, is_command: bool) -> list[str]:
         full, ours = self._node.resolve_topic_name(topic), self._profile(is_command)
-        # The graph gives "none" as infinite; left out here, it would count as a difference.
+        # The graph reports "none" as infinite. Without this it would count as a difference.
         ours.deadline = ours.liveliness_lease_duration = import_module("rclpy.duration").Infinite
         ours.liveliness = self._qos.LivelinessPolicy.AUTOMATIC
         look = self._node.get_subscriptions_info_by_topic if is_command else None

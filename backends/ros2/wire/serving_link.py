@@ -53,7 +53,7 @@ class RosServingLink(RosLink, ServingLink):
 
     @override
     def _new_executor(self, executors: Any) -> Any:
-        # By default it has a thread for each core: with one core a stop would wait behind another answer.
+        # By default it has a thread for each core. With one core a stop would wait for another answer.
         return executors.MultiThreadedExecutor(SERVICE_THREAD_COUNT, context=self._context)
 
     @override
@@ -61,7 +61,7 @@ class RosServingLink(RosLink, ServingLink):
         def served(_: Any, response: Any) -> Any:
             try:
                 response.success, response.message = answer()
-            except Exception as error:  # the caller needs an answer, and the node goes on
+            except Exception as error:  # the caller needs an answer, and the node keeps running
                 response.success, response.message = False, f"{type(error).__name__}: {error}"
             return response
 

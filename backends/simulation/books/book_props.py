@@ -116,7 +116,7 @@ class BookProps(BooksThere):
         instant = round(self.scene.time / self.scene.robot.period_s)
         return spread * float(keyed(self.seed, f"{book.name} let go", instant).standard_normal())
 
-    # In physics
+    # Props in a physics engine
 
     def awake(self, hand: FloatArray) -> Iterable[SimulatedBook]:
         """Return the books in rows within reach of the hand, at `hand` (3,) in the world in [m], and those in

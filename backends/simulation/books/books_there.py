@@ -24,7 +24,7 @@ from .spec import BookSpec, BooksSection
 from .standing_book import StandingBook, leaned
 
 SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
-MAX_SPINE_OFFSET_M = 0.003  # spines stand this much before or behind the board's front edge at most [m]
+MAX_SPINE_OFFSET_M = 0.003  # maximum distance of a spine from the board's front edge [m]
 
 
 class Waiting(NamedTuple):

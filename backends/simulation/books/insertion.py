@@ -15,7 +15,7 @@ CHAMFER_M = 0.003
 MARGIN_M = 0.001
 FALL_OFF_M = 0.004  # from certain to never [m]
 MAX_YAW_RAD = math.radians(8.0)  # with more yaw no book fits its slot
-_OUT = 0.002  # withdrawn this far, a book enters anew [m]
+_OUT = 0.002  # withdrawn this far, a book enters again [m]
 LEAST_CLEARANCE = 0.0003
 
 

@@ -90,7 +90,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: SimulatedShelf) -> None:
             _book(canvas, body, shelf)
         else:
             paint_box(canvas, *body)
-    # Faces that look into the shelf are painted already, and books stand before them.
+    # Faces that look into the shelf are already painted, and books are in front of them.
     for part, faces in (("plinth", (0,)), ("left panel", (0, 3, 5)), ("right panel", (0, 2, 5))):
         paint_box(canvas, parts[part], WOOD_GREY, faces)
     _board_edge(canvas, shelf)

@@ -6,7 +6,7 @@ from .books_there import BooksThere, Waiting
 
 REACH_M = 0.5  # [m] from where the robot started, within a person's reach
 STILL_MOTION = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
-WAITING_TIME_S = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
+WAITING_TIME_S = 1.0  # [s] that the robot is there with an empty tray and hand before the next book comes
 
 
 class Person:

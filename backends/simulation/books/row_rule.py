@@ -194,7 +194,7 @@ class RowRule(HandRule):
         advance, short, force = float(after[0, 3] - before[0, 3]), 0.0, 0.0
         met: set[tuple[str, str]] = set()
         for name, pusher in self._pushers(after):
-            # Where the hand stands back already, the pusher's front does too.
+            # A hand that was pushed back has its pusher's front there, too.
             result = push(self._books, shelf, front.row, pusher, pusher.lead - max(0.0, advance))
             short = max(short, pusher.lead - result.lead)
             force = max(force, result.force)
@@ -229,7 +229,7 @@ class RowRule(HandRule):
         half, entry = book.thickness / 2, self.entry
         right, left = float(edge[1]) - half, float(edge[1]) + half
         if entry is not None and entry.slot.width > 0.0:
-            # It stands against the nearer side of the slot, however little it overlaps.
+            # It touches the nearer side of the slot, however small the overlap is.
             if edge[1] > entry.slot.middle:
                 left = max(left, entry.slot.left + 0.002)
             else:

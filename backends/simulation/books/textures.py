@@ -194,7 +194,7 @@ def _decorate(spine: SingleArray, height_mm: float, px_per_mm: int, rng: np.rand
 
 def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> SingleArray:
     side, quiet = round(TAG_SIZE_MM * px_per_mm), round(TAG_QUIET_MM * px_per_mm)
-    # Its modules may not divide the side: drawn large and averaged down, their edges stand where they should.
+    # Its modules may not divide the side: drawn large and averaged down, their edges are exact.
     marker = cv2.aruco.generateImageMarker(dictionary(family), tag_id, modules_of(family) * side).astype(
         np.float32
     )

@@ -16,7 +16,7 @@ from handcart.robotics.perception.landmarks.landmark import INK, PAPER, draw_lan
 
 from .spec import MarkSpec
 
-PAPER_MARGIN_M = 0.01  # of paper about what is painted [m]
+PAPER_MARGIN_M = 0.01  # of paper around the painted part [m]
 M_PER_PX = 1.25e-4
 
 

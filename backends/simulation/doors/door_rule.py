@@ -57,7 +57,7 @@ class DoorRule(HandRule):
         scene = self._scene
         if isinstance(thing, DoorPart):
             middle = inverse(scene.world_T("hand")) @ np.append(middle_of(thing), 1.0)
-            self.grip = np.array([middle[0], 0.0, middle[2]])  # the pads close about it
+            self.grip = np.array([middle[0], 0.0, middle[2]])  # the pads close around it
 
     @override
     def meet(self, start: FloatArray, joints: FloatArray) -> Met:

@@ -20,7 +20,7 @@ from .spec import FieldSection, SeismicSensorSpec
 
 # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
 HOME_TOLERANCE = 0.01
-SENSOR_BITE_M = 0.035  # [m] of a sensor's height that stands between the fingers
+SENSOR_BITE_M = 0.035  # [m] of a sensor's height between the fingers
 
 
 class FieldProps(Props[FieldSection]):

@@ -79,7 +79,7 @@ def _room(canvas: Canvas, scene: Scene) -> None:
     floor = np.array([[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]]) + np.array([x, y, 0.0])
     canvas.polygon(floor, _FLOOR)
     there = [s for s in scene.plain_solids if s.appears <= scene.time < s.leaves]
-    # Walls behind furniture: seen from within a room nothing stands behind a wall that hides it.
+    # Draw walls after furniture: seen from within a room, nothing behind a wall is visible.
     there.sort(key=lambda s: (s.box.size[2] < 2.0, -_away(canvas, s.box)))
     for solid in there:
         plain = _WALL if solid.box.name.startswith("wall") else _FURNITURE

@@ -10,7 +10,7 @@ import numpy as np
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 
-_NEAREST = 0.01  # what is nearer to the camera than this isn't shown [m]
+_NEAREST = 0.01  # surfaces nearer to the camera are not drawn [m]
 _SHIFT = 4  # OpenCV draws to 1/16 px
 _FAR = 30000.0  # beyond any picture, within OpenCV's fixed-point range [px]
 

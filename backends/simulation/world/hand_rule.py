@@ -12,7 +12,7 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import FloatArray
 
 ARM_STIFFNESS_N_M = 2000.0  # of the arm under position control [N/m]
-FORCE_CAP = 60.0  # what the hand can press with before its drives give way [N]
+FORCE_CAP = 60.0  # force at which the hand's drives yield [N]
 
 
 class Met(NamedTuple):

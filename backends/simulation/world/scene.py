@@ -145,7 +145,7 @@ class Scene:
             raise NotAState(f"no saved state: this world lacks {name!r}")
         return found
 
-    # Where things are
+    # Positions of things
 
     @property
     def world_T_base(self) -> Transform:
@@ -218,7 +218,7 @@ class Scene:
             return Body("tray", inverse(self.world_T_base) @ thing.pose)
         return Body(thing.carrier, thing.pose.copy())
 
-    # What changes it
+    # Changes of the scene
 
     def move_base(self, base: Pose2) -> None:
         """Put the base with its load elsewhere; the held object moves with the hand."""

@@ -58,7 +58,7 @@ class SceneProps(ABC):
         """Return the force (3,) in [N] that the props add to the hand's reading, in the hand's frame."""
         return np.zeros(3)
 
-    # In a hand without physics
+    # Props in a hand without physics
 
     def hand_rule(self, arm: ArmModel) -> HandRule | None:
         """Return the rule that replaces rigid geometry between the hand and these things; called once."""
@@ -80,7 +80,7 @@ class SceneProps(ABC):
     def let_go(self, thing: Thing) -> None:
         """Release a thing from the fingers: set its pose and its support."""
 
-    # In physics
+    # Props in a physics engine
 
     def awake(self, hand: FloatArray) -> Iterable[Thing]:
         """Things that physics may have moved in this period; the hand is at (3,) in [m] in the world."""

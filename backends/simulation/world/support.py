@@ -125,7 +125,7 @@ def _round_outline(thing: Thing) -> FloatArray:
 def _within(middle: FloatArray, areas: list[FloatArray]) -> bool:
     if not areas:
         return False
-    # Metres about the middle, for single precision.
+    # Metres from the middle, for single precision.
     corners = (np.vstack(areas) - middle).astype(np.float32)
     return cv2.pointPolygonTest(cv2.convexHull(corners), (0.0, 0.0), measureDist=False) > 0
 

@@ -18,7 +18,7 @@ from handcart.robotics.navigation.maps.map_walls import map_walls
 
 from .world_model import world_model
 
-MAP_WALL_HEIGHT_M = 2.0  # of what stands on a map [m]
+MAP_WALL_HEIGHT_M = 2.0  # height of everything on a map [m]
 
 
 def load_world(path: Path) -> WorldFile:

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from handcart.files.models.loading import Loaded
 
 MAX_SIGMAS = 5.0
-ASTRAY_M = 0.3  # between where the robot is put and where it is told to be: scan matching pulls that in
+ASTRAY_M = 0.3  # between the robot's true and stated start: scan matching corrects that much
 ASTRAY_DEG = 15.0
-MAX_MAP_DISTANCE_M = 0.3  # [m] from what the map shows to what stands there
-MIN_MAP_SHARE = 0.5  # of what the map shows stands in a world of its own
+MAX_MAP_DISTANCE_M = 0.3  # [m] from the map's surfaces to those of the world
+MIN_MAP_SHARE = 0.5  # of the map's surfaces must exist in a world that has its own file
 
 
 def world_findings(

@@ -26,7 +26,7 @@ WALK_BATCH_SIZE = 4096
 """Number of walks that are drawn together. The walk of a seed depends on it, but not on which seeds are asked
 for.
 """
-_STREAM = 20  # tells these draws from others that begin with the same numbers
+_STREAM = 20  # separates these draws from others with the same seed
 
 
 class WalkedTrials:

@@ -185,7 +185,7 @@ class CampaignPage:
         spreads = self._report.spreads()
         for name, values in table.columns.items():
             if name not in spreads:
-                continue  # what varies is no metric
+                continue  # a value that varies is not a metric
             if constant(values) and name not in limits:
                 continue
             limit = limits.get(name)

@@ -18,7 +18,7 @@ def _words(said: Mapping[str, Any], seed: int) -> Iterator[str]:
     yield from ("handcart", "run" if alone else "campaign", said["task"])
     if alone:
         yield from ("--seed", str(seed))
-    elif varied:  # what varies is spread over all seeds that were asked for
+    elif varied:  # variants are distributed over all requested seeds
         yield from ("--first", str(said["first"]), "--trials", str(said["trials"]), "--vary", varied)
         yield from ("--shard", f"{seed - said['first'] + 1}/{said['trials']}", "--out", f"again-{seed}")
     else:

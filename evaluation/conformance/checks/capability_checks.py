@@ -38,7 +38,7 @@ from .check import Check, CheckResult
 # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
 MAX_FILE_DIFFERENCE = 0.10
 FORCE_AT_REST = 3.0  # [N]
-MIN_LEVER_M = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
+MIN_LEVER_M = 0.1  # [m] from a joint to the hand, to convert the hand's error to an angle
 STEERING_LOSS_RATIO = 0.7  # share of a car's turn that is lost while it steers
 BEAM_DEG = 0.1  # by which a beam may be off where the robot's file has it
 SIGN_TEST_MOVE_RAD = 0.02  # [rad] that a joint is moved for its sign

@@ -17,7 +17,7 @@ from .check import Check, CheckResult
 GRAVITY_M_S2 = 9.81  # [m/s²]
 REST_PERIODS = 40  # periods that are averaged
 MAX_SIGMAS = 5.0
-# [m/s²] along x and y of a robot that doesn't stand quite level
+# [m/s²] along x and y of a robot that is not quite level
 MAX_LEANING_GRAVITY_M_S2 = 0.02 * GRAVITY_M_S2
 TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
 

@@ -20,7 +20,7 @@ from handcart.primitives.restoring.snapshot import Snapshot, residuals, take_sna
 
 from .check import Check, CheckResult
 
-REST_READINGS = 20  # readings of what stands
+REST_READINGS = 20  # readings of a robot at rest
 FAILS, FAILS_QUICK = 100, 20
 
 

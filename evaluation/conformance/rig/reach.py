@@ -97,5 +97,5 @@ class Reach(ActionPrimitive):
     def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
         """Return promises of a Success that do not hold."""
         went = scene.base.relative_to(before.base).x
-        least = MIN_REACHED_RATIO * self.ahead_m - 0.02  # what the estimate of the pose may be off
+        least = MIN_REACHED_RATIO * self.ahead_m - 0.02  # error of the pose's estimate
         return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

@@ -117,7 +117,7 @@ def _title(explanation: Explanation) -> str:
     return f"{explanation.run.folder.name}, action {action.number}: {action.do} {action.outcome}{reason}"
 
 
-# What was seen
+# Observations
 
 
 def _draw_seen(axis: Any, explanation: Explanation, readings: Readings) -> None:

@@ -70,7 +70,7 @@ class WorldNodes:
         self.ellipse = self._lines(f"{ON_MAP}/ellipse", none, colours.CLOUD_RGB, 0.015)
         self.cloud = self._points(f"{ON_MAP}/cloud", colours.CLOUD_RGB, 0.04)
 
-    # What moves
+    # Moving nodes
 
     def add_thing(self, shape: ThingShape) -> None:
         """Add an invisible movable thing; an existing thing of this name is unchanged."""
@@ -141,7 +141,7 @@ class WorldNodes:
         steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))
         lines.points = (steps if chosen is None else steps[chosen]).astype(np.float32)
 
-    # What stays
+    # Static nodes
 
     def _ground(self, scenery: Scenery) -> None:
         plane = colours.GROUND_RGB if scenery.outdoors else colours.FLOOR_RGB

@@ -15,8 +15,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import rotations
 from handcart.robotics.numerics.arrays import FloatArray
 
-OFFSET_DIRECTIONS = 36  # in which a base may stand off
-ROOM_STEP = 0.005  # [m] to which it is told how far
+OFFSET_DIRECTIONS = 36  # of the base from the arm that are tried
+ROOM_STEP = 0.005  # [m]: resolution of the reported distance
 
 
 class Scara(NamedTuple):

@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 OFFSET, HEADING, CURVATURE, HEIGHT, SLOPE_X, SLOPE_Y = range(6)
 STRAIGHT_SIGMAS = 4.0  # of the curvature, below which a path may be straight
-STRAIGHT_CURVATURE = 0.2  # [1/m]: a path that surely has less is taken for straight
+STRAIGHT_CURVATURE = 0.2  # [1/m]: a path with certainly less is taken as straight
 MIN_CURVATURE = 1e-9  # [1/m]
 MIN_ROOT = 1e-9  # under the square root, of points beyond the middle of a circle
 

@@ -154,8 +154,8 @@ def _rrt_connect(
     max_branches: int,
     step: float,
 ) -> FloatArray | None:
-    # OMPL numbers the generators it makes from one global generator. Setting that first, and making space
-    # and planner anew, gives each call its own stream; OMPL only complains about it in its log.
+    # OMPL seeds its generators from a global one. Seed that first, and make space and planner again, so that
+    # each call has its own stream. OMPL warns about it in its log, which is switched off here.
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
     ou.RNG.setSeed(1 + seed % (2**31 - 1))
     information = ob.SpaceInformation(_space(arm, q_start, q_goal))

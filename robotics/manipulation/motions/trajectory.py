@@ -63,7 +63,7 @@ def _between_stops(corners: FloatArray) -> list[FloatArray]:
 def _time_smooth(
     rounded: RoundedPath, velocity: FloatArray, acceleration: FloatArray, period: float
 ) -> FloatArray:
-    # toppra brings much of scipy along: half a second, for whoever imports this and never moves an arm.
+    # toppra loads much of scipy: half a second for programs that never move an arm.
     from handcart.robotics.manipulation.motions.path_speed import highest_speed
 
     s, speed = highest_speed(rounded, velocity, acceleration)

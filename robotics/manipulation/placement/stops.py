@@ -31,7 +31,7 @@ _ASIDE = (
 )
 _ATTEMPTS = 40
 _HALVINGS = 2
-_NEAR = 0.05  # [m] about a stop from which a goal couldn't be done
+_NEAR = 0.05  # [m] around a stop from which a goal was not possible
 _NOWHERE = "is out of the arm's reach, wherever the base stands"
 _NO_ROOM = "is reached only from where the base can't stand, or doesn't get to"
 _NO_SIGHT = "is reached only from where no landmark can be looked at"

@@ -52,6 +52,6 @@ def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
     # The steps add up to the way from first to last: the stops between don't count in the mean.
     of_mean = of_swings / count + 2.0 * noise**2 / looks / count**2
     spread = float(np.sqrt(of_swings / swings))
-    # Of a variance from n steps the standard deviation is its sqrt(2 / (n - 1))th part.
+    # The standard deviation of a variance from n steps is sqrt(2 / (n - 1)) of it.
     of_spread = float(np.sqrt(scatter / swings / (2.0 * (count - 1))))
     return SwingYaw(float(steps.mean()) / swings, float(np.sqrt(of_mean)) / swings, spread, of_spread, noise)

@@ -99,7 +99,7 @@ class ToolFollower:
         tip_and_jacobian(self._chain, posture)
         jacobian = posture.jacobian
         without_free(posture.pose, int(self.free), jacobian)
-        # What counts is the share of a joint's range, and most where little of it is left.
+        # Weigh the share of a joint's range, most where little of it is left.
         share = np.where(self.arm.endless, 0.0, (q - self._middle) / self._half)
         wish = -_EAGER * share**3 * self._half
         ease = wish - np.linalg.pinv(jacobian, rcond=_SINGULAR) @ (jacobian @ wish)

@@ -32,10 +32,10 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 from .beacon_errors import BeaconErrors
 
 MAX_RANGE_SIGMAS = 5.0  # sigmas within which a range lies that is believed
-CARRIED_OFF = 10.0  # [s] for which all ranges to a beacon are refused: then it stands elsewhere
+CARRIED_OFF = 10.0  # [s] for which all ranges to a beacon are rejected: then it was moved
 MIN_OTHER_BEACONS = 2  # beacons that are believed meanwhile, at least: else it is the claim that is wrong
 NEVER_TIME_S = -CARRIED_OFF  # a time before all others
-MIN_BEACON_DISTANCE_M = 0.3  # [m] to a beacon, from where a range tells a direction
+MIN_BEACON_DISTANCE_M = 0.3  # [m] to a beacon, from which a range gives a direction
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 
 

@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 SHORTEST_WINDOW_S = 0.4  # drives and sensors lag behind a command by less
 LONGEST_WINDOW_S = 0.9
-MIN_COMMANDED_M = 0.04  # commanded in a window, to tell standstill from noise of the pose
+MIN_COMMANDED_M = 0.04  # commanded in a window, to distinguish standstill from noise of the pose
 MAX_PROGRESS = 0.25  # share of what was commanded: wheels that slip on a free floor get further
 CONFIRMING_PERIODS = 3  # periods in a row
 

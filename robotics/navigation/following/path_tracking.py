@@ -15,13 +15,13 @@ from handcart.robotics.numerics.arrays import FloatArray
 HEADING_GAIN = 10.0  # [1/m], Kθ; with a sideways gain Ky = Kθ²/4 critically damped, 0.2 m to die down
 HEADING_RATE = 6.0  # [1/s] at most with which a heading error dies down: a period and the drives lag behind
 APPROACH_ANGLE_RAD = 0.3  # at most, at which the robot returns to the route; more would lead across it
-CORNER_PER_M = 8.0  # [1/m] of curvature; what is sharper is a corner, at which the base turns in place
+CORNER_PER_M = 8.0  # [1/m] of curvature; a sharper bend is a corner, at which the base turns in place
 TURN_SHARE = 0.6  # of the turn rate that curves are planned with; the rest is for corrections
 LATERAL_SHARE = 0.8  # likewise of the lateral acceleration
 PROFILE_BRAKING_SHARE = 0.7  # of the acceleration that a route's speeds are planned with
 TURN_FROM, TURN_UNTIL = 0.7, 0.08  # [rad] of heading error that is turned away in place
 POINT_SPACING_M = 0.04  # [m] between reference points
-TANGENT_POINTS = 2  # reference points on each side that a tangent is taken over
+TANGENT_POINTS = 2  # reference points on each side that define a tangent
 MIN_SPEED_M_S = 0.04  # [m/s]
 ZONE_MARGIN_POINTS = 3  # reference points before and behind a zone in which its limit holds
 SEARCH_AHEAD_M = 0.6  # [m] of route ahead in which the nearest point is looked for

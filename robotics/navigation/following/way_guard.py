@@ -13,10 +13,10 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled, compiled_for
 
-# of each metre from where it stood too near to something, that it must be farther from it there
+# of each metre that it moved, by which it must be farther from an obstacle that was too near at the start
 START_RETREAT_RATIO = 0.2
 MIN_RETREAT_RATIO = 0.02  # likewise of each metre driven where it is too near by now: all but along it
-RETURN_NOISE_M = 0.015  # [m] by which what was measured where it stood may be less when it comes back
+RETURN_NOISE_M = 0.015  # [m] by which a clearance measured at the start may be smaller on return
 MIN_STEP_M = 0.003  # [m] at least between two looks along the way
 NO_STANDS = np.empty((0, 2))
 

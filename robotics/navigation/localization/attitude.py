@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 BIAS_TIME = 5.0  # over which a gyro's bias is averaged at rest [s]
 TILT_TIME = 0.5  # over which the direction of gravity is averaged [s]
-MAX_REST_TURN_RATE = 0.002  # [rad/s] beside its bias: more is no rest
+MAX_REST_TURN_RATE = 0.002  # [rad/s] besides its bias: a faster turn is not rest
 
 
 class Attitude:

@@ -28,7 +28,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
 SEARCH_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
-# [m², rad²] by which somebody may have moved a base that stands
+# [m², rad²] of an unnoticed push of a base at rest
 NUDGE_COVARIANCE = np.diag([0.0125, 0.0125, 0.005]) ** 2
 SCANS_TELL = 0.3  # share of the heading's error that a scan leaves, at most, to be held against the wheels
 # share of the points explained so far; fewer, and the pose is looked for farther away

@@ -225,7 +225,7 @@ class Odometry:
                 that of an optimal filter with this covariance.
         """
         prior = self._state[:3, :3] + _LEAST
-        gain = lapack_solved(prior, self._state[:3]).T  # (6, 3): what a change of the pose says of all states
+        gain = lapack_solved(prior, self._state[:3]).T  # (6, 3): effect of a change of the pose on all states
         turn = wrap(float(pose.theta - self.pose.theta))
         change = np.array([pose.x - self.pose.x, pose.y - self.pose.y, turn])
         self._scales += (gain @ change)[3:]

@@ -24,7 +24,7 @@ from .localizer import (
     pose_difference,
 )
 
-DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base drives, and is not where it stood
+DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base is driving
 UNCHECKED_WAY_M = 1e9  # farther than anything drives, and finite: checkpoints hold finite numbers
 UNKNOWN_VARIANCE_M2 = 1e9  # more than any pose has, and finite as well
 SLIPPED_SIGMAS = 4.0  # sigmas between a drive by its wheels and the scan after it that no chance explains

@@ -9,8 +9,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import FloatArray
 
 UNCHANGED_M = 0.06  # by which the range of a beam may change that sees the same surface
-MIN_FACING_COS = 0.3  # of the angle between a beam and its surface's normal; flatter ones tell little
-MAX_SHARE_SIGMA = 0.2  # of the share of a motion, above which too few beams tell
+MIN_FACING_COS = 0.3  # of the angle between a beam and its surface's normal; flatter beams say little
+MAX_SHARE_SIGMA = 0.2  # of the share of a motion, above which too few beams count
 AGREEMENT_SCALE_M = 0.03  # of the distances that count half
 SURFACE_GAP_M = 0.3  # between neighbouring points that are on one surface, at most
 

@@ -23,7 +23,7 @@ from .likelihood_field import STEPS_PER_CELL, FieldValues, beam_sectors
 
 SHIFT_CELLS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
-PLAIN_SHARE = 0.8  # of it; no less, and there is no need to look closer
+PLAIN_SHARE = 0.8  # of it, above which a closer look is not needed
 FAN_STEP = math.radians(2.0)
 FAN_ANGLES = FAN_STEP * np.arange(-8, 9)  # [rad] from the direction that the slopes give: grain turns it
 FAN_COS_SIN = np.column_stack([np.cos(FAN_ANGLES), np.sin(FAN_ANGLES)])

@@ -20,7 +20,7 @@ INLIER_SCALES = 3.0  # scales within which a point counts as explained by the ma
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_SIGMA = 0.3  # of a cell: spread of a surface that lies anywhere in its cell
 CELL_BIAS = 0.3  # of a cell: error of a pose by one wall, because surfaces lie anywhere in their cells
-MIN_INFORMATION_SHARE = 1e-6  # of an information: what is seen may not tell all of a pose
+MIN_INFORMATION_SHARE = 1e-6  # of an information: a scan may not determine all of a pose
 ANNEALING_SCALES_M = (
     0.5,
     0.35,

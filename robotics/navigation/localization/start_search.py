@@ -15,7 +15,7 @@ from .likelihood_field import LikelihoodField
 from .scan_matching import INLIER_SCALES, match_scan
 
 PLAIN_FIT = 0.93  # share of the beams that the map explains; no less, and no other place is looked for
-SURE_FIT = 0.9  # share from which a place is believed that nobody stated
+SURE_FIT = 0.9  # share from which an unstated place is accepted
 MIN_SHARE_GAIN = 0.04  # of the beams that another place has to explain beyond the stated one
 MUCH_BETTER = 0.15  # the same of a place that is not sure itself
 NEAR_M, NEAR_RAD = 0.25, math.radians(10.0)  # within which two poses are the same place
@@ -28,7 +28,7 @@ COARSE_POINTS = 60
 MAX_CANDIDATES = 240  # along a corridor many poses are nearly equal, and crowd out a better one at its end
 PLAUSIBLE_M = 5.0  # from the stated start; farther off, a place that looks alike may have been missed
 AT_SURFACE = 0.2  # cells from a surface, where a beam ends
-SHORT_OF_REACH = 0.9  # of the reach: what the map shows nearer has to return
+SHORT_OF_REACH = 0.9  # of the reach: nearer surfaces of the map must return an echo
 CANDIDATE_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candidate
 
 

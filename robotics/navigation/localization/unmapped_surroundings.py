@@ -17,7 +17,7 @@ from .scan_matching import CELL_BIAS, ScanMatch, match_scan
 from .start_search import map_ranges
 
 THROUGH_M = 0.3  # beyond a wall of the map, where a beam has passed through it
-MAX_THROUGH_SHARE = 0.2  # of the beams that may: what the map shows may have been taken away
+MAX_THROUGH_SHARE = 0.2  # of the beams that may: objects on the map may have been removed
 MIN_PARTIAL_POINTS = 25  # that the map has to explain for a correction by part of a scan
 MIN_PARTIAL_SHARE = 0.1
 PARTIAL_SIGMA_M, PARTIAL_SIGMA_RAD = 0.06, 0.02  # of a pose that part of a scan may correct: walls look alike

@@ -26,12 +26,12 @@ GRID_M = 0.4  # between places that are compared
 TRIED_M = 0.6  # from earlier places, within which none is chosen again
 MAX_COMPARED = 6  # hypotheses
 PREDICTED_BEAMS = 48
-DIFFERENT_M = 0.3  # between predicted ranges that a scan tells apart
+DIFFERENT_M = 0.3  # between predicted ranges that a scan can distinguish
 NOVELTY_RADIUS_M = 2.0
 NOVELTY_WEIGHT = 0.3  # of the share of unseen ground around, against the share of beams that differ
 WAY_WEIGHT_PER_M = 0.03
 MAX_ALIKE = 150  # places in the test whether the map looks the same from everywhere
-MIN_DIFFERENCE = 0.05  # share of beams that differ where a scan could tell two hypotheses apart
+MIN_DIFFERENCE = 0.05  # share of beams that differ where a scan can separate two hypotheses
 MAX_ROUTES = 8  # places to which a route is looked for
 
 

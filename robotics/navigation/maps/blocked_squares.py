@@ -21,7 +21,7 @@ from handcart.robotics.numerics.arrays import (
 )
 from handcart.robotics.numerics.compiled import compiled
 
-# [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
+# [cells], far above that of 32-bit distances: cells nearer to a limit are computed again
 ROUNDING_CELLS = 1e-4
 TOUCHING_CELLS = 1e-6  # [cells]: nearer than this, a line touches a square
 

@@ -16,7 +16,7 @@ Mode = Literal["trinary", "scale", "raw"]
 UNKNOWN_VALUE = -1
 OCCUPIED_VALUE = 100
 FREE_VALUE = 0
-UNKNOWN_GREY = 205  # what map_saver writes where nothing was measured
+UNKNOWN_GREY = 205  # value that map_saver writes for unmeasured cells
 
 
 class GridMap(NamedTuple):

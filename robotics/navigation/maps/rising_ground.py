@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
-MAX_GROUND_SLOPE = 0.15  # [m/m] by which ground may rise from where the base stands
+MAX_GROUND_SLOPE = 0.15  # [m/m] by which ground may rise from the base
 
 
 def may_be_ground(points: FloatArray, height: float, tilt: tuple[float, float]) -> BoolArray:

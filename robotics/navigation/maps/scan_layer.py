@@ -16,7 +16,7 @@ HIT_SCORE = 3  # added to a cell in which a beam ends
 PASS_SCORE = 1  # taken from a cell through which beams pass, once a scan
 OCCUPIED_SCORE = 5  # from which a cell counts as occupied: two hits; a lone reading is noise
 MAX_SCORE = 12  # so that what has left is cleared by eight scans
-REACH_M = 6.0  # beyond which nothing is taken in: beams are sparse and the heading's error shifts their ends
+REACH_M = 6.0  # farther returns are ignored: beams are sparse and the heading's error shifts their ends
 
 
 class ScanLayer:

@@ -34,14 +34,14 @@ from .fix_monitor import MAX_TESTED_FIXES, FixMonitor, whitened
 from .lost_track import FoundTrack, LostTrack
 
 LOG_REFLECTION_SHARE = math.log(0.001)  # logarithm of the share of fixes that begin to lie anywhere
-ODD_STILL = math.log(0.95)  # and of those that go on to lie where the one before was
+ODD_STILL = math.log(0.95)  # likewise for fixes that stay where the one before was
 REFLECTION_SIGMA_M = 10.0  # [m] an axis, how far off they are
 # logarithm of how likely it is that a filter that is right has to start again
 LOG_RESTART_PROBABILITY = -20.0
-REFLECTION_MEMORY_FIXES = 4.0  # of the latest of them, by which it is told where the next one will be
+REFLECTION_MEMORY_FIXES = 4.0  # of the latest of them, which predict the next one
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 MIN_LOG_SHARE = math.log(1e-4)  # of what fixes' error may have done: less likely than that does not count
-LEAST_TIME = 0.1  # [s] in which fixes may leap at least, for want of a step between two of them
+LEAST_TIME = 0.1  # [s] minimum duration of a leap of fixes, used if there is no step between two of them
 _BIAS_ROW = np.array([[1.0 if k in (states.BIAS, states.WARM_UP) else 0.0 for k in range(states.STATE_SIZE)]])
 _LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in range(states.STATE_SIZE)])
 

@@ -52,7 +52,7 @@ class FieldLocalizer(ABC):
         self.log_likelihood = math.nan
         """Log-likelihood of all fixes; NaN if not computed."""
         self._odometry = GyroOdometry(start, euler)
-        self._since = start  # dead reckoned, at the filter's last step
+        self._since = start  # dead-reckoned pose at the filter's last step
         self._lead: Pose2 | None = None  # of the origin before the filter's step there; None without one
 
     @property

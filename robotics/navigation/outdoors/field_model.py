@@ -15,7 +15,7 @@ from handcart.robotics.numerics.small_solve import solved
 
 X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y, DELAY = range(13)
 STATE_SIZE = 13
-TILT_SIGMA_RAD = math.radians(0.17)  # what a levelled accelerometer of ordinary make leaves
+TILT_SIGMA_RAD = math.radians(0.17)  # error of an ordinary levelled accelerometer
 
 
 class FieldModel(NamedTuple):

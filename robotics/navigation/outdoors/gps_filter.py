@@ -25,12 +25,10 @@ from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
 from handcart.robotics.numerics.arrays import FloatArray
 
-CAUTION_SHARES = (
-    0.015,
-    0.3,
-)  # of a weight: claims suppose a worse sky than what is as told, than anything else
+# of the weight of other claims: the stated sky is more likely than a worse one
+CAUTION_SHARES = (0.015, 0.3)
 WORSENING_PROBABILITY = 1e-4  # with each fix a world may become a worse one; never a better one
-UNKNOWN_HEADING_SIGMA_RAD = 1.0  # [rad] of a start heading's sigma: more, and it isn't told at all
+UNKNOWN_HEADING_SIGMA_RAD = 1.0  # [rad] of a start heading's sigma: a larger one counts as unknown
 MIN_WEIGHT = 1e-130  # of a weight: two hours of good fixes bring it back
 
 

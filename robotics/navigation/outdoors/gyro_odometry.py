@@ -18,10 +18,10 @@ from handcart.robotics.numerics.compiled import compiled
 
 REST_WINDOW_READINGS = 20  # readings that must be quiet before the base counts as standing: 0.5 s
 QUIET_SIGMA_M_S2 = 0.1  # [m/s²] standard deviation of the accelerometers at rest
-MAX_CREEP_M_S = 0.01  # [m/s] that a wheel may tell on average of a base that stands
+MAX_CREEP_M_S = 0.01  # [m/s] mean speed that a wheel may report while the base is at rest
 # standard errors by which the vertical gyro may differ from its bias while the wheels creep
 MAX_BIAS_SIGMAS = 4.0
-BIAS_WANDER_RAD_S = math.radians(0.05)  # [rad/s] besides, for a bias that changes
+BIAS_WANDER_RAD_S = math.radians(0.05)  # [rad/s] added for a bias that changes
 BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer and it drifts away meanwhile
 
 

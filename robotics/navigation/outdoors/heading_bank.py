@@ -34,7 +34,7 @@ MIN_FIXES = 6  # before a heading counts as known
 LEAST_DRIFT = 0.75  # of a fix's white error: the slow error that is supposed at least
 LEAST_DRIFT_TIME_S = 60.0  # over which that changes
 MISFIT_MEMORY_FIXES = 10.0  # fixes over which the share of those that fit no heading is averaged
-MAX_ODD = 0.6  # of that share: more, and odometry was wrong at some time, so it begins anew
+MAX_ODD = 0.6  # of that share: above it odometry was wrong at some time, and the search starts again
 _BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in range(STATE_SIZE)]])
 
 

@@ -14,9 +14,9 @@ MAX_REVIEWED_FIXES = 300  # fixes that are looked back on
 MIN_REVIEWED_FIXES = 10  # fixes to judge by
 TURNED_SIGMAS = 6.0  # sigmas of a turn that can't be chance
 LEAST_TURN = math.radians(5.0)
-# root mean square of the fixes about the odometry's track, in sigmas: more is no agreement
+# root mean square of the fixes around the odometry's track, in sigmas: above it they do not agree
 MAX_AGREEING_RMS_SIGMAS = 1.4
-ODOMETRY_ERROR_RATIO = 0.02  # of the way: what odometry itself may be off
+ODOMETRY_ERROR_RATIO = 0.02  # of the way: error of the odometry itself
 
 
 class FoundTrack(NamedTuple):

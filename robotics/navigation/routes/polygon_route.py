@@ -19,7 +19,7 @@ from .voronoi_graph import VoronoiGraph, voronoi_graph
 
 MAX_TRIES = 8  # places that are closed because the polygon does not pass them, until there is no route
 CELL_CENTRES = (0.5, 1.0)  # of a cell that the middle of a gap is off the centres of cells; tried in turn
-LEAVING_M = 0.35  # at both ends, where the polygon may have less room: it begins there, or is to stand there
+LEAVING_M = 0.35  # at both ends, where the polygon may have less room
 
 
 class RouteSettings(NamedTuple):

@@ -15,7 +15,7 @@ from .swept_route import travel_headings
 MAX_TURN_RAD = 0.6  # between a route's heading at a narrow place and that of a straight pass
 TURN_STEP_RAD = 0.03
 PASS_LENGTHS = (1.6, 1.2, 0.9)  # of the footprint: straight before and behind the place, in turn
-JOIN_M = 0.15  # of route, left out at both ends of a pass, so that it turns into it
+JOIN_M = 0.15  # of route, removed at both ends of a pass, so that it turns into it
 SPACING_M = 0.03  # between points of a pass
 
 

@@ -24,9 +24,9 @@ from handcart.robotics.numerics.stepwise import finish
 ROUTE_ROOM_M = 0.02  # [m] beside the footprint that a route keeps
 # by which a polygon may reach into cells of a map: they draw narrow doors narrower, on both sides
 POLYGON_OVERLAP_CELLS = 0.9
-ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
+ROOM_AT_GOAL = 0.04  # [m] likewise at the robot's goal: it stops within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
-ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
+ROOM_BEFORE = 0.02  # [m] likewise before the object that the robot stops at
 # [m]: cells larger than that leave a pose unsure, by `CELL_UNCERTAINTY` of what they are larger
 FINE_CELL_M = 0.05
 CELL_UNCERTAINTY = 0.5  # of a cell: the farthest that a surface lies from its cell's centre

@@ -14,13 +14,13 @@ from .people import People, least_gaps
 
 SPEED_SHARES = (1.0, 0.7, 0.45, 0.25, 0.1, 0.0)  # of a speed that are tried
 REACTION_S = 0.3  # added to the time to stop
-MOVING_GAP_M = 0.15  # to a moving person, that motion leaves until the base stands
-STANDING_GAP_M = 0.05  # the same to one who stands
-TURN_BACK_SPEED_M_S = 1.2  # with which somebody near may turn back towards the base
-STEP_OUT_SPEED_M_S = 0.4  # the same of somebody who has stood for `SETTLED_S`
-SETTLED_S = 3.5  # that somebody has stood, from which it is expected that the person stays
-TURN_BACK_S = 0.25  # added to the time to stop, for that: a track follows a turn so much later
-CREEPING_M_S = 0.15  # with which the base may leave somebody who stands
+MOVING_GAP_M = 0.15  # to a moving person, when the base has stopped
+STANDING_GAP_M = 0.05  # likewise to a person at rest
+TURN_BACK_SPEED_M_S = 1.2  # with which a near person may turn back towards the base
+STEP_OUT_SPEED_M_S = 0.4  # likewise for a person at rest for `SETTLED_S`
+SETTLED_S = 3.5  # of rest, after which the person is expected to stay
+TURN_BACK_S = 0.25  # added to the time to stop, because a track follows a turn so much later
+CREEPING_M_S = 0.15  # with which the base may leave a person at rest
 AWAY_GAP_M = 0.03  # down to which the base may move away from a person
 STEP_S = 0.1  # between predicted instants
 FORESEEN_S = 2.5  # of driving along a route

@@ -24,7 +24,7 @@ _STRIP = 3  # breadth of what is compared on both sides of an edge [px]
 _LEAST_STEP = 5.0  # grey levels
 _GUESSES = 6
 _SAME = 0.003  # guesses nearer to each other than this are one [m]
-_NEARER = 3.0  # what a guess is worth more where it is expected than `within` from there
+_NEARER = 3.0  # weight of a guess within `within` of the expected position
 
 
 def find_block(

@@ -14,7 +14,7 @@ OUTWARD_NORMALS: FloatArray = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.
 EDGE_DIRECTIONS: FloatArray = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 AXIS, OTHER = np.array([0, 1, 0, 1]), np.array([1, 0, 1, 0])
 """Axes (0: x, 1: y) along which the edges are apart, and run."""
-_ENDS = 0.08  # of an edge at each end is left out: the blurred corners
+_ENDS = 0.08  # of an edge that is skipped at each end: the blurred corners
 
 
 class Rectangle(NamedTuple):

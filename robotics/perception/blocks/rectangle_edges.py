@@ -29,7 +29,7 @@ _LEAST_STRAIGHT = 0.6  # share of them
 _ODD = 0.0005  # off the edge's usual profile: something else is seen there [m]
 _STRAIGHT, _OUTLIER = 0.00008, 0.00016  # rms of all segments about the rectangle, and of a single one [m]
 _GRAZING = 0.018  # beyond an edge by so much of its height the camera sees a strip of a pixel or so
-_BEYOND = 0.0005, 0.0025  # from a corner: where an edge may go on [m]
+_BEYOND = 0.0005, 0.0025  # from a corner, where an edge may continue [m]
 _INSIDE = 0.001  # of the edges the face is of one shade [m]
 _UNIFORM = 0.05  # rms of the face's greys about even light, as a share of its grey
 _STRIPES = 0.012  # the same of what a side's face at its rim would change
@@ -192,7 +192,7 @@ def _one_shade(view: PlaneView, rectangle: Rectangle) -> bool:
         return False
     share = np.linspace(-1.0, 1.0, count)
     level = float(greys.mean())
-    # Of a grid: level and slopes don't depend on each other.
+    # On a grid, level and slopes are independent.
     tilt, lean = (greys.mean(axis=axis) @ share / (share @ share) for axis in (0, 1))
     rest = greys - level - tilt * share - lean * share[:, None]
     stripes = max(float(np.sqrt(np.mean(rest.mean(axis=axis) ** 2))) for axis in (0, 1))

@@ -29,7 +29,7 @@ def rough_rectangle(
     if greys is None:
         return None
     drops = _drops(_sheared(greys, share, half))  # (4, slopes, n)
-    # What is seen beneath an edge is parallel to it: the steepest steps tell the slope, whichever they are.
+    # Marks below an edge are parallel to it: the steepest steps give the slope in any case.
     sharp = np.sqrt(np.maximum(drops.max(axis=-1), 0.0)).sum(axis=0)
     chosen = drops[:, int(sharp.argmax())]
     inner = chosen[:, 1:-1]

@@ -10,8 +10,8 @@ import numpy as np
 from handcart.robotics.numerics.arrays import FloatArray, SingleArray
 
 CALL_NUMBER_SYMBOLS = "0123456789.ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-# What a recogniser trained on all scripts may call our symbols. Digits and letters share their look-alikes:
-# the place in the call number decides which of the two was meant.
+# Look-alikes that a recogniser trained on all scripts may return for our symbols. Digits and letters share
+# some: the position in the call number decides which of the two was meant.
 _ALIASES = {
     **{letter: letter + letter.lower() for letter in "CJKMPSUVWXYZ"},
     "0": "0OoD",
@@ -64,7 +64,7 @@ class CallNumberDecoder:
         """Return the call number in `probabilities` (time, characters), or None where they hold none."""
         symbols = np.column_stack([probabilities[:, group].sum(axis=1) for group in self._groups])
         blanks = probabilities[:, self._blank].sum(axis=1)
-        # Of a prefix: its probability ending in a blank, and ending in its last symbol.
+        # For each prefix: its probability ending in a blank, and ending in its last symbol.
         beams: dict[tuple[int, ...], tuple[float, float]] = {(): (1.0, 0.0)}
         for row, blank in zip(symbols.astype(np.float64), blanks.tolist(), strict=True):
             beams = self._step(beams, row, blank)

@@ -43,7 +43,7 @@ def find_labels(
                 near = next((key for key in best if _same_place(key, box)), None)
                 if near is None:
                     near = (round(box.centre[0] * 1000), round(box.centre[1] * 1000))
-                # Where print cuts a label's end off, that is square as well: the larger one is the label.
+                # A label whose end is cut off by print is square as well: the larger one is the label.
                 worth = squareness**_SQUARE * box.length * box.width
                 if near not in best or worth > best[near][0]:
                     best[near] = (worth, box)

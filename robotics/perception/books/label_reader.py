@@ -99,7 +99,7 @@ class LabelReader(ABC):
             (box, self._label(box, reading or next(readings), camera, camera_T_shelf))
             for box, reading in zip(boxes, before, strict=True)
         ]
-        # Print that is no call number is a title.
+        # Print without a call number is a title.
         return [label for box, label in found if box.paper or label.call_number is not None]
 
     def _crop(

@@ -18,7 +18,7 @@ from handcart.robotics.perception.books.label_reader import LabelReader, LabelRe
 if TYPE_CHECKING:
     import onnxruntime
 
-for _library in ("onnxruntime", "rapidocr"):  # told when this is imported, not when the first label is read
+for _library in ("onnxruntime", "rapidocr"):  # reported at import, not when the first label is read
     if find_spec(_library) is None:
         raise ModuleNotFoundError(f"No module named {_library!r}", name=_library)
 

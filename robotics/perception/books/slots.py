@@ -12,11 +12,11 @@ from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.books.spines import SpineView
 
 MIN_SLOT_M = 0.005  # [m]
-_LEAST_BASE, _MOST_BASE = 0.045, 0.16  # [m] between two cameras: nearer, what is deep hardly shifts
+_LEAST_BASE, _MOST_BASE = 0.045, 0.16  # [m] between two cameras: with less, deep edges hardly shift
 _STEP = 0.0003  # [m] between the columns that are compared
 _RIM = 0.0015  # [m] beside an edge that isn't compared
 _SAME_EDGE = 0.0012  # [m] between two views, of an edge that lies in the front
-_PROUD, _AWAY = 0.004, 0.285  # [m] that spines stand before or behind the front; of the camera
+_PROUD, _AWAY = 0.004, 0.285  # [m] of spines before or behind the front; of the camera
 _OFF = 0.0006  # [m] that two views may be aligned wrong
 _SEEN = 0.6  # of a piece, at least
 _NOISE = 1.2  # grey levels by which strips of the same thing differ
@@ -77,7 +77,7 @@ def find_slots(
     deep = [alike is not None and alike.deep for alike in compared]
     slots: list[Gap] = []
     for i, (left, right) in enumerate(pieces):
-        # No book is as thin as a piece that can't be compared: what lies within a slot has edges, too.
+        # No book is as thin as a piece that cannot be compared: edges can also lie within a slot.
         thin = left - right < MIN_SLOT_M and any(deep[max(0, i - 1) : i + 2])
         if not deep[i] and not thin:
             continue

@@ -20,7 +20,7 @@ _M_PER_PX = 0.0003
 _HEIGHTS = (0.003, 0.150)  # of the shelf's front that is looked at, [m]: every book is taller
 _EDGES_FROM = 0.012  # [m]: below, the board shows between books
 _THINNEST, _THICKEST = 0.005, 0.085
-MIN_LEAN_RAD = math.radians(3.0)  # what is turned less may be the camera's roll
+MIN_LEAN_RAD = math.radians(3.0)  # a smaller turn may be the camera's roll
 _OFF_MIDDLE, _OFF_THICKNESS = (
     0.004,
     0.0025,
@@ -87,7 +87,7 @@ def find_spines(
     view = flat_view(image, camera, camera_T_shelf, mask, _M_PER_PX, _HEIGHTS)
     strips = upright(strips_of(view))
     above = strips.above(_EDGES_FROM)
-    # Whatever edge comes first ends a spine: where its own fall is lost, the next one's stands beside it.
+    # The first edge ends a spine: where its own fall is lost, the next one's rise is beside it.
     sides = all_sides(above)
     eye = float(np.linalg.inv(camera_T_shelf)[1, 3])
     right = view.left - view.picture.shape[1] * view.m_per_px
@@ -117,7 +117,7 @@ def _labelled(
     labels: Sequence[Label], sides: Sequence[float], thicknesses: Mapping[CallNumber, float]
 ) -> tuple[Spine, ...]:
     found: dict[tuple[float, float], Spine] = {}
-    # Of several on one spine, a tag say, the one that was read counts.
+    # Of several labels on one spine, the one that was read counts.
     for label in sorted(labels, key=lambda each: (each.call_number is not None, each.confidence)):
         thickness = thicknesses.get(label.call_number) if label.call_number is not None else None
         spine = _first_edges(label, sides) if thickness is None else _as_thick(label, sides, thickness)

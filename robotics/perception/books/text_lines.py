@@ -8,8 +8,8 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import ByteArray
 
-_INKED = 0.12  # of the row with the most ink: less is no line of print
-_LEAST_CAP = 0.15  # of a label's width: what is lower is no line of print
+_INKED = 0.12  # of the row with the most ink: less is not a line of print
+_LEAST_CAP = 0.15  # of a label's width: a lower band is not a line of print
 
 
 class TextLine(NamedTuple):

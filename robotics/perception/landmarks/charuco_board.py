@@ -9,7 +9,7 @@ from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.perception.cameras.calibration_board import BoardView, CalibrationBoard
 from handcart.robotics.perception.landmarks.tag_family import DEFAULT_FAMILY, TagFamily, dictionary, tags_of
 
-TAG_SHARE = 0.75  # of a square's side, where nobody says otherwise
+TAG_SHARE = 0.75  # of a square's side (default)
 _FEWEST_CORNERS = 6
 
 

@@ -18,7 +18,7 @@ UNSEEN_LOG_COST = math.log(100.0)  # one landmark in so many isn't found in a pi
 MIN_LOG_RATIO = math.log(5e3)
 """Minimum log-likelihood ratio to any other explanation. One stray mark alone does not reach it."""
 APART, APART_TURN = 0.02, 0.05  # [m], [rad] between places of the base that aren't one
-MOVED_LOG_SHARE = math.log(1e-3)  # of a base that somebody moved
+MOVED_LOG_SHARE = math.log(1e-3)  # of a base that was moved
 MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 

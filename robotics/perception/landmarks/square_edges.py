@@ -11,9 +11,9 @@ from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 _POINTS = 40  # on each edge
-_ENDS = 0.08  # of an edge at each end is left out: the blurred corners
+_ENDS = 0.08  # of an edge that is skipped at each end: the blurred corners
 _COARSE_REACH, _FINE_REACH, _FINE_STEP = 9, 4.0, 0.5  # on each side of an edge [px]
-_LEVEL = 4  # samples at each end of a profile that tell dark and bright
+_LEVEL = 4  # samples at each end of a profile that define dark and bright
 _LEAST_CONTRAST = 35.0  # grey levels
 _LEAST_FOUND = 0.85  # of an edge's points
 _STRAIGHT = 0.3  # [px] rms of a straight edge
@@ -71,7 +71,7 @@ def _fine(image: ByteArray, camera: CameraModel, corners: FloatArray) -> SquareE
     profiles = _profiles(image, points, outward, offsets)
     dark, bright = profiles[..., :_LEVEL].mean(axis=-1), profiles[..., -_LEVEL:].mean(axis=-1)
     contrast = bright - dark
-    # The area above the profile tells where a step of the same levels would be: blur doesn't displace it.
+    # The area above the profile gives the position of a step of the same levels: blur does not shift it.
     # Trapezoids: the samples at both ends count half.
     area = profiles.sum(axis=-1) - 0.5 * (profiles[..., 0] + profiles[..., -1]) - dark * (len(offsets) - 1)
     away = _FINE_REACH - _FINE_STEP * area / np.maximum(contrast, 1.0)

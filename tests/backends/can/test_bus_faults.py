@@ -120,7 +120,7 @@ def test_a_stop_throws_away_what_is_queued(make: Make, robot: RobotFile) -> None
     backend.stop()
     wheels = [frame for frame in commands(bus) if frame.arbitration_id in (0x201, 0x202)]
     assert wheels == []
-    assert [frame for frame in bus.held if frame.arbitration_id in (0x201, 0x202)]  # to stand
+    assert [frame for frame in bus.held if frame.arbitration_id in (0x201, 0x202)]  # commands standstill
 
 
 def test_what_is_queued_stays_what_it_was(make: Make) -> None:

@@ -208,7 +208,7 @@ def test_the_force_on_the_hand_follows_from_the_joints_torques(make: Make) -> No
     backend.step()
     for force in ([0.0, 0.0, 0.0], [-20.0, 3.0, 8.0]):
         backend.inner.scene.hand_force = np.array(force)
-        inner._arm._settled = True  # what touches stays as it is
+        inner._arm._settled = True  # a gripper in contact does not move
         backend.step()
         backend.inner.scene.hand_force = np.array(force)
         assert arm.hand_force() == pytest.approx(force, abs=0.5)

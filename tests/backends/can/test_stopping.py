@@ -173,7 +173,7 @@ def test_torques_have_the_sign_of_the_file(make: Make, robot: RobotFile) -> None
     for force in ([0.0, 0.0, 0.0], [-20.0, 3.0, 8.0]):
         for _ in range(2):
             backend.inner.scene.hand_force = np.array(force)
-            inner._arm._settled = True  # what touches stays as it is
+            inner._arm._settled = True  # a gripper in contact does not move
             backend.step()
         backend.inner.scene.hand_force = np.array(force)
         assert arm.hand_force() == pytest.approx(force, abs=0.5)

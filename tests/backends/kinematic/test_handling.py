@@ -81,7 +81,7 @@ def test_book_before_its_slot_is_inserted_and_stands_after_release(puppet: Puppe
     book = front(puppet, 117)
     assert book.front == pytest.approx(-0.03, abs=2e-3)
     assert book.lateral == pytest.approx(puppet.slot, abs=2e-3)
-    assert abs(book.lean) < np.arcsin(0.0045 / 0.2)  # what the neighbours leave it
+    assert abs(book.lean) < np.arcsin(0.0045 / 0.2)  # gap between the neighbours
     assert book.yaw == pytest.approx(0.0, abs=1e-3)
     assert {number: front(puppet, number).front for number in (103, 104)} == neighbours
 

@@ -140,7 +140,7 @@ def test_a_topic_that_lies_stops_the_robot(make: Make, fault: str, topic: str) -
             drive(backend, 3.0)
         assert backend.bench is not None
         backend.bench.step()
-        assert backend.bench.speeds == DriveCommand()  # told at once, not forgotten after a while
+        assert backend.bench.speeds == DriveCommand()  # reported at once, not after a time-out
         for _ in range(40):
             backend.bench.step()
         assert speed_of(backend) == pytest.approx(0.0, abs=1e-6)

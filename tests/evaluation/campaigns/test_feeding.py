@@ -75,7 +75,7 @@ def test_a_process_has_a_tenth_of_a_second_of_work_before_it(played: type[Played
     played.answer = lambda process: process.end_trials(1)
     assert seeds_of(Workers(work, 1).trials(range(40))) == list(range(40))
     (process,) = played.made
-    # The first two tell how long one takes, 0.011 s: nine of them are 0.1 s, beside the one that runs.
+    # The first two show how long one takes, 0.011 s: nine of them are 0.1 s, beside the one that runs.
     assert process.given[:4] == [[0], [1], list(range(2, 12)), [12]]
     assert process.is_closed
 

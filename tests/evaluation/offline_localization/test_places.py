@@ -58,7 +58,7 @@ def test_latitudes_beyond_the_pole_are_called_exchanged() -> None:
 def test_a_receiver_that_repeats_itself_is_heard_once() -> None:
     lats, lons, times = drive()
     lats[20:30], lons[20:30] = lats[20], lons[20]
-    lats[41], lons[41] = lats[40], lons[40]  # twice is no habit
+    lats[41], lons[41] = lats[40], lons[40]  # two are too few
     kept, _, notes = checked_places(lats, lons, times)
     assert np.flatnonzero(np.isnan(kept)).tolist() == list(range(21, 30))
     assert "9 fixes only repeat the one before, first after 21.0 s" in notes[0]

@@ -65,7 +65,7 @@ def test_t01_fifo_does_not_block(tmp_path: Path) -> None:
         "from handcart.files.yaml.yaml_document import read_document\n"
         "try:\n    read_document(sys.argv[1])\nexcept FileError as error:\n    sys.exit(str(error))\n"
     )
-    # In a process of its own: a read that blocks would hang the whole suite.
+    # In a process of its own: a read that blocks would hang the suite.
     ended = subprocess.run(
         [sys.executable, "-c", program, str(tmp_path / "pipe.yaml")],
         timeout=30,

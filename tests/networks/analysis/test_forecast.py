@@ -229,7 +229,7 @@ def test_one_more_attempt_and_an_alternative() -> None:
     forecaster = Forecaster(network(("a", "z", 10.0, 2, None)), [Chance(0.9)])
     assert forecaster.forecast(Stage.with_one_more, {0}).goal == pytest.approx(1 - 0.1**3)
     assert forecaster.forecast(Stage.with_alternatives, {0}).goal == pytest.approx(1 - 0.1**4)
-    # Of an action with the most attempts that there may be, nothing changes.
+    # An action with the maximum number of attempts stays as it is.
     forecaster = Forecaster(network(("a", "z", 10.0, 20, None)), [Chance(0.1)])
     assert forecaster.forecast(Stage.with_one_more, {0}) == forecaster.forecast()
 

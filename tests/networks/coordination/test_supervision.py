@@ -97,7 +97,7 @@ def test_stop_while_a_result_waits_for_the_disk_is_heard_at_once(
         *_, stop, end = read_journal(journal.path).records
         assert (stop["kind"], stop["cause"], stop["asked_s"]) == ("STOP", ENDS[what], round(asked, 6))
         assert (end["kind"], end["outcome"], end["reason"]) == ("END", "Cancelled", ENDS[what])
-        step(stand, run, periods, 5)  # who asks how it ended hears that only when it is safe
+        step(stand, run, periods, 5)  # the requester hears how it ended only when it is safe
         journal.safe = True
         with pytest.raises(StopIteration):
             next(periods)

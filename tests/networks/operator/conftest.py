@@ -23,7 +23,7 @@ class Line:
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self.socket.setblocking(False)  # connecting waits where the queue is full, else
+        self.socket.setblocking(False)  # otherwise connecting waits while the queue is full
         self.came = b""
 
     def connect(self, folder: Path) -> None:

@@ -218,7 +218,7 @@ def test_what_check_tells_is_of_both_parts(load: Callable[..., Task]) -> None:
     assert task_findings(task) == []
     end = figures(task).forecast
     assert end.goal == pytest.approx(0.9**11)
-    # From anywhere in an element it can be left out; only the way to the first one can't.
+    # An element can be skipped from anywhere; only the way to the first one cannot.
     assert end.left_undone == pytest.approx(0.9 - 0.9**11)
     lost = "  - {do: THINK, from: d, to: e, cost_s: 9, p: 1, with: {name: e}}\nrepeat"
     found = task_findings(

@@ -361,7 +361,7 @@ class Look(ActionPrimitive):
     [
         ("start: a", "start: a", True),
         ("do: LOOK, from: a", "do: THINK, with: {name: x}, from: a", False),
-        # What is found out only afterwards helps nobody.
+        # An error at run time would come too late.
         ("do: LOOK, from: a, to: b", "do: THINK, with: {name: x}, from: a, to: b", False),
         ("do: LOOK, from: a, to: b", "do: LOOK, from: b, to: a", True),  # there and back
         (

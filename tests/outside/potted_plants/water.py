@@ -28,7 +28,7 @@ from .knowledge import Plant, Plants, PlantsFile
 LIFT, OVER = transform((0.0, 0.0, 0.1)), 0.08  # above its place; of the rim above the pot in [m]
 TILTS = (0.0, 25.0, 40.0, 70.0)  # [deg], about the axis of the fingers
 SCALE, STEADY, GRAVITY, TRIES = 30, 25.0, 9.81, 12  # readings for half a weighing; [g]; [m/s²]; pourings
-CAREFUL, ENOUGH, EMPTY = 150.0, 10.0, 30.0  # [ml/s] taken for the flow; [ml] missing; [g] left
+CAREFUL, ENOUGH, EMPTY = 150.0, 10.0, 30.0  # [ml/s] assumed flow; [ml] missing; [g] left
 ACROSS = pointing_down(Pose2(0.0, 0.0, math.pi / 2), 0.0)
 
 

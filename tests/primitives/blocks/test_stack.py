@@ -171,7 +171,7 @@ def test_without_inertial_sensors_their_methods_are_refused(method: Any) -> None
 def test_missing_support_is_a_fail_with_the_block_in_hand() -> None:
     with with_block(at_the_wall()) as rig:
         goals = building_of(rig).goals
-        raised = goals[0].model_copy(update={"height_m": 0.44})  # there is no row below
+        raised = goals[0].model_copy(update={"height_m": 0.44})  # it has no row below
         rig.model.of(Blocks).building = building_of(rig).model_copy(update={"goals": (raised, *goals[1:])})
         outcome = rig.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)

@@ -31,7 +31,7 @@ def test_unmapped_boxes_are_driven_around_without_a_fail(make_rig: Callable[...,
     assert rig.restored == []
     assert rig.scene.contacts == []
     assert math.dist(rig.scene.base[:2], (6.5, 4.93)) < 0.04
-    assert len(rig.model.sensed_cells) > 10  # what was sensed is kept for later drives
+    assert len(rig.model.sensed_cells) > 10  # readings are kept for later drives
 
 
 @pytest.mark.slow

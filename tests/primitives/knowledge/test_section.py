@@ -55,7 +55,7 @@ def test_files_are_read_into_the_entries_of_their_names(files: Callable[[str], N
     garden = Garden.load(named)
     assert garden.bed is not None
     assert garden.bed.rows == 3
-    assert garden.spare is EMPTY  # none is named: the default stands
+    assert garden.spare is EMPTY  # none is named: the default applies
     assert not named.findings
 
 

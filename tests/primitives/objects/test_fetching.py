@@ -246,4 +246,4 @@ def test_tag_on_a_side_faces_the_robot_where_it_is_put(tmp_path: Path) -> None:
         outcome = rig.do(primitive)
         assert isinstance(outcome, Success), outcome
     normal = thing(rig).pose[:3, :3] @ (0.0, -1.0, 0.0)
-    assert normal[0] < -0.5  # the robot stands at lower x
+    assert normal[0] < -0.5  # the robot is at lower x

@@ -95,7 +95,7 @@ def rig(make_rig: Callable[..., Rig]) -> Rig:
 def test_who_found_it_and_by_what(rig: Rig, where: str, calls: tuple[str, ...]) -> None:
     primitive = Try(where=where)
     rig.run(primitive)
-    cause = primitive.evidence.causes[0]  # what a watch sees, it sees on the way back too
+    cause = primitive.evidence.causes[0]  # a watch is also active on the way back
     assert (cause.check, cause.calls, cause.measured) == (where, calls, FELT)
 
 

@@ -60,7 +60,7 @@ def render(books: list[Book], camera_T_shelf: Any, seed: int, noise: float = 3.0
     canvas = np.full(size[::-1], 16.0, dtype=np.float32)
     _board(canvas, K, camera_T_shelf)
     eye_y = np.linalg.inv(camera_T_shelf)[1, 3]
-    # Painter's order: what stands farther back or farther from the optical axis is hidden by what stands
+    # Painter's order: surfaces farther back or farther from the optical axis come first.
     # nearer.
     for book in sorted(books, key=lambda b: (-round(b.proud, 6), -abs((b.left + b.right) / 2 - eye_y))):
         _side(canvas, K, camera_T_shelf, book, eye_y)
@@ -210,7 +210,7 @@ class Tabletop:
         m = self.m_per_px
         to_table = np.array([[m, 0.0, -1199.5 * m], [0.0, -m, 1199.5 * m], [0.0, 0.0, 1.0]])
         at = cv2.perspectiveTransform(self._rays, np.linalg.inv(to_rays @ to_table))
-        # What lies between two rays is averaged beforehand.
+        # Average everything between two rays beforehand.
         none: Any = None
         seen = cv2.remap(cv2.blur(table, (3, 3)), at, none, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         small = cv2.resize(seen.astype(np.float32), (640, 480), interpolation=cv2.INTER_AREA)

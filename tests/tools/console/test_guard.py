@@ -254,7 +254,7 @@ def test_u11_a_page_with_the_token_is_kept_in_a_crowd(served: Served) -> None:
     assert answer.status == 200
     many = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(60)]
     _until_closed(40, many)
-    for _ in range(2):  # it is told something every two seconds
+    for _ in range(2):  # it gets a message every two seconds
         assert orjson.loads(answer.readline())["runs"]
     line.close()
 

@@ -117,4 +117,4 @@ def test_the_command(handcart: Callable[..., Said]) -> None:
     assert said.status == 0
     assert said.out.startswith("joint 2: moved by 5.")
     refused = handcart("jog", "librarian", "joint 2", 5)
-    assert refused.status == 2  # no interface can0, or nobody at a terminal
+    assert refused.status == 2  # no interface can0, or no terminal

@@ -85,7 +85,7 @@ def test_compiling_is_told_once_and_never_of_what_is_compiled_already(
     assert heard == [True, False]
     with Progress():
         for again in (added, doubled):
-            again(cast(float, np.float32(1.0)))  # of another type: compiled anew
+            again(cast(float, np.float32(1.0)))  # of another type: compiled again
     assert capsys.readouterr().err.count(COMPILING_MESSAGE) == 1
 
 

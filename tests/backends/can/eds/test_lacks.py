@@ -168,7 +168,7 @@ def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make: Make, robot:
         backend.step()
         for _ in range(2):
             backend.inner.scene.hand_force = np.array([-20.0, 0.0, 8.0])
-            backend.bench.inner._arm._settled = True  # what touches stays as it is
+            backend.bench.inner._arm._settled = True  # a gripper in contact does not move
             backend.step()
         force = backend.get(Arm).hand_force()
         assert bool(np.linalg.norm(force) > 5.0) is felt
@@ -197,7 +197,7 @@ def test_fingers_without_torque_press_by_their_position_error(
     assert gripper.closed_on_something()
     assert gripper.width() == pytest.approx(0.02, abs=1e-4)
     gripper.halt()
-    assert gripper.command() == 0.0  # fingers that press go on pressing
+    assert gripper.command() == 0.0  # pressing fingers keep pressing
 
 
 def test_real_drive_lacking_a_feature_names_the_key_to_accept_it(

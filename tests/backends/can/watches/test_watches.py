@@ -159,7 +159,7 @@ def test_node_may_boot_before_anything_was_written_to_it() -> None:
     watch = NodeWatch(NAMES, 0.2)
     watch.hear(heartbeat(1, 0), False, 0.0)
     watch.hear(heartbeat(1, 127), False, 0.0)
-    watch.hear(heartbeat(7, 4), False, 0.0)  # nobody's drive
+    watch.hear(heartbeat(7, 4), False, 0.0)  # a node that is not a drive
     watch.hear(frame(0x602, bytes(8)), True, 0.0)
     watch.hear(heartbeat(1, 0), False, 0.0)
     assert is_quiet(watch)
@@ -194,7 +194,7 @@ def test_stranger_with_a_frame_of_the_master_trips(can_id: int) -> None:
     watch.hear(frame(can_id, b"\x2b"), True, 0.0)  # our own
     for kind in NODE_LIKE:
         watch.hear(frame(can_id, b"", **kind), False, 0.0)
-    watch.hear(frame(0x603), False, 0.0)  # to somebody else's node
+    watch.hear(frame(0x603), False, 0.0)  # to an unknown node
     watch.hear(frame(0x181), False, 0.0)
     assert is_quiet(watch)
     watch.hear(frame(can_id, b"\x2b\x01"), False, 0.0)

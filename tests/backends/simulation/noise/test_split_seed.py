@@ -26,7 +26,7 @@ def test_branches_share_what_was_drawn_before_them() -> None:
     assert drawn(one, "slip", 3) == drawn(7, "slip", 3)
     assert keyed(one, "wheels").random() == keyed(7, "wheels").random()
     assert len({drawn(each, "slip", 4) for each in (7, one, other)}) == 3
-    assert len({drawn(each, "gyros", 0) for each in (7, one, other)}) == 3  # nobody had asked for it
+    assert len({drawn(each, "gyros", 0) for each in (7, one, other)}) == 3  # not requested before
 
 
 def test_a_branch_of_a_branch_keeps_what_each_has_drawn() -> None:
@@ -44,4 +44,4 @@ def test_a_branch_of_a_branch_keeps_what_each_has_drawn() -> None:
 def test_the_same_branch_draws_the_same() -> None:
     one, same = SplitSeed(7).split(9), SplitSeed(7).split(9)
     assert drawn(one, "slip", 1) == drawn(same, "slip", 1)
-    assert drawn(7, "slip", 1) == drawn(SplitSeed(7), "slip", 1)  # what is cached of one isn't another's
+    assert drawn(7, "slip", 1) == drawn(SplitSeed(7), "slip", 1)  # a cache belongs to one of them

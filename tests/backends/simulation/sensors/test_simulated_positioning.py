@@ -68,7 +68,7 @@ def test_noise_depends_on_seed_and_reading_alone(scene: Scene) -> None:
     first = readings(made(scene, seed=3), scene, 50)
     system = made(scene, seed=3)
     for number in range(1, 51):
-        system.advance(number)  # nobody looks
+        system.advance(number)  # no reading is taken
     reading = system.reading()
     assert reading is not None
     assert reading[:2] == first[-1][:2]

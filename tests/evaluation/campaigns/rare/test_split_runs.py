@@ -33,7 +33,7 @@ def test_what_comes_after_the_checkpoint_is_drawn_anew(tosses: Path, tmp_path: P
     runs = runs_of(tosses, tmp_path / "runs", LIKELY)
     assert 0 < runs.advance(1, 6).reached < 6
     level = runs.advance(2, np.zeros(24, dtype=np.intp))
-    assert 4 < level.reached < 20  # half of them are likely; all, or none, if all went on as the first did
+    assert 4 < level.reached < 20  # half of them are likely; all or none if all continued as the first did
     assert level.steps == 24
     folders = sorted((tmp_path / "runs" / "live").glob("branch-*"))
     assert len(folders) == level.reached

@@ -130,7 +130,7 @@ def test_what_is_no_distance_stays_none() -> None:
     assert np.isnan(found[2])
     assert found[3] == 0.0
     assert np.isfinite(found[4])
-    assert np.isnan(found[5])  # too close is no free way
+    assert np.isnan(found[5])  # too close is not a free way
 
 
 def test_pictures_are_those_that_were_asked_for(playback: Playback) -> None:

@@ -27,7 +27,7 @@ def test_handle_of_a_door_stays_at_its_radius() -> None:
     hinge = (CLOSED @ (-0.05, -0.8, 0.0, 1.0))[:2]
     away = [np.linalg.norm(HINGED.handle_at(opening)[:2, 3] - hinge) for opening in (0.0, 0.4, 1.2)]
     np.testing.assert_allclose(away, HINGED.radius)
-    assert HINGED.handle_at(0.4)[0, 3] < 3.0  # towards somebody in front of it
+    assert HINGED.handle_at(0.4)[0, 3] < 3.0  # towards a person in front of it
 
 
 def test_heading_of_a_drawer_is_out_of_its_front() -> None:

@@ -65,7 +65,7 @@ def test_too_near_to_a_wall_it_may_drive_along_but_not_closer() -> None:
 
 
 def test_it_may_return_to_where_it_stood() -> None:
-    ahead = np.array([[0.29, 0.0]])  # it stands 1 cm within what it senses
+    ahead = np.array([[0.29, 0.0]])  # it is 1 cm within the sensed obstacle
     guard = FootprintGuard(SHAPE, MARGIN)
     guard.stand_at(ORIGIN, ahead)
     back = Pose2(-0.1, 0.0, 0.0)

@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
 
-SHELF = np.array(
-    [[-0.5, 0.0], [0.5, 0.0]]
-)  # a front of 1 m on the map's x axis; the robot stands south of it
+SHELF = np.array([[-0.5, 0.0], [0.5, 0.0]])  # a front of 1 m on the map's x axis; the robot is south of it
 
 
 def beams(pose: Pose2, rng: np.random.Generator, scans: int = 1, sigma: float = 0.01) -> np.ndarray:

@@ -265,7 +265,7 @@ def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push(noise: float, 
     localizer.correct(seen)
     noisy = [seen + rng.normal(0.0, noise, seen.shape) for _ in range(400)]
     assert sum(localizer.find_again(points) for points in noisy) <= most
-    assert localizer.find_again(noisy[0] - (0.0, 0.03))  # across it, hundreds tell
+    assert localizer.find_again(noisy[0] - (0.0, 0.03))  # across it, hundreds of beams count
     assert abs(localizer.pose.y - 0.03) < 0.01
 
 

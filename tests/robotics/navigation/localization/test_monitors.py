@@ -62,7 +62,7 @@ def test_a_doubt_is_over_after_five_good_fixes() -> None:
     assert found == [False] * 7  # five with a bad one among them are not good
     assert monitor.cleared(good, FORECAST, 1.0)
     assert not monitor.doubting
-    assert monitor.suspects(np.array([1.7, 0.0]), ONE) == 0  # what was before is forgotten
+    assert monitor.suspects(np.array([1.7, 0.0]), ONE) == 0  # the past is forgotten
 
 
 @pytest.mark.parametrize("factor", [0.999, 1.001])

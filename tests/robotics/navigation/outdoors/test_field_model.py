@@ -154,7 +154,7 @@ def test_transition_is_the_derivative_of_the_step(
 ) -> None:
     mean = np.array(values)
     mean[states.HEADING] *= 30.0
-    mean[[states.TURN_SLIP, states.GYRO_SCALE]] = 0.0  # elsewhere the curve's own derivative is left out
+    mean[[states.TURN_SLIP, states.GYRO_SCALE]] = 0.0  # elsewhere the curve's own derivative is not needed
     advance = Advance(forward, bend * forward, 0.01, 1.0, rest, 0.0)
     transition = MODEL.step(mean, advance, new_leg)[1]
     for state in range(STATE_SIZE):

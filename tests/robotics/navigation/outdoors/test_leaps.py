@@ -107,7 +107,7 @@ def test_what_is_known_of_a_moment_before_a_leap_stays() -> None:
     first, second = leaping.smoothed()
     assert first.mean[states.GPS_X] == pytest.approx(0.0, abs=1.0)
     assert second.mean[states.GPS_X] == pytest.approx(8.0, abs=1.0)
-    assert np.allclose(first.mean[:2], second.mean[:2], atol=0.02)  # it stood
+    assert np.allclose(first.mean[:2], second.mean[:2], atol=0.02)  # it was at rest
     assert np.allclose(first.covariance[:2, :2], second.covariance[:2, :2], atol=0.02)
 
 

@@ -34,7 +34,7 @@ def test_walking_person_is_tracked_as_well_as_claimed() -> None:
             off = np.append(track.position - step.position, track.velocity - step.speed * step.direction)
             nees.append(off @ np.linalg.solve(track.covariance, off))
             speeds.append(np.hypot(*track.velocity))
-    assert 1.0 < np.mean(nees) < 6.0  # 4 for white noise; legs swing, and are no white noise
+    assert 1.0 < np.mean(nees) < 6.0  # 4 for white noise; the error of swinging legs is not white
     assert np.percentile(nees, 95) < 13.3  # 99 % of a claimed covariance
     assert abs(np.mean(speeds) - 1.2) < 0.1
 
@@ -85,7 +85,7 @@ def test_points_of_a_walker_are_moving_and_what_it_left_is_reported() -> None:
         if 1.0 < time < 4.0:
             assert found.moving[near].all()
             assert not found.moving[~near].any()
-    assert not found.moving.any()  # it has stood for 2 s and more, and is an obstacle now
+    assert not found.moving.any()  # at rest for 2 s and more: an obstacle now
     assert [each.is_moving for each in tracks.tracks] == [False]
     assert np.hypot(*(np.array(left) - (3.0, -2.0)).T).min() < 0.2
 

@@ -22,12 +22,12 @@ def somebody(x: float, y: float, vx: float, vy: float, stood_s: float = 0.0) -> 
     ("person", "low", "high"),
     [
         (somebody(1.0, 0.0, -1.2, 0.0), 0.0, 0.0),  # comes towards the base
-        (somebody(0.8, -0.9, 0.0, 1.2), 0.0, 0.3),  # will be in front before it could stand
-        (somebody(-0.7, 0.0, 1.2, 0.0), 0.0, 0.0),  # comes from behind: stand
+        (somebody(0.8, -0.9, 0.0, 1.2), 0.0, 0.3),  # in front before the base can stop
+        (somebody(-0.7, 0.0, 1.2, 0.0), 0.0, 0.0),  # comes from behind: stop
         (somebody(5.0, 0.0, -1.2, 0.0), 1.0, 1.0),
         (somebody(0.0, 2.5, 0.0, 1.2), 1.0, 1.0),  # walks away
-        (somebody(-0.5, 0.0, 0.0, 0.0, 5.0), 0.1, 0.3),  # stands close behind: the base may leave
-        (somebody(-0.5, 0.0, 0.0, 0.0, 2.0), 0.0, 0.0),  # has stood for a moment: may walk on at once
+        (somebody(-0.5, 0.0, 0.0, 0.0, 5.0), 0.1, 0.3),  # close behind, at rest: the base may leave
+        (somebody(-0.5, 0.0, 0.0, 0.0, 2.0), 0.0, 0.0),  # at rest for a moment: may walk again at once
         (somebody(1.45, 0.0, 0.3, 0.0), 0.0, 0.7),  # walks away, and would be met if she turned back
     ],
 )

@@ -60,7 +60,7 @@ def test_base_stands_before_anybody_touches_it(
     base = Base(wanted)
     for walkers, tracks, _ in scans(walks, 9.0, boxes, base=base.pose):
         away = [np.hypot(*(step.position - (base.x, 0.0))) for _, _, step in walkers.steps()]
-        if min(away) < RADIUS_M + BODY_M:  # walkers of this world go on through the base
+        if min(away) < RADIUS_M + BODY_M:  # walkers of this world walk through the base
             assert max(base.speed, base.was) < STANDING_M_S
             break
         base.drive(People.of([*tracks.tracks, *tracks.suspects]))

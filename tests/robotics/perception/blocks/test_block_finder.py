@@ -59,7 +59,7 @@ class Painter:
     def __call__(self, blocks: list[Block], camera_T_plane: FloatArray, seed: int) -> ByteArray:
         canvas = np.full((self.ideal[1] * FINE, self.ideal[0] * FINE), TABLE, dtype=np.uint8)
         x, y, _ = inverse(camera_T_plane)[:3, 3]
-        # What is lower or farther to the side never hides the other.
+        # A lower block, or one farther to the side, never hides the other.
         for block in sorted(blocks, key=lambda b: (b.top, -math.hypot(b.pose.x - x, b.pose.y - y))):
             self._block(canvas, block, camera_T_plane)
         small = cv2.resize(canvas, self.ideal, interpolation=cv2.INTER_AREA)
