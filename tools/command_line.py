@@ -22,9 +22,9 @@ OWN_COMMANDS = {
     "cancel": ("commands.operate", "cancel", "Restore a run's action, then end the run."),
     "restore": ("commands.operate", "restore", "Restore a run's action, and continue."),
     "permit": ("commands.operate", "permit", "Permit the action that a run asks for."),
-    "refuse": ("commands.operate", "refuse", "Refuse it."),
-    "step": ("commands.operate", "step", "Let a run ask before every action."),
-    "break": ("commands.operate", "break_at", "Let it ask before those from a situation."),
+    "refuse": ("commands.operate", "refuse", "Refuse the action that a run asks for."),
+    "step": ("commands.operate", "step", "Ask for permission before every action of a run."),
+    "break": ("commands.operate", "break_at", "Ask for permission before actions from a situation."),
     "draw": ("commands.draw_network", "draw", "Draw a task's action network."),
     "list": ("commands.list_names", "list_names", "List primitives, causes, backends, robots or tasks."),
     "describe": ("commands.describe", "describe", "Describe a primitive, or a backend."),
@@ -145,7 +145,7 @@ def _say_version(wanted: bool) -> None:
 @app.callback()
 def about(
     version: Annotated[
-        bool, typer.Option("--version", help="Say which it is.", callback=_say_version, is_eager=True)
+        bool, typer.Option("--version", help="Print the version.", callback=_say_version, is_eager=True)
     ] = False,
 ) -> None:
     """Take the subcommand; the group's own options end by themselves."""

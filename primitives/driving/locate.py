@@ -39,7 +39,7 @@ from .lidar_watch import LidarWatch
 
 SPEED_M_S = 0.4  # at most, where nothing is known of the ground but what the lidar shows
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.10, heading=0.2)
-HELD_TIMEOUT_S = 4.0  # time for which an obstacle may block the way until another place is chosen
+HELD_TIMEOUT_S = 4.0  # time for which an obstacle may be in the way until another place is chosen
 DRIVE_TIMEOUT_S = 60.0  # for one drive
 MIN_MOTION_M, MIN_MOTION_RAD = 0.02, 0.05  # of a base that gets on
 MAX_LOOKS = 40

@@ -14,7 +14,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 
-BLOCKED_TIMEOUT_S = 10.0  # time for which an obstacle may block the turn
+BLOCKED_TIMEOUT_S = 10.0  # time for which an obstacle may prevent the turn
 STOPPING_SPEED_M_S = 0.05  # below which the base is let stop
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-KIND_NAMES = "project, task, robot, primitive, domain or backend"
+KIND_NAMES = "project, task, objects, robot, primitive, domain or backend"
 
 
 def new(

@@ -48,19 +48,26 @@ ROOM_COMMANDS = ("handcart check $folder/room/task.yaml", "handcart run $folder/
 PACKAGE_COMMANDS = ("pip install -e $folder", "pytest $folder")
 KINDS = {
     "project": Starter(
-        "a package with a robot, a room, a task, a primitive and its tests, and CI",
-        (("project", ""), ("primitive", ""), ("room", "room")),
+        "a package with a robot, a room, a task, a primitive and its tests, an object to carry, and CI",
+        (("project", ""), ("primitive", ""), ("room", "room"), ("objects", "objects")),
         (
             *PACKAGE_COMMANDS,
             *ROOM_COMMANDS,
             "handcart conformance --rehearse $folder/room/task.yaml --primitive $NAME --instants 2",
+            "handcart run $folder/objects/task.yaml",
         ),
-        ("room/world.yaml",),
+        ("room/world.yaml", "objects/world.yaml"),
         ("robot/robot.yaml",),
     ),
     "task": Starter(
         "a room with a map, places and a task",
         (("task", ""),),
+        ("handcart check $folder/task.yaml", "handcart run $folder/task.yaml"),
+        ("world.yaml",),
+    ),
+    "objects": Starter(
+        "an object with a tag, two tables with a map, and a task that carries it",
+        (("objects", ""),),
         ("handcart check $folder/task.yaml", "handcart run $folder/task.yaml"),
         ("world.yaml",),
     ),
