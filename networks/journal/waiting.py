@@ -38,7 +38,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
             started = None if started and started["q"] == record["record"] else started
         elif kind == "EPOCH":  # the run was resumed
             started = None
-    if not records or _simulated(records):
+    if not records or is_simulated(contents):
         return found
     if started is not None:
         found[started["q"]] = broken_off(started)
@@ -58,5 +58,6 @@ def broken_off(start: Record) -> str:
     return f"action {start['n']}, {action['do']} from {action['from']}, was broken off"
 
 
-def _simulated(records: Sequence[Record]) -> bool:
-    return bool(records[0].get("simulated", True))
+def is_simulated(contents: JournalContents) -> bool:
+    """Return whether a run is that of a simulated robot."""
+    return bool(contents.records[0].get("simulated", True))

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+if TYPE_CHECKING:
+    from handcart.networks.events.run_observer import RunObserver
+    from handcart.tools.terminal.progress import Progress
+
 Permit = Literal["ask", "always", "never"]
+GHOST_TIMEOUT_S = 60.0
+"""[s] for which a resumed run waits for the node of its killed program to leave."""
 RunFolder = Annotated[Path, typer.Argument(help="the run's folder")]
 
 
@@ -25,6 +33,11 @@ def resume(
             "--sync/--no-sync", help="whether the journal waits for the disk; a real robot's does by default"
         ),
     ] = None,
+    node: Annotated[
+        bool,
+        typer.Option("--node", help="publish it in ROS 2 and take commands there; simulated: in real time"),
+    ] = False,
+    node_namespace: Annotated[str, typer.Option(help="namespace of --node's topics and services")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Report the known, expected and unknown state of a run that broke off, then resume it."""
@@ -44,7 +57,8 @@ def resume(
 
         run = run or latest_run(Path("runs"))
         permits = Permits(permit)
-        with Interrupts() as interrupts, Progress(progress_begins) as progress:
+        with Interrupts() as interrupts, Progress(progress_begins) as progress, ExitStack() as stack:
+            shown = [stack.enter_context(_node(run, node_namespace, progress))] if node else []
             permits.asking, permits.typed = progress.ask, progress.typed
             summary, status = resume_task(
                 run,
@@ -56,7 +70,7 @@ def resume(
                     playback=True,
                     permits=permits,
                     interrupts=interrupts,
-                    observers=(progress,),
+                    observers=(progress, *shown),
                 ),
             )
             progress.end()
@@ -68,6 +82,17 @@ def resume(
                 print(printable(words), flush=True)
                 progress.offer(next_steps(summary))
     sys.exit(status)
+
+
+@contextmanager
+def _node(run: Path, namespace: str, progress: Progress) -> Iterator[RunObserver]:
+    """Yield the node of a resumed run, which waits until that of its killed program has left."""
+    from handcart.networks.runs.resuming import task_of
+    from handcart.tools.node.open_node import opened_node
+
+    task_of(run)  # what cannot be resumed needs no node
+    with opened_node(namespace, progress.say, GHOST_TIMEOUT_S) as opened:
+        yield opened
 
 
 def ack(

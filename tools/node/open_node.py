@@ -1,4 +1,4 @@
-"""The node of one run: `handcart run --node`."""
+"""The node of one run: `handcart run --node` and `handcart resume --node`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ DISCOVERY_S = 1.5
 
 
 @contextmanager
-def opened_node(namespace: str, say: Callable[[str], None]) -> Iterator[RunObserver]:
+def opened_node(namespace: str, say: Callable[[str], None], ghost_s: float = 0.0) -> Iterator[RunObserver]:
     """Yield an observer that publishes the run, and offers the operator's services.
 
     Args:
         namespace: of the node's topics and services; "" for none.
         say: receives what a person should know.
+        ghost_s: time in [s] for which another run's node may stay: that of a killed program.
 
     Raises:
         NoRos: rclpy is not installed.
@@ -31,7 +32,7 @@ def opened_node(namespace: str, say: Callable[[str], None]) -> Iterator[RunObser
 
     link = RosServingLink(node_name("run"), namespace)
     try:
-        check_alone(link, DISCOVERY_S)
+        check_alone(link, DISCOVERY_S, ghost_s, say)
         yield RunNode(link, say)
     finally:
         link.close()

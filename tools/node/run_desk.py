@@ -16,7 +16,7 @@ import orjson
 from handcart.backends.ros2.wire.serving_link import Answer, ServingLink
 from handcart.evaluation.viewing.node.door import SERVICE_PREFIX
 from handcart.files.errors import HandcartError
-from handcart.networks.journal.waiting import waiting
+from handcart.networks.journal.waiting import is_simulated, waiting
 from handcart.networks.operator.acknowledging import acknowledge, cause_of
 from handcart.networks.operator.asking import goes_on
 from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journal
@@ -39,6 +39,8 @@ class WaitingRecord(NamedTuple):
     cause: str
     """Checksum of what it waits for."""
     reason: str
+    is_real: bool
+    """True if a real robot waits with it: nothing else may begin."""
 
 
 def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:
@@ -92,10 +94,14 @@ class RunDesk:
         return {"tasks": sorted(self._tasks), "running": alive and str(alive), "waits": shown}
 
     def request(self, name: str) -> Answer:
-        """Start a run of a task, unless one is running; answer once it has begun, or refused."""
+        """Start a run of a task, unless one is running or waits; answer once it has begun, or refused."""
         alive = self._alive()
         if alive is not None or self._is_running():
             return Answer(False, f"{alive or 'a run'} is running; allowed: one at a time")
+        waits = self._waits()
+        if waits is not None and waits.is_real:
+            how = f"when all is safe: {SERVICE_PREFIX}/acknowledge"
+            return Answer(False, f"the last run, {waits.run}, waits for a person: {waits.reason}; {how}")
         words = [sys.executable, "-m", "handcart", "run", str(self._tasks[name]), "--node"]
         with tempfile.TemporaryFile() as said:
             self._child = self._start([*words, "--runs", str(self._runs), *self._options], said)
@@ -145,7 +151,8 @@ class RunDesk:
             except (HandcartError, OSError):
                 return None
             for record, reason in waiting(contents).items():
-                return WaitingRecord(each.folder, record, str(cause_of(contents, record)["h"]), reason)
+                cause, real = str(cause_of(contents, record)["h"]), not is_simulated(contents)
+                return WaitingRecord(each.folder, record, cause, reason, real)
         return None
 
 

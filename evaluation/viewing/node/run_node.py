@@ -15,7 +15,7 @@ from typing_extensions import override
 from handcart.backends.robot.robot import Robot
 from handcart.backends.ros2.wire.serving_link import DIAGNOSTICS_TOPIC, ServingLink
 from handcart.files.errors import InputError
-from handcart.networks.events.events import Ended, Event, Restoring, RunEnded, Started
+from handcart.networks.events.events import Ended, Event, Planned, Restoring, RunEnded, Started
 from handcart.networks.events.run_observer import RunObserver
 from handcart.primitives.outcomes.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
@@ -35,6 +35,8 @@ MAX_SLEEP_S = 1.0
 LAST_WORDS_S = 0.5
 """[s] for which the node stays after the run's end, so that its last messages and answers arrive."""
 STEP_M = 0.03
+LOOK_PERIOD_S = 0.1
+STOP_SERVICE = f"{SERVICE_PREFIX}/stop"
 MESSAGE_KINDS = {
     "status": "std_msgs/String",
     "situation": "std_msgs/String",
@@ -122,6 +124,8 @@ class RunNode(RunObserver):
     @override
     def event(self, event: Event) -> None:
         match event:
+            case Planned(situation=situation):
+                self._situation = situation
             case Started(_, number, action, primitive, fails):
                 self._action = action_state(number, action, fails)
                 self._snapshot, self._driven, self._residuals = self._robot.pose, [self._robot.pose], ""
@@ -212,25 +216,44 @@ class RunNode(RunObserver):
         self._seen = seen_state(robot, self._evidence, self._driven, self._snapshot)
 
 
-def check_alone(link: ServingLink, seconds: float, sleep: Callable[[float], None] = clock.sleep) -> None:
+def check_alone(
+    link: ServingLink,
+    seconds: float,
+    ghost_s: float = 0.0,
+    say: Callable[[str], None] = lambda _: None,
+    sleep: Callable[[float], None] = clock.sleep,
+) -> None:
     """Check that no other run's node is on the air.
 
     Args:
         link: to ROS 2.
         seconds: time in [s] for other nodes to be discovered.
+        ghost_s: time in [s] for which a discovered node may stay: a killed program's leaves late.
+        say: receives that it is waited for.
         sleep: waits so many seconds.
 
     Raises:
         SecondNode: there is one.
     """
-    step = 0.1
-    for _ in range(max(1, round(seconds / step))):
-        if link.servers(f"{SERVICE_PREFIX}/stop"):
-            allowed = "another namespace (--node-namespace); a killed program's node stays for half a minute"
-            raise SecondNode(
-                f"another node offers {SERVICE_PREFIX}/stop in this namespace; allowed: {allowed}"
-            )
-        sleep(step)
+    if not _appears(link, round(seconds / LOOK_PERIOD_S), sleep):
+        return
+    if ghost_s:
+        say(f"another node offers {STOP_SERVICE}; waiting for up to {ghost_s:g} s until it has left")
+        for _ in range(round(ghost_s / LOOK_PERIOD_S)):
+            if not link.servers(STOP_SERVICE):
+                return
+            sleep(LOOK_PERIOD_S)
+    allowed = "another namespace (--node-namespace); a killed program's node stays for half a minute"
+    raise SecondNode(f"another node offers {STOP_SERVICE} in this namespace; allowed: {allowed}")
+
+
+def _appears(link: ServingLink, looks: int, sleep: Callable[[float], None]) -> bool:
+    """Return whether another run's node is discovered."""
+    for _ in range(max(1, looks)):
+        if link.servers(STOP_SERVICE):
+            return True
+        sleep(LOOK_PERIOD_S)
+    return False
 
 
 def _apart(a: Pose2, b: Pose2) -> float:

@@ -81,7 +81,7 @@ def test_a_requested_run_begins_and_a_second_one_is_refused(client: Client, tmp_
         assert desk.wait(timeout=15.0) == 143
 
 
-def test_a_kinematic_run_is_watched_and_stopped(client: Client, tmp_path: Path) -> None:
+def test_a_kinematic_run_is_watched_stopped_and_resumed(client: Client, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "handcart", *RUN, "--runs", str(tmp_path)]
     status: list[Any] = []
     client.listen("std_msgs/String", "handcart/status", lambda each: status.append(orjson.loads(each.data)))
@@ -99,9 +99,19 @@ def test_a_kinematic_run_is_watched_and_stopped(client: Client, tmp_path: Path) 
         assert seen["/diagnostics"].status[0].level == b"\0"
         assert client.call("handcart/pause").success
         client.wait(lambda: status[-1]["state"] == "paused while acting", 5.0)
+        answer = client.send("handcart/stop")
         begun = time.monotonic()
-        stopped = client.call("handcart/stop")
+        client.wait(answer.done, 15.0)
+        stopped = answer.result()
         assert stopped.success and "Cancelled" in stopped.message
         assert time.monotonic() - begun < 3.0
         assert run.wait(timeout=15.0) == 130
     client.wait(lambda: status[-1]["state"] == "ended", 5.0)
+    (folder,) = tmp_path.glob("drive_map-*")
+    status.clear()
+    words = [sys.executable, "-m", "handcart", "resume", str(folder), "--node"]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as run:
+        client.wait(lambda: bool(status) and status[-1]["state"] == "acting", 60.0)
+        assert status[-1]["run"] == str(folder)
+        assert client.call("handcart/stop").success
+        assert run.wait(timeout=15.0) == 130

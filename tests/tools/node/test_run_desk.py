@@ -17,7 +17,8 @@ from handcart.tools.node.run_desk import RunDesk, service_names
 from tests.evaluation.viewing.node.noted_link import NotedLink
 
 HEADER = {"simulated": False, "task_path": "/t/task.yaml", "seed": 0, "backend": "ros2"}
-GAVE_UP = {"n": 1, "outcome": "GiveUp", "reason": "it squeaks", "residuals": {}}
+BROKEN_OFF: dict[str, Any] = {"n": 1, "action": {"index": 0, "do": "MOVE_TO", "from": "here", "to": "there"}}
+GAVE_UP: dict[str, Any] = {"n": 1, "outcome": "GiveUp", "reason": "it squeaks", "residuals": {}}
 PYTHON = (sys.executable, "-S", "-c")
 
 
@@ -45,11 +46,11 @@ class Robot:
         self._children.append(child)
         return child
 
-    def end(self, **result: Any) -> None:
-        """Let the run end, with a RESULT."""
+    def end(self, kind: str = "RESULT", **fields: Any) -> None:
+        """Let the run end, with a last record."""
         assert self._journal is not None
-        if result:
-            self._journal.append("RESULT", 1.0, result)
+        if fields:
+            self._journal.append(kind, 1.0, fields)
         self._journal.__exit__(None, None, None)
         self._journal = None
         self._children[-1].communicate()
@@ -111,6 +112,22 @@ def test_a_giveup_is_acknowledged_once_it_was_published(robot: Robot) -> None:
     assert desk.acknowledge() == (True, "it squeaks")
     assert desk.state()["waits"] is None
     assert read_run_journal(robot.runs / "run-1").records[-1]["kind"] == "ACK"
+
+
+@pytest.mark.parametrize("simulated", [False, True])
+def test_after_a_crash_a_request_is_answered_by_what_waits(
+    robot: Robot, simulated: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(HEADER, "simulated", simulated)
+    desk = RunDesk({"tour": Path("tour.yaml")}, robot.runs, (), robot.start)
+    desk.request("tour")
+    robot.end("START", **BROKEN_OFF)
+    answer = desk.request("tour")
+    assert answer.success == simulated
+    if not simulated:
+        assert f"{robot.runs / 'run-1'}, waits for a person: action 1, MOVE_TO from here" in answer.message
+        assert "handcart/acknowledge" in answer.message
+        assert len(robot.asked) == 1
 
 
 def test_services_get_names_that_ros_accepts() -> None:

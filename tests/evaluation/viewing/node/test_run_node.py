@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 import time
 from pathlib import Path
@@ -11,9 +12,11 @@ import orjson
 import pytest
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.trials.running import run_task
+from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.evaluation.viewing.node import run_node
 from handcart.evaluation.viewing.node.run_node import RunNode, SecondNode, check_alone
+from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.events.events import Event, Started
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.operator.permits import Permits
 from handcart.networks.runs.run_options import RunOptions
@@ -22,6 +25,21 @@ from .noted_link import NotedLink
 
 TOUR = Path(__file__).parents[4] / "tasks" / "drive_map" / "task.yaml"
 SETTINGS = {"robot": "cart", "tour": "[desk]"}
+
+START = "start: {x_m: 1.0, y_m: 5.2, heading_deg: 0.0}\n"
+THERE_AND_BACK = """\
+format: handcart-task/1
+title: There and back
+robot: cart
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, start: home}
+start: here
+goal: back
+situations: {here: {base: home}, there: {base: home}, back: {base: home}}
+actions:
+  - {do: MOVE_TO, from: here, to: there, cost_s: 30, with: {place: home}}
+  - {do: MOVE_TO, from: there, to: back, cost_s: 30, with: {place: home}}
+"""
 
 
 class Commander(RunObserver):
@@ -115,8 +133,44 @@ def test_a_question_is_answered_only_once_it_can_have_been_read(
 
 def test_a_second_node_in_the_namespace_is_refused() -> None:
     with pytest.raises(SecondNode, match=r"handcart/stop.*--node-namespace"):
-        check_alone(NotedLink(others=1), 0.1, lambda _: None)
-    check_alone(NotedLink(), 0.1, lambda _: None)
+        check_alone(NotedLink(others=1), 0.1, sleep=lambda _: None)
+    check_alone(NotedLink(), 0.1, sleep=lambda _: None)
+
+
+def test_the_node_of_a_killed_run_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    link, said, slept = NotedLink(), list[str](), list[float]()
+    monkeypatch.setattr(link, "servers", lambda name: int(len(slept) < 50))
+    check_alone(link, 1.5, 60.0, said.append, slept.append)
+    assert len(slept) == 50
+    assert "waiting for up to 60 s" in said[0]
+    with pytest.raises(SecondNode):
+        check_alone(NotedLink(others=1), 1.5, 1.0, said.append, slept.append)
+
+
+@pytest.mark.slow
+def test_a_resumed_run_is_published_where_it_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Stopping(RunObserver):
+        def event(self, event: Event) -> None:
+            if isinstance(event, Started) and event.number == 2:
+                interrupts.stop()
+
+    task = tmp_path / "task.yaml"
+    task.write_text(THERE_AND_BACK)
+    for name in ("map.yaml", "map.png", "places.yaml"):
+        shutil.copy(TOUR.with_name(name), tmp_path)
+    (tmp_path / "world.yaml").write_text("format: handcart-world/1\nmap: map.yaml\n" + START)
+    with Interrupts() as interrupts:
+        options = RunOptions("kinematic", observers=(Stopping(),), interrupts=interrupts, checkpoints=True)
+        summary, _ = run_task(task, tmp_path / "runs", options)
+    link = NotedLink()
+    node = RunNode(link, sleep=lambda _: None)
+    monkeypatch.setattr(run_node, "PUBLISH_PERIOD_S", 100.0)  # begin and end alone are published
+    again, _ = resume_task(Path(summary["run_dir"]), None, RunOptions(observers=(node,)))
+    assert again["outcome"] == "Success"
+    assert summary["situation"] == "there"
+    assert texts(link, "situation")[0] == "there"
+    assert orjson.loads(texts(link, "status")[-1])["outcome"] == "Success"
+    assert "handcart/stop" in link.services and link.closed.is_set()
 
 
 def test_trouble_of_the_node_does_not_change_the_run(tmp_path: Path) -> None:
