@@ -277,7 +277,7 @@ def _restore_once(
     for again in range(RESTORE_MAX_TRIES):
         room = primitive.base_room(robot, view)
         restore = _way_back(primitive.restore(robot, view, start, trace), robot, blocked, trace)
-        way_back = reach_again(robot, start, room) if again else restore
+        way_back = reach_again(robot, start, model, room) if again else restore
         yield from _recorded(_within_time(way_back, robot, primitive, model), back)
         yield from settle(robot)
         seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}

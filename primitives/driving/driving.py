@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.restoring.car_shunting import known_discs, plan_car_drive
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
@@ -21,11 +23,8 @@ from handcart.robotics.navigation.following.sideways_tracking import make_tracke
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.navigation.maps.point_discs import point_discs
 from handcart.robotics.navigation.maps.rising_ground import may_be_ground
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
-from handcart.robotics.navigation.routes.car_route import plan_car_route
-from handcart.robotics.navigation.routes.tangent_path import CarPath
 from handcart.robotics.navigation.routes.ways import Way, Ways
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -34,10 +33,7 @@ MAP_MATCH_TOLERANCE_M = 0.12  # from anything on the map: pose error, noise and 
 BESIDE_IT = 0.6  # [m] around the base's possible contacts, in which the scan is remembered
 LEAST_OFF = 0.05  # [m] from a wall of the map at which a scan shows something other than the wall
 WATCH_HORIZON_M = 1.0  # of route that is watched ahead
-CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
 OBSTACLE_MEMORY_RADIUS_M = 2.5  # around an obstacle in a car's way, in which readings are remembered
-ROCK_POSITION_TOLERANCE_M = 0.4  # error of a rock's believed position, mostly from the pose of the car
-TURNING_RADIUS_RATIO = 1.05  # of the turning circle that the steering allows: planned with something in hand
 
 
 def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) -> Way:
@@ -91,7 +87,7 @@ def plan_tracker(
             raise Discrepancy(
                 "a car-like base isn't driven backwards", permanent=True, cause=causes.UNSUITABLE
             )
-        way = yield from robot.compute(plan_car_drive, robot, model, goal)
+        way = yield from robot.compute(plan_car_drive, robot, robot.pose, goal, known_discs(robot, model))
         if way is None:
             raise Discrepancy(f"no way leads to {place} in the field", permanent=True, cause=causes.NO_ROUTE)
         sharpest = robot.spec.drive.sharpest_per_m
@@ -107,15 +103,6 @@ def plan_tracker(
     return make_tracker(
         points, goal.theta, robot.drive_limits, reverse, tolerance, model.speed_limits
     ), points
-
-
-def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
-    """Return a car's path past known and sensed obstacles, or None."""
-    rocks = model.discs
-    known = rocks + np.array([0.0, 0.0, ROCK_POSITION_TOLERANCE_M]) if len(rocks) else rocks
-    discs = np.vstack([known, point_discs(avoided_points(robot, model))])
-    radius = TURNING_RADIUS_RATIO / robot.spec.drive.sharpest_per_m
-    return plan_car_route(robot.pose, goal, discs, robot.spec.footprint_radius_m + CAR_ROOM, radius)
 
 
 def goal_pose(model: ModelView, place: str) -> Pose2:
@@ -178,8 +165,12 @@ class ObstacleMonitor:
 
     def __init__(self, grid: GridMap, radius: float) -> None:
         """Watch for a footprint of `radius`, in [m]."""
-        self._field = LikelihoodField(grid)
-        self._radius = radius + WATCHED_ROOM
+        self._grid, self._radius = grid, radius + WATCHED_ROOM
+
+    @cached_property
+    def _field(self) -> LikelihoodField:
+        """Distances to what the map shows; large maps take their time, so only once it is asked for."""
+        return LikelihoodField(self._grid)
 
     def unexpected(self, robot: Robot) -> FloatArray:
         """Return the points (n, 2) of this period's scan that the map doesn't explain, on the map, in [m]."""

@@ -14,10 +14,11 @@ from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import Detour, ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.restoring.car_shunting import known_discs, plan_car_drive
 from handcart.robotics.navigation.maps.bump_area import UNSEEN_SIZE_M
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .driving import goal_pose, no_way, plan_car_drive, plan_drive
+from .driving import goal_pose, no_way, plan_drive
 
 
 class Modify(ActionPrimitive):
@@ -38,7 +39,7 @@ class Modify(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         goal = goal_pose(model, self.place)
         if robot.spec.drive.kind == "ackermann":
-            way = yield from robot.compute(plan_car_drive, robot, model, goal)
+            way = yield from robot.compute(plan_car_drive, robot, robot.pose, goal, known_discs(robot, model))
             self._take(robot, model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
             return
         found = yield from robot.compute(plan_drive, robot, model, model.places[self.place])

@@ -394,5 +394,6 @@ class MoveTo(ActionPrimitive):
             if waited and self._local is not None:
                 raise Discrepancy("an obstacle is on the way back", cause=causes.BLOCKED)
             if self._blocked_since is None and next(way_back, self) is self:
+                self._ahead = np.empty((0, 2))
                 return
             yield

@@ -37,6 +37,11 @@ class ResidualKind(Enum):
         """True for the uncertainty of a measurement, which is not a motion."""
         return self in (ResidualKind.BASE_POSITION_UNCERTAINTY, ResidualKind.BASE_HEADING_UNCERTAINTY)
 
+    @property
+    def is_base_offset(self) -> bool:
+        """True for the measured distance and turn of the base."""
+        return self in (ResidualKind.BASE_POSITION, ResidualKind.BASE_HEADING)
+
 
 @dataclass(frozen=True)
 class Residual:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
@@ -21,7 +22,8 @@ from .arm_command import command_moment as _command
 from .arm_command import moves_fingers
 from .arm_command import renew_arm as _renew_arm
 from .car_retrace import car_retrace, check_stands
-from .snapshot import Snapshot, residuals, take_snapshot_since_start
+from .car_shunting import bring_back
+from .snapshot import Snapshot
 from .trace import Moment, Trace
 
 STRETCH_TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
@@ -33,8 +35,6 @@ EXACT_REACH_S = 10.0
 WIDENING_S = 20.0
 """Time in which the tolerance then grows to the widest one."""
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
-LONGEST_LOOK = 120.0  # [s] that a car waits until its pose is certain
-LOOK_DURATION_S = 1.0  # of it at a time
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
 STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is not motion
 
@@ -99,22 +99,15 @@ def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseToler
     return PoseTolerance(*(exact + share * max(0.0, wide - exact) for exact, wide in grown))
 
 
-def reach_again(robot: Robot, start: Snapshot, room: float) -> Generator[None, None, None]:
+def reach_again(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
     """Bring the base to the snapshot once more, from close by.
 
-    A car cannot be moved sideways: it waits until its displacement is known within `room` [m].
+    A car waits until its displacement is known within `room` [m], and is shunted if it is more than that.
     """
     if robot.spec.drive.kind != "ackermann":
         yield from reach_pose(robot, start.pose)
         return
-    end = robot.time + LONGEST_LOOK
-    while robot.time < end and not _sure_of(robot, start, room):
-        yield from robot.wait(LOOK_DURATION_S)
-
-
-def _sure_of(robot: Robot, start: Snapshot, room: float) -> bool:
-    found = residuals(start, take_snapshot_since_start(robot, {}), robot.spec, room)
-    return all(residual.is_within for residual in found.all if residual.kind.is_uncertainty)
+    yield from bring_back(robot, start, model, room)
 
 
 def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
