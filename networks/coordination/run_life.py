@@ -23,8 +23,8 @@ class RunState(Enum):
 _S = RunState
 _TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "_plan", "source": [_S.WAITING_FOR_PERMISSION, _S.ACTING, _S.RESTORING], "dest": _S.PLANNING},
-    {"trigger": "_ask", "source": [_S.PLANNING, _S.ACTING], "dest": _S.WAITING_FOR_PERMISSION},
-    {"trigger": "_act", "source": [_S.PLANNING, _S.WAITING_FOR_PERMISSION], "dest": _S.ACTING},
+    {"trigger": "_ask", "source": [_S.PLANNING, _S.ACTING, _S.RESTORING], "dest": _S.WAITING_FOR_PERMISSION},
+    {"trigger": "_act", "source": [_S.PLANNING, _S.WAITING_FOR_PERMISSION, _S.RESTORING], "dest": _S.ACTING},
     {"trigger": "_restore", "source": _S.ACTING, "dest": _S.RESTORING},
     {"trigger": "_pause", "source": _S.ACTING, "dest": _S.PAUSED_WHILE_ACTING},
     {"trigger": "_pause", "source": _S.RESTORING, "dest": _S.PAUSED_WHILE_RESTORING},

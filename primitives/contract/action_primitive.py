@@ -155,9 +155,16 @@ class ActionPrimitive(FileModel, ABC):
         """
         return ()
 
-    def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Bring the robot out of the way after a point of no return; nothing is retraced."""
-        return
+    def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool | None]:
+        """Bring the robot out of the way after a point of no return; nothing is retraced.
+
+        Called again where a fault breaks it off, if the task restores more than once.
+
+        Returns:
+            True if the motion was completed and its effect measured; after a fault of a machine or of code
+            the action is then a Success.
+        """
+        return False
         yield
 
     def intend(self, effect: str) -> Periods:

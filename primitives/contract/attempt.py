@@ -47,6 +47,8 @@ LONGEST_RESTORE = 600.0  # [s]
 STUCK_TRAVEL_M = 0.01  # minimum travel that counts for a restoring base
 RESTLESS_REASON = "the robot doesn't come to rest before the start"
 PUSHED_REASON = "the base was moved while it stood"
+FAULT_CAUSES = (causes.ROBOT_FAULT, causes.SENSOR_FAULT, causes.CODE_ERROR)
+"""Causes after which a motion may be completed: nothing was found wrong with its effect."""
 NOT_ALONE = "another primitive moves the robot at the same time"
 
 
@@ -120,7 +122,7 @@ def attempt(
     robot.stop()
     on_restore(failure.reason)
     if primitive._no_return is not None:
-        return (yield from _finish(primitive, robot, view, failure.reason, failure.cause))
+        return (yield from _finish(primitive, robot, model, failure, displaced, patience))
     return (yield from _restore(primitive, robot, model, start, trace, failure, patience))
 
 
@@ -202,19 +204,6 @@ def _watched(
         primitive.watch(robot, view)
 
 
-def _finish(
-    primitive: ActionPrimitive, robot: Robot, view: ModelView, reason: str, cause: CauseKind
-) -> Generator[None, None, GiveUp]:
-    """Withdraw; what happened can't be undone, so a person has to look."""
-    try:
-        yield from primitive.finish(robot, view)
-    except Exception as error:
-        primitive.evidence.blame(error, restoring=True)
-        reason = f"{reason}; and withdrawing: {_words(error)}"
-    yield from halt(robot)
-    return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})", cause=cause)
-
-
 class _Failure(NamedTuple):
     """Why a motion was broken off."""
 
@@ -223,6 +212,43 @@ class _Failure(NamedTuple):
     cause: CauseKind
     bumps_before: tuple[FloatArray, FloatArray]
     """`bumps` and `arm_bumps` of the world model when it began."""
+
+
+def _finish(
+    primitive: ActionPrimitive,
+    robot: Robot,
+    model: WorldModel,
+    failure: _Failure,
+    displaced: int,
+    patience: Patience,
+) -> Generator[None, None, Success | GiveUp]:
+    """Withdraw, as often as `patience` allows; what happened can't be undone.
+
+    After a fault of a machine or of code it is a Success if the effect was measured on the way. Otherwise a
+    person has to look.
+    """
+    reason, is_measured = failure.reason, False
+    for left in range(patience.attempts - 1, -1, -1):
+        try:
+            is_measured = bool((yield from primitive.finish(robot, model.view(primitive))))
+            is_measured &= failure.cause in FAULT_CAUSES and (yield from settle(robot))
+            _check_not_pushed(robot, displaced)
+            break
+        except Exception as error:
+            primitive.evidence.blame(error, restoring=True)
+            is_measured = False
+            if not left or isinstance(error, NeedsPerson) or getattr(error, "permanent", False):
+                reason = f"{reason}; and withdrawing: {_words(error)}"
+                break
+        yield from halt(robot)
+        yield from robot.wait(patience.wait_s)
+    if is_measured:
+        primitive.found(finished_after=failure.reason)
+        note_hand(primitive, model)
+        robot.localization.look_again()
+        return Success(dict(primitive.facts), primitive.evidence.result)
+    yield from halt(robot)
+    return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})", cause=failure.cause)
 
 
 def _restore(

@@ -92,6 +92,8 @@ class Deploy(TreePrimitive):
     _arm: SensorArm = PrivateAttr()
     _target: Target = PrivateAttr()
     _let_go_whole: bool = PrivateAttr(default=False)
+    _top: float = PrivateAttr()
+    _stands: bool | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return why the sensor can't be laid: its target is unknown, served or out of reach, or the hand or
@@ -144,6 +146,7 @@ class Deploy(TreePrimitive):
         self.point_of_no_return("the sensor is let go")
         robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
+        self._top = float(robot.arm.command()[2]) - field.gripped_mm / 1e3
         yield from self._release(robot, field)
 
     def _release(self, robot: Robot, field: Field) -> Periods:
@@ -173,11 +176,12 @@ class Deploy(TreePrimitive):
     def _feel(self, robot: Robot, model: ModelView, arm: SensorArm) -> Periods:
         """Lower the nearly closed fingers onto the sensor's top; raise `Discrepancy` if it fell over."""
         field, _ = self._field_and_target(model)
-        top = float(robot.arm.command()[2]) - field.gripped_mm / 1e3
+        top = self._top
         yield from arm.slide(max(0.0, top - FEEL_CLEARANCE_M))
         yield from open_to(robot, field.sensor_mm[1] / 2e3)
         force = yield from arm.slide(top + MAX_TOP_DROP_M, LOWERING_SPEED_M_S)
-        if force <= TOUCH_FORCE_N:
+        self._stands = force > TOUCH_FORCE_N
+        if not self._stands:
             felt = Measured("Arm", "force where the sensor's top should be", force, TOUCH_FORCE_N, "N")
             raise Discrepancy(
                 "the sensor fell over", permanent=True, measured=felt, cause=field_causes.TOPPLED
@@ -211,16 +215,22 @@ class Deploy(TreePrimitive):
             MeantContact("held", name) for name in GROUND_NAMES
         )
 
-    def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Open the fingers completely, lift the slide and stow the arm.
+    def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Open the fingers completely, feel whether the sensor stands, and stow the arm.
 
-        Half open fingers would drag the sensor.
+        Half open fingers would drag the sensor. Return whether it stands.
         """
         yield from settle(robot)
         if not self._let_go_whole:
             field, _ = self._field_and_target(model)
             yield from self._release(robot, field)
+        if self._stands is None:
+            try:
+                yield from self._feel(robot, model, self._arm)
+            except Discrepancy as fallen:
+                self.found(felt=fallen.reason)
         yield from self._arm.stow()
+        return self._stands is True
 
     def _field_and_target(self, model: ModelView) -> tuple[Field, Target]:
         work = model.of(FieldWork)

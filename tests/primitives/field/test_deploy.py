@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.localization.lost import Lost
 from handcart.backends.simulation.field.field_props import FieldProps
@@ -27,6 +28,7 @@ from handcart.primitives.field.sensor_arm import MAX_YIELD_M, SensorArm
 from handcart.primitives.field.target import Laid
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
+from handcart.primitives.restoring.patience import Patience
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 
@@ -137,6 +139,44 @@ def test_cancel_while_fingers_open_completes_the_release(rig: Rig, after: int) -
     assert lying(rig).rest.value == "table"
     assert np.linalg.norm(lying(rig).pose[:3, 3] - where[:3, 3]) < 0.01
     assert robot.gripper.width() > 0.025
+    assert robot.arm.command() == pytest.approx(robot.spec.posture("home"), abs=1e-3)
+
+
+@pytest.mark.parametrize(("after", "falls"), [(1, False), (40, False), (200, False), (40, True)])
+def test_refused_commands_after_release_leave_a_measured_success(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, after: int, falls: bool
+) -> None:
+    """The release is completed, and closed fingers feel for the sensor; where it fell a person looks."""
+    robot, deploy, left = rig.robot, Deploy(target="here"), [0]
+
+    def refusing(command: Any) -> Any:
+        def commanded(*given: Any) -> None:
+            left[0] -= 1
+            if left[0] >= 0:
+                raise CommandError("refused")
+            command(*given)
+
+        return commanded
+
+    for actuator in (robot.arm, robot.gripper):
+        monkeypatch.setattr(actuator, "move", refusing(actuator.move))
+    periods, count, ended = attempt(deploy, robot, rig.model, patience=Patience(3, 0.2)), 0, None
+    while ended is None:
+        robot.step()
+        count += deploy._no_return is not None
+        left[0] = 2 if count == after else left[0]
+        if count == after and falls:
+            lying(rig).pose = lying(rig).pose @ transform((0.2, 0.0, 0.03), (0.0, np.pi / 2, 0.0))
+            rig.backend.scene.changes += 1  # type: ignore[attr-defined]
+        try:
+            next(periods)
+        except StopIteration as end:
+            ended = end.value
+    assert left[0] < 0
+    assert isinstance(ended, GiveUp if falls else Success), ended
+    if not falls:
+        assert deploy.facts["finished_after"] == "CommandError: refused"
+        assert lying(rig).rest.value == "table"
     assert robot.arm.command() == pytest.approx(robot.spec.posture("home"), abs=1e-3)
 
 
