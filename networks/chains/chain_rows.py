@@ -66,9 +66,9 @@ class ChainRows:
             return
         chance = self._chances[action.index] or Chance(1.0)
         self._row(action.index, action.cost_s)
-        for share, state in zip(success_shares(action), step.succeeded, strict=True):
+        for share, state in zip(success_shares(action, chance), step.succeeded, strict=True):
             self._lead(row, state, chance.success * share, self.succeeds, False)
-        for share, state in zip(fail_shares(action), step.all_failed, strict=True):
+        for share, state in zip(fail_shares(action, chance), step.all_failed, strict=True):
             self._lead(row, state, chance.fail * share, self.fails, True)
         if chance.give_up:
             self.ends.append((row, ChainEnd.GIVE_UP, chance.give_up, False))

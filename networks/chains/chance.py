@@ -11,6 +11,10 @@ class Chance:
 
     success: float
     give_up: float = 0.0
+    fail_shares: tuple[float, ...] = ()
+    """Shares of a Fail by its causes, all others first; empty: those of the file."""
+    success_shares: tuple[float, ...] = ()
+    """Shares of a Success by its results, the usual one first; empty: those of the file."""
 
     @property
     def fail(self) -> float:

@@ -164,18 +164,20 @@ def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:
     if action is None:
         return
     chance = chances[action.index] or Chance(1.0)
-    for share, state in zip(success_shares(action), step.succeeded, strict=True):
+    for share, state in zip(success_shares(action, chance), step.succeeded, strict=True):
         if state is not None:
             yield chance.success * share, state
-    for share, state in zip(fail_shares(action), step.all_failed, strict=True):
+    for share, state in zip(fail_shares(action, chance), step.all_failed, strict=True):
         if state is not None:
             yield chance.fail * share, state
 
 
-def fail_shares(action: Action) -> list[float]:
+def fail_shares(action: Action, chance: Chance) -> Sequence[float]:
     """Return the shares of the situations that a Fail leads to, by its causes, all others first; their sum
     is 1.
     """
+    if chance.fail_shares:
+        return chance.fail_shares
     known = [each.p for each in action.fail_endings]
     fail = 0.0 if action.p_success is None else 1.0 - action.p_success - action.p_give_up
     if action.p_success is None or None in known:
@@ -184,8 +186,10 @@ def fail_shares(action: Action) -> list[float]:
     return [max(0.0, 1.0 - sum(every)), *every]
 
 
-def success_shares(action: Action) -> list[float]:
+def success_shares(action: Action, chance: Chance) -> Sequence[float]:
     """Return the shares of the situations that a Success leads to; they sum to 1."""
+    if chance.success_shares:
+        return chance.success_shares
     if not action.others:
         return [1.0]
     if action.p_success is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Literal
 
 from handcart.networks.analysis.forecast import Forecaster
@@ -61,6 +62,19 @@ class BestPolicy:
         """The network with its prices."""
         return self._process
 
+    def believing(self, chances: Chances, effort: Effort) -> BestPolicy:
+        """Return the search of the best policy by other probabilities; nothing is settled yet.
+
+        Args:
+            chances: outcome probabilities of each action; None for a skip.
+            effort: budget.
+        """
+        other = copy(self)
+        other._process = self._process.believing(chances)
+        other.values = BestValues(other._process, effort)
+        other._is_rule_better = None
+        return other
+
     def is_rule_better(self) -> bool:
         """Return whether the rule costs less than what was found within the budget.
 
@@ -100,9 +114,10 @@ class BestPolicy:
         """
         begin = start or State(self.network.start, ())
         self.decision(begin)
-        return visited(self.network, begin, self._known)
+        return visited(self.network, begin, self.known_step)
 
-    def _known(self, state: State) -> Step | None:
+    def known_step(self, state: State) -> Step | None:
+        """Return the decision in a state without searching; None where runs are unlikely to come."""
         return self._step(state, self.values.known(state)) if self.values.is_known(state) else None
 
     def _step(self, state: State, decision: Decision) -> Step:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +14,7 @@ from handcart.networks.chains.step_maker import State
 from handcart.networks.graph.network import ActionNetwork
 
 from .best_policy import BestPolicy, PolicyName
-from .process import Process
-from .run_figures import best_figures
+from .drawn_prices import DrawnPrices
 
 PRIOR_SUCCESS, PRIOR_FAIL, PRIOR_GIVE_UP = 1.0, 1.0, 0.1
 """Weights of the prior, as outcomes seen before: any probability of Success is as likely as another, and
@@ -24,6 +23,8 @@ GiveUps are rare.
 DRAW_COUNT = 200
 SURE_SHARE = 0.95
 """Share of draws in which a policy has to be better than the rule to be chosen."""
+MIN_SAVING = 1e-4
+"""Share of the rule's price above which a lower price is better, not rounded differently."""
 RULE_STEPS = 100_000.0
 """Budget of the rule's states."""
 
@@ -34,6 +35,10 @@ class OutcomeCounts(NamedTuple):
     successes: int = 0
     fails: int = 0
     give_ups: int = 0
+    by_cause: tuple[int, ...] = ()
+    """Fails of each cause in `Action.fail_endings`; empty: the shares of the file hold."""
+    by_result: tuple[int, ...] = ()
+    """Successes of each result, the usual one first; empty: the shares of the file hold."""
 
     @property
     def attempts(self) -> int:
@@ -51,7 +56,25 @@ class OutcomeCounts(NamedTuple):
         """Expected probabilities of the three outcomes."""
         success, fail, give_up = self.weights
         total = success + fail + give_up
-        return Chance(success / total, give_up / total)
+        shares = self.fail_weights, self.result_weights
+        fails, results = (tuple(w / sum(weights) for w in weights) for weights in shares)
+        return Chance(success / total, give_up / total, fails, results)
+
+    @property
+    def fail_weights(self) -> tuple[float, ...]:
+        """Parameters of the Dirichlet distribution of a Fail's causes, all others first.
+
+        The prior of Fail is divided equally, so that the sum is the weight of Fail.
+        """
+        if not self.by_cause:
+            return ()
+        prior = PRIOR_FAIL / (1 + len(self.by_cause))
+        return (prior + self.fails - sum(self.by_cause), *(prior + count for count in self.by_cause))
+
+    @property
+    def result_weights(self) -> tuple[float, ...]:
+        """Parameters of the Dirichlet distribution of a Success's results, the usual one first."""
+        return tuple(PRIOR_SUCCESS / len(self.by_result) + count for count in self.by_result)
 
 
 class SwitchVerdict(NamedTuple):
@@ -88,19 +111,35 @@ def judge_switch(
     """
     mean: list[Chance | None] = [None if each is None else each.chance for each in counts]
     best = BestPolicy(network, mean, name, person_s)
-    chosen, rule = best.policy(), _rule(network, mean)
-    if best.is_rule_better() or _decide_alike(chosen, rule):
+    if best.is_rule_better():
         return SwitchVerdict(0.0, 0.0, True)
-    price = best.process.person_s
-    saved = [_price(rule, drawn, price) - _price(chosen, drawn, price) for drawn in _drawn(counts, seed)]
-    return SwitchVerdict(float(np.mean(np.array(saved) > 0.0)), float(np.mean(saved)), False)
+    return judge_policies(best, lambda: _drawn(counts, seed), State(network.start, ()), RULE_STEPS)
 
 
-def _rule(network: ActionNetwork, chances: Chances) -> Policy:
-    found = explored(network, effort=Effort(RULE_STEPS), chances=chances)
-    if found.is_complete:
-        return found
-    return likely_policy(network, chances, Effort(RULE_STEPS), State(network.start, ()))
+def judge_policies(
+    best: BestPolicy, draw: Callable[[], Sequence[Chances]], start: State, rule_steps: float
+) -> SwitchVerdict:
+    """Judge whether the best policy of the expected probabilities is better than the rule.
+
+    Args:
+        best: the policy, by the expected probabilities.
+        draw: returns draws of all probabilities; not called where both policies decide alike.
+        start: state from which the runs are compared.
+        rule_steps: budget of the rule's states.
+    """
+    chosen, rule = best.policy(start), _rule(best, start, rule_steps)
+    if _decide_alike(chosen, rule):
+        return SwitchVerdict(0.0, 0.0, True)
+    prices = DrawnPrices(best.process, draw())
+    by_rule = prices.of(rule)
+    saved = by_rule - prices.of(chosen)
+    return SwitchVerdict(float(np.mean(saved > MIN_SAVING * by_rule)), float(np.mean(saved)), False)
+
+
+def _rule(best: BestPolicy, start: State, steps: float) -> Policy:
+    network, chances = best.network, best.process.chances
+    found = explored(network, effort=Effort(steps), start=start, chances=chances)
+    return found if found.is_complete else likely_policy(network, chances, Effort(steps), start)
 
 
 def _decide_alike(one: Policy, other: Policy) -> bool:
@@ -109,21 +148,22 @@ def _decide_alike(one: Policy, other: Policy) -> bool:
     return all(theirs is not None and step.action == theirs.action for step, theirs in pairs)
 
 
-def _price(policy: Policy, chances: Chances, person_s: float) -> float:
-    process = Process(policy.network, chances, person_s)
-    return best_figures(process, policy, "", walks=False).price_s[0]
-
-
 def _drawn(counts: Sequence[OutcomeCounts | None], seed: int) -> list[list[Chance | None]]:
     """Return draws of all probabilities from the posterior."""
     draws = np.random.default_rng([29, seed])
     unique = {id(each): each for each in counts if each is not None}
-    rows = {key: draws.dirichlet(each.weights, DRAW_COUNT) for key, each in unique.items()}
+    rows = {key: _chances(each, draws) for key, each in unique.items()}
+    return [
+        [None if each is None else rows[id(each)][number] for each in counts] for number in range(DRAW_COUNT)
+    ]
 
-    def chance(each: OutcomeCounts | None, number: int) -> Chance | None:
-        if each is None:
-            return None
-        success, _, give_up = rows[id(each)][number].tolist()
-        return Chance(success, give_up)
 
-    return [[chance(each, number) for each in counts] for number in range(DRAW_COUNT)]
+def _chances(counts: OutcomeCounts, draws: np.random.Generator) -> list[Chance]:
+    """Return draws of one action's probabilities."""
+    ends = draws.dirichlet(counts.weights, DRAW_COUNT).tolist()
+    fails, results = (
+        map(tuple, draws.dirichlet(weights, DRAW_COUNT).tolist() if weights else [()] * DRAW_COUNT)
+        for weights in (counts.fail_weights, counts.result_weights)
+    )
+    rows = zip(ends, fails, results, strict=True)
+    return [Chance(success, give_up, *shares) for (success, _, give_up), *shares in rows]

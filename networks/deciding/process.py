@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import NamedTuple
 
 import networkx as nx
@@ -56,6 +57,12 @@ class Process:
             self.part |= dict.fromkeys(names, number)
         self._undone = self._elements_left()
 
+    def believing(self, chances: Chances) -> Process:
+        """Return the same network with other probabilities."""
+        other = copy(self)
+        other.chances = chances
+        return other
+
     def stop_price(self, situation: str) -> float:
         """Return the price of a run that ends in a situation short of the goal, in [s]."""
         return self.person_s * self._undone[self.part[situation]]
@@ -81,9 +88,11 @@ class Process:
         """Return the situations that an action may lead to, each with its probability; Fails are the last."""
         chance = Chance(1.0) if action.binding is None else self.chances[action.index] or Chance(1.0)
         nexts = [action.target, *(each.target for each in action.others)]
-        found = [(chance.success * p, to) for p, to in zip(success_shares(action), nexts, strict=True)]
+        found = [
+            (chance.success * p, to) for p, to in zip(success_shares(action, chance), nexts, strict=True)
+        ]
         failed = [action.on_fail, *(each.target for each in action.fail_endings)]
-        pairs = zip(fail_shares(action), failed, strict=True)
+        pairs = zip(fail_shares(action, chance), failed, strict=True)
         return [*found, *((chance.fail * p, to or action.source) for p, to in pairs)]
 
     def options(self, state: State) -> list[ProcessOption]:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaigns.learned.entry_counts import EntryCounts
+    from handcart.evaluation.campaigns.learned.entry_counts import EntryCounts, LearnedShare
     from handcart.networks.deciding.posterior import OutcomeCounts, SwitchVerdict
+    from handcart.networks.entries.entry import TaskEntry
     from handcart.networks.task.task_file import Task
 
 FILE_WEIGHT = 1000
@@ -78,7 +79,22 @@ def _table(task: Task, found: Sequence[EntryCounts]) -> Iterator[str]:
         (low, high), (short, long) = each.p_95, each.mean_95_s
         p = f"{each.p:>8.3f}{f'{low:.3f} to {high:.3f}':>17}{counts.give_ups:>9}"
         yield f"{name:<44}{counts.attempts:>9}{p}{each.mean_s:>9.1f}{f'{short:.1f} to {long:.1f}':>17}"
-        yield from (f"  {cause}: {count}" for cause, count in sorted(each.causes.items()))
+        yield from _share_rows(entry, each)
+
+
+def _share_rows(entry: TaskEntry, each: EntryCounts) -> Iterator[str]:
+    """Yield a row for each cause and for each of several results."""
+    shares = {name: share for name, share in each.by_cause.items() if name not in each.causes}
+    results = (other.result or "usual result" for other in entry.endings)
+    yield from (_share_row(name, one) for name, one in zip(results, each.by_result, strict=False))
+    for cause, count in sorted({**dict.fromkeys(shares, 0), **each.causes}.items()):
+        share = each.by_cause.get(cause)
+        yield f"  {cause:<42}{count:>9}" if share is None else _share_row(cause, share)
+
+
+def _share_row(name: str, share: LearnedShare) -> str:
+    low, high = share.p_95
+    return f"  {name:<42}{share.seen:>9}{share.p:>8.4f}{f'{low:.3f} to {high:.3f}':>17}"
 
 
 def _entry_counts(task: Task, found: Sequence[EntryCounts]) -> list[OutcomeCounts] | None:
@@ -130,15 +146,56 @@ def _changed(
                 continue
             row = data["actions"][number]
             row["cost_s"] = _rounded(each.mean_s, row["cost_s"])
-            if entry.is_plain:
-                row["p"] = each.p
-                if each.p_give_up or "p_give_up" in row:
-                    row["p_give_up"] = each.p_give_up
+            _write_chances(row, entry, each)
             data["actions"].yaml_add_eol_comment(f"{date}: {each.words()}", number, column=0)
         if verdict is not None and verdict.is_sure and task.network.policy == "rule":
             data.insert(list(data).index("goal") + 1, "policy", "expected_cost")
 
     return edited(text, change)
+
+
+def _write_chances(row: Any, entry: TaskEntry, each: EntryCounts) -> None:
+    """Write the probabilities of an action into its row of the file."""
+    from handcart.networks.entries.entry import OTHER_CAUSES
+
+    if entry.is_plain:
+        row["p"] = each.p
+    elif each.by_result:
+        for ending, result in zip(row["then"], each.by_result, strict=True):
+            ending["p"] = result.p
+    else:
+        return  # which result each Success had was not recorded
+    if each.p_give_up or "p_give_up" in row:
+        row["p_give_up"] = each.p_give_up
+    chances = {name: share.p for name, share in each.by_cause.items()} or _kept_shares(entry, each)
+    for cause, p in chances.items():
+        row["on_fail"][cause] = _with_p(row["on_fail"][cause], p)
+    other = row["on_fail"].get(OTHER_CAUSES) if chances else None
+    if isinstance(other, dict) and "p" in other:
+        other["p"] = round(max(0.0, 1.0 - each.p - each.p_give_up - sum(chances.values())), 4)
+
+
+def _kept_shares(entry: TaskEntry, each: EntryCounts) -> dict[str, float]:
+    """Return probabilities of the causes with their shares in the file: the trials have none recorded."""
+    causes = entry.fail_entries
+    known = [one.p for one in causes.values() if one.p is not None]
+    before = 1.0 - (entry.p_success or 0.0) - entry.p_give_up
+    after = 1.0 - each.p - each.p_give_up
+    if entry.p_success is None or len(known) < len(causes):
+        return {cause: int(1e4 * after / (1 + len(causes))) / 1e4 for cause in causes}
+    scale = after / before if before > 0.0 else 0.0
+    return {cause: int(1e4 * scale * p) / 1e4 for cause, p in zip(causes, known, strict=True)}
+
+
+def _with_p(row: Any, p: float) -> Any:
+    """Return the row of a cause in the file with its probability."""
+    from ruamel.yaml.comments import CommentedMap
+
+    if not isinstance(row, dict):
+        row = CommentedMap({"to": row})
+        row.fa.set_flow_style()
+    row["p"] = p
+    return row
 
 
 def _rounded(seconds: float, before: float) -> float:
@@ -161,6 +218,8 @@ def _print_json(task: Task, found: Sequence[EntryCounts], verdict: SwitchVerdict
             "mean_s": each.mean_s,
             "mean_95_s": each.mean_95_s,
             "causes": each.causes,
+            "by_cause": {name: share._asdict() for name, share in each.by_cause.items()},
+            "by_result": [share._asdict() for share in each.by_result],
         }
         for entry, each in zip(task.file.actions, found, strict=True)
     ]

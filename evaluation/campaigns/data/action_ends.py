@@ -40,7 +40,8 @@ class ActionEnds(RunObserver):
         ends = action.source, action.target, type(outcome).__name__
         for_good = isinstance(outcome, Fail) and outcome.permanent
         cause = outcome.cause.name if reason and not isinstance(outcome, Success) else ""
-        row = self._name(action), *ends, round(event.time, 6), reason, check, for_good, cause
+        result = outcome.result if isinstance(outcome, Success) else None
+        row = self._name(action), *ends, round(event.time, 6), reason, check, for_good, cause, result
         self.ends.append(ActionEnd(*row))
 
     def _name(self, action: Action) -> str:

@@ -28,6 +28,8 @@ class ActionEnd(NamedTuple):
     """True if a Fail used up all attempts."""
     cause: str = ""
     """Kind of cause of a Fail or GiveUp; empty in campaigns that were recorded without causes."""
+    result: str | None = None
+    """Result of a Success, empty for the usual one; None in campaigns that were recorded without results."""
 
     @property
     def primitive(self) -> str:

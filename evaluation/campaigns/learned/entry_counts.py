@@ -4,23 +4,36 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import betaincinv
 
 from handcart.evaluation.campaigns.data.action_ends import action_names
-from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
 from handcart.evaluation.campaigns.walks.odds import EndCode
 from handcart.networks.deciding.posterior import OutcomeCounts
+from handcart.networks.entries.entry import TaskEntry
 from handcart.networks.task.task_file import Task
 
-from .seen_actions import SeenActions
+from .seen_actions import FAULT_STATUS, SeenActions
 
 CONFIDENCE_LEVEL = 0.95
 MAX_P = 0.999
 """Largest probability that is written: no number of attempts proves that an action never fails."""
+
+
+class LearnedShare(NamedTuple):
+    """Probability of one cause of Fail, or of one result of Success."""
+
+    seen: int
+    """Number of attempts that ended so."""
+    p: float
+    """Expected probability, rounded as in a task file."""
+    p_95: tuple[float, float]
+    """Interval of the probability: quantiles of its posterior."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +47,8 @@ class EntryCounts:
     """Mean duration of an attempt, in [s]; NaN without attempts."""
     mean_95_s: tuple[float, float]
     """Interval of the mean duration."""
+    named: tuple[str, ...] = ()
+    """Causes that `on_fail` names, in the order of `OutcomeCounts.by_cause`."""
 
     @property
     def p(self) -> float:
@@ -50,16 +65,47 @@ class EntryCounts:
     @property
     def p_95(self) -> tuple[float, float]:
         """Interval of the probability of Success: quantiles of its posterior, a Beta distribution."""
-        success, fail, give_up = self.counts.weights
+        return self._interval(self.counts.weights[0])
+
+    @property
+    def by_cause(self) -> dict[str, LearnedShare]:
+        """Probabilities of the Fails of the causes that `on_fail` names; empty if they were not recorded."""
+        counts = self.counts
+        if not counts.by_cause:
+            return {}
+        _, *shares = counts.chance.fail_shares
+        left = 1.0 - self.p - self.p_give_up
+        rows = zip(self.named, counts.by_cause, shares, counts.fail_weights[1:], strict=True)
+        return {
+            name: LearnedShare(count, _floored(left * share), self._interval(weight))
+            for name, count, share, weight in rows
+        }
+
+    @property
+    def by_result(self) -> list[LearnedShare]:
+        """Probabilities of the results of Success, the usual one first; empty if they were not recorded."""
+        counts = self.counts
+        rows = zip(counts.by_result, counts.chance.success_shares, counts.result_weights, strict=True)
+        return [
+            LearnedShare(count, _floored(self.p * share), self._interval(weight))
+            for count, share, weight in rows
+        ]
+
+    def _interval(self, weight: float) -> tuple[float, float]:
+        """Return the interval of a probability with this weight among those of all outcomes."""
         beside = (1.0 - CONFIDENCE_LEVEL) / 2.0
-        low, high = betaincinv(success, fail + give_up, np.array([beside, 1.0 - beside])).tolist()
+        others = sum(self.counts.weights) - weight
+        low, high = betaincinv(weight, others, np.array([beside, 1.0 - beside])).tolist()
         return low, high
 
     def words(self) -> str:
         """Return the counts as text of a comment next to the action."""
         low, high = self.p_95
-        causes = ", ".join(f"{name} {count}" for name, count in sorted(self.causes.items()))
-        also = f"; {causes}" if causes else ""
+        shares, parts = self.by_cause, list[str]()
+        for name, count in sorted({**dict.fromkeys(shares, 0), **self.causes}.items()):
+            interval = "p {:.3f} to {:.3f}".format(*shares[name].p_95) if name in shares else ""
+            parts.append(f"{name} {count}{f' ({interval})' * bool(interval)}")
+        also = f"; {', '.join(parts)}" if parts else ""
         return f"{self.counts.successes} of {self.counts.attempts}, p {low:.3f} to {high:.3f}{also}"
 
 
@@ -71,22 +117,50 @@ def count_entries(task: Task, trials: Iterable[Trial]) -> list[EntryCounts]:
     kept = list(trials)
     seen = SeenActions.of(task, kept)
     numbers = {name: number for number, name in enumerate(action_names(task))}
-    causes: list[Counter[str]] = [Counter() for _ in numbers]
+    ends: list[list[ActionEnd]] = [[] for _ in numbers]
     for trial in kept:
+        if trial.status == FAULT_STATUS:
+            continue
         for end in trial.actions:
-            if end.cause and end.action in numbers:
-                causes[numbers[end.action]][end.cause] += 1
-    return [_counted(seen, number, dict(each)) for number, each in enumerate(causes)]
+            if end.action in numbers:
+                ends[numbers[end.action]].append(end)
+    entries = task.file.actions
+    return [_counted(seen, number, entry, ends[number]) for number, entry in enumerate(entries)]
 
 
-def _counted(seen: SeenActions, number: int, causes: dict[str, int]) -> EntryCounts:
+def _counted(seen: SeenActions, number: int, entry: TaskEntry, all_ends: Sequence[ActionEnd]) -> EntryCounts:
     rows = seen.entry == number
     ends = Counter(seen.end[rows].tolist())
     fails = ends[EndCode.FAIL] + ends[EndCode.FOR_GOOD]
-    counts = OutcomeCounts(ends[EndCode.SUCCESS], fails, ends[EndCode.GIVE_UP])
+    causes = dict(Counter(each.cause for each in all_ends if each.cause))
+    named = tuple(entry.fail_entries)
+    by_cause, by_result = _fails_by_cause(named, all_ends), _successes_by_result(entry, all_ends)
+    outcomes = ends[EndCode.SUCCESS], fails, ends[EndCode.GIVE_UP]
+    counts = OutcomeCounts(*outcomes, by_cause, by_result)
     seconds = seen.seconds[rows]
     if not len(seconds):
-        return EntryCounts(counts, causes, math.nan, (math.nan, math.nan))
+        return EntryCounts(counts, causes, math.nan, (math.nan, math.nan), named)
     mean = float(seconds.mean())
     spread = float(seconds.std(ddof=1)) / math.sqrt(len(seconds)) if len(seconds) > 1 else 0.0
-    return EntryCounts(counts, causes, mean, (mean - 1.96 * spread, mean + 1.96 * spread))
+    return EntryCounts(counts, causes, mean, (mean - 1.96 * spread, mean + 1.96 * spread), named)
+
+
+def _fails_by_cause(named: Sequence[str], ends: Sequence[ActionEnd]) -> tuple[int, ...]:
+    """Return the number of Fails of each named cause; empty if the causes of some were not recorded."""
+    causes = [each.cause for each in ends if each.outcome == "Fail"]
+    return () if "" in causes else tuple(causes.count(name) for name in named)
+
+
+def _successes_by_result(entry: TaskEntry, ends: Sequence[ActionEnd]) -> tuple[int, ...]:
+    """Return the number of Successes of each effect; empty if there is one, or if they were not recorded."""
+    results = [each.result for each in ends if each.outcome == "Success"]
+    others = [each.result for each in entry.endings[1:]]
+    if entry.is_plain or None in results:
+        return ()
+    counts = [results.count(name) for name in others]
+    return (len(results) - sum(counts), *counts)
+
+
+def _floored(p: float) -> float:
+    """Return a probability as it is written, rounded down, so that the sum of several stays in its limit."""
+    return math.floor(p * 1e4 + 1e-6) / 1e4

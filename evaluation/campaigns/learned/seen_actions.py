@@ -14,7 +14,7 @@ from handcart.evaluation.campaigns.walks.odds import MOST_FAILS, EndCode
 from handcart.networks.task.task_file import Task
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
-_FAULT = 5  # exit status of a trial that ended by a fault of the program
+FAULT_STATUS = 5  # exit status of a trial that ended by a fault of the program
 _ENDS = {"Success": EndCode.SUCCESS, "Fail": EndCode.FAIL, "GiveUp": EndCode.GIVE_UP}
 
 
@@ -49,7 +49,7 @@ class SeenActions(NamedTuple):
         rows: list[tuple[int, int, int, int, float]] = []
         whole: list[tuple[float, float, float]] = []
         for trial in trials:
-            if trial.status == _FAULT:
+            if trial.status == FAULT_STATUS:
                 continue
             before, after_fail = 0.0, False
             fails: Counter[tuple[str, str, str]] = Counter()

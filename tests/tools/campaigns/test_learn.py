@@ -11,7 +11,9 @@ import orjson
 import pytest
 
 from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
 from handcart.evaluation.campaigns.data.walked_trials import network_trials
+from handcart.networks.entries.action_entry import ActionEntry
 from handcart.networks.task.task_file import load_task
 from tests.tools.conftest import Said
 
@@ -82,3 +84,60 @@ def test_a_folder_that_is_no_campaign_is_named(handcart: Callable[..., Said], tm
     said = handcart("learn", tmp_path)
     assert said.status == 2
     assert "Traceback" not in said.err
+
+
+CAUSES = """\
+start: a
+goal: z
+situations: {a: {}, b: {}, z: {}}
+actions:
+  - {do: MODIFY, from: a, to: z, cost_s: 10, with: {place: shelf_3},
+     on_fail: {blocked: b, no_route: {to: b, p: 0}, else: {p: 0.5}}}
+  - {do: MODIFY, from: b, to: z, cost_s: 12, p: 0.9, with: {place: shelf_3}}
+"""
+
+
+def ended(task: Path, causes: list[str]) -> Path:
+    """Return a campaign's folder with an action that ended so; "Success" for a Success."""
+    asked: dict[str, Any] = {"task": str(task), "level": "run", "shard": None, "first": 0, "trials": 1}
+    ends = [("Success", "") if cause == "Success" else ("Fail", cause) for cause in causes]
+    actions = [
+        ActionEnd("MODIFY (a to z)", "a", "z", outcome, 10.0 * number, cause=cause)
+        for number, (outcome, cause) in enumerate(ends, 1)
+    ]
+    summary = {"outcome": "Success", "sim_time_s": 100.0, "metrics": {}}
+    with CampaignFolder.made(task.parent / "ends", asked).log() as log:
+        log.append([Trial(0, 0, summary, actions)])
+    return task.parent / "ends"
+
+
+def test_probabilities_of_causes_are_written_with_intervals(
+    handcart: Callable[..., Said], tour: Path
+) -> None:
+    tour.write_text(tour.read_text().partition("\nstart:")[0] + "\n" + CAUSES)
+    campaign = ended(tour, ["Success"] * 60 + ["blocked"] * 30 + ["no_pose"] * 10)
+    said = handcart("learn", campaign)
+    assert re.search(r"blocked +30 +0\.29\d+ +0\.21\d to 0\.3[89]\d", said.out)
+    assert handcart("learn", campaign, "--write").status == 0
+    entry = load_task(tour).file.actions[0]
+    blocked, no_route = (each.p or 0.0 for each in entry.fail_entries.values())
+    assert (blocked, no_route) == pytest.approx((30.33 / 102.1, 0.33 / 102.1), abs=2e-3)
+    assert isinstance(entry, ActionEntry)
+    assert [each.to for each in entry.fail_entries.values()] == ["b", "b"]
+    other = float(re.search(r"else: \{p: (0\.\d+)\}", tour.read_text())[1])  # type: ignore[index]
+    assert (entry.p or 0.0) + blocked + no_route + other == pytest.approx(1.0, abs=1e-4)
+    assert re.search(
+        r"# 20\S+: 60 of 100, .*; blocked 30 \(p 0.21\d to 0.3[89]\d\), no_pose 10", tour.read_text()
+    )
+
+
+def test_shares_of_causes_stay_where_none_were_recorded(handcart: Callable[..., Said], tour: Path) -> None:
+    """What a Fail's causes had of it they keep: the file is valid whatever p becomes."""
+    text = CAUSES.replace("cost_s: 10,", "cost_s: 10, p: 0.2,").replace(
+        "blocked: b", "blocked: {to: b, p: 0.4}"
+    )
+    tour.write_text(tour.read_text().partition("\nstart:")[0] + "\n" + text)
+    assert handcart("learn", ended(tour, ["Success"] * 90 + [""] * 10), "--write").status == 0
+    entry = load_task(tour).file.actions[0]
+    assert entry.p == pytest.approx(91 / 102.1, abs=1e-3)
+    assert entry.fail_entries["blocked"].p == pytest.approx((1.0 - 91 / 102.1) / 2, abs=1e-3)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from handcart.evaluation.campaigns.learned.entry_counts import EntryCounts, coun
 from handcart.evaluation.campaigns.learned.seen_actions import SeenActions
 from handcart.evaluation.campaigns.walks.odds import EndCode
 from handcart.networks.deciding.posterior import OutcomeCounts
+from handcart.networks.entries.action_entry import ActionEntry
 from handcart.networks.task.task_file import Task
 
 ENTRY_COUNT = 2
@@ -32,7 +35,9 @@ def counted(monkeypatch: pytest.MonkeyPatch, ends: list[EndCode], seconds: list[
     module = "handcart.evaluation.campaigns.learned.entry_counts"
     monkeypatch.setattr(f"{module}.action_names", lambda task: ["first", "second"])
     monkeypatch.setattr(SeenActions, "of", lambda task, trials: seen)
-    return count_entries(Task.__new__(Task), [])
+    entry = ActionEntry.model_validate({"do": "MOVE_TO", "from": "a", "to": "b", "cost_s": 1.0})
+    task = SimpleNamespace(file=SimpleNamespace(actions=[entry] * ENTRY_COUNT))
+    return count_entries(cast("Task", task), [])
 
 
 def test_interval_of_a_mean_is_two_standard_errors_wide(monkeypatch: pytest.MonkeyPatch) -> None:
