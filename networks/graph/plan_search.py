@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from .cheapest_tree import CheapestTree
@@ -79,7 +79,7 @@ class PlanSearch:
             if not self._tree.is_spoiled(here, spoiled) and (rest := self._only_route(here)) is not None:
                 found += rest
                 break
-            segment = self._segment(here, weights, fails)
+            segment = self._segment(here, weights, fails, spoiled)
             steps += self.steps
             if segment is None:
                 self.steps = steps
@@ -119,12 +119,19 @@ class PlanSearch:
         """Return the weight of an action after these Fails, in [s]; infinite if it is excluded."""
         return self._weights(fails).get(action.index, self._base[action.index])
 
-    def _segment(self, start: int, weights: Mapping[int, float], fails: Mapping[int, int]) -> Segment | None:
+    def _segment(
+        self,
+        start: int,
+        weights: Mapping[int, float],
+        fails: Mapping[int, int],
+        spoiled: Sequence[tuple[int, int]] = (),
+    ) -> Segment | None:
+        """Return the first actions of a route, up to where all meet outside of the `spoiled` parts."""
         self.steps = 0
         cost = self._cheapest(start, weights)
         if cost == math.inf:
             return self._renewing(start, weights, fails) or self._hoping(start, weights)
-        nodes = self._way(start, weights, cost * (1.0 + _SLACK))
+        nodes = self._way(start, weights, cost * (1.0 + _SLACK), spoiled)
         pairs = itertools.pairwise(nodes)
         return Segment(tuple(self._best(*pair, weights) for pair in pairs), self._names[nodes[-1]])
 
@@ -147,8 +154,10 @@ class PlanSearch:
             for action in shared[counter]
         }
 
-    def _weight(self, edges: Iterable[int], weights: Mapping[int, float]) -> float:
+    def _weight(self, edges: Sequence[int], weights: Mapping[int, float]) -> float:
         base = self._base
+        if len(edges) == 1:
+            return weights.get(edges[0], base[edges[0]])
         return min(weights.get(index, base[index]) for index in edges)
 
     def _cheapest(self, start: int, weights: Mapping[int, float]) -> float:
@@ -173,7 +182,9 @@ class PlanSearch:
                     heapq.heappush(heap, (there + ahead, to, there))
         return math.inf
 
-    def _way(self, start: int, weights: Mapping[int, float], most: float) -> list[int]:
+    def _way(
+        self, start: int, weights: Mapping[int, float], most: float, spoiled: Sequence[tuple[int, int]]
+    ) -> list[int]:
         """Return the cheapest route up to where all meet; of equal routes, the one that networkx finds."""
         left, goal = self._tree.left, self._goal
         seen, before, done, count = {start: 0.0}, {start: start}, set[int](), 0
@@ -183,7 +194,8 @@ class PlanSearch:
             if here in done:
                 continue
             done.add(here)
-            if here == goal or (here != start and len(seen) == len(done)):
+            all_meet = here != start and len(seen) == len(done)
+            if here == goal or (all_meet and not self._tree.is_spoiled(here, spoiled)):
                 break
             self.steps += 1
             for to, edges in self._ways[here]:
