@@ -60,6 +60,7 @@ class TaskParts:
         """Yield what other formats keep as a comment alone, and do not carry out."""
         words = {
             "policy": "the policy",
+            "belief": "beliefs",
             "time_out_s": "the time-out of the task",
             "interrupts": "interrupts",
             "rounds": "rounds",

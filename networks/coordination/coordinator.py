@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.deciding.best_planner import planner_of
+from handcart.networks.deciding.planners import planner_of
 from handcart.networks.events.events import Event
 from handcart.networks.events.run_end import RunEnd, RunOutcome
 from handcart.networks.graph.network import Action, ActionNetwork, NotBound

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
-from handcart.networks.deciding.best_planner import planner_of
+from handcart.networks.deciding.planners import planner_of
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import RunDecisions

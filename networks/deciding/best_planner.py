@@ -7,12 +7,11 @@ from collections.abc import Iterable
 from typing_extensions import override
 
 from handcart.networks.chains.chance import Chance
-from handcart.networks.chains.policy import Chances
-from handcart.networks.chains.step_maker import State
+from handcart.networks.chains.step_maker import State, Step
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 
-from .best_policy import BestPolicy, PolicyName
+from .best_policy import BestPolicy
 from .best_values import Decision
 
 
@@ -26,20 +25,6 @@ def chances_of(network: ActionNetwork) -> list[Chance | None]:
 
 def _chance(action: Action) -> Chance:
     return Chance(1.0 if action.p_success is None else action.p_success, action.p_give_up)
-
-
-def planner_of(network: ActionNetwork, chances: Chances | None = None) -> Planner:
-    """Return the planner of a network's policy.
-
-    Args:
-        network: the network.
-        chances: outcome probabilities; None: those of its actions.
-    """
-    if network.policy == "rule":
-        return Planner(network)
-    known = chances_of(network) if chances is None else chances
-    name: PolicyName = "goal_probability" if network.policy == "goal_probability" else "expected_cost"
-    return BestPlanner(BestPolicy(network, known, name, network.person_s))
 
 
 class BestPlanner(Planner):
@@ -57,7 +42,17 @@ class BestPlanner(Planner):
     def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
         excluded = list(without)
         if goal not in (None, self.network.goal) or excluded or self.best.is_rule_better():
-            return super().plan(situation, goal, excluded)
+            return self.plan_by_rule(situation, goal, excluded)
+        return self.plan_by_policy(situation)
+
+    def plan_by_rule(
+        self, situation: str, goal: str | None = None, without: Iterable[Action] = ()
+    ) -> Plan | NoWay:
+        """Return the cheapest route, as the rule does."""
+        return super().plan(situation, goal, without)
+
+    def plan_by_policy(self, situation: str) -> Plan | NoWay:
+        """Return the route that the best policy begins, or why a person is called."""
         state = self.best.state(situation, self.counts)
         first = self.best.decision(state)
         if first.action is None:
@@ -65,12 +60,16 @@ class BestPlanner(Planner):
             return rule if isinstance(rule, NoWay) else self._call(situation, first)
         return Plan(self._usual(state), first.cost, self._excluded())
 
+    def step(self, state: State) -> Step:
+        """Return the decision in a state."""
+        return self.best.step(state)
+
     def _usual(self, state: State) -> tuple[Action, ...]:
         """Return the actions from a state on if each has its usual result."""
         found, seen = list[Action](), set[State]()
         while state.situation != self.network.goal and state not in seen:
             seen.add(state)
-            step = self.best.step(state)
+            step = self.step(state)
             if step.action is None or step.succeeded[0] is None:
                 break
             found.append(step.action)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import Policy, TooLarge, policy
+from handcart.networks.chains.policy import Chances, Policy, TooLarge, policy
 from handcart.networks.chains.policy_chain import policy_chain
 from handcart.networks.chains.step_maker import State
 from handcart.networks.graph.network import Action, ActionNetwork
@@ -33,9 +33,19 @@ class OptionValue(NamedTuple):
 class OptionValues:
     """Figures of the actions of one network, by the probabilities in its file."""
 
-    def __init__(self, network: ActionNetwork) -> None:
-        """Prepare the figures."""
-        self._network, self._chances = network, chances_of(network)
+    def __init__(
+        self, network: ActionNetwork, chances: Chances | None = None, policy: str | None = None
+    ) -> None:
+        """Prepare the figures.
+
+        Args:
+            network: the network.
+            chances: outcome probabilities of each action; None: those of the file.
+            policy: policy that decides afterwards; None: the network's.
+        """
+        self._network = network
+        self._chances = chances_of(network) if chances is None else chances
+        self._policy_name = policy or network.policy
         self._process = Process(network, self._chances, network.person_s)
         self._known: dict[State, OptionValue] = {}
 
@@ -76,10 +86,8 @@ class OptionValues:
         return self._known[state]
 
     def _policy(self, start: State) -> Policy:
-        if self._network.policy == "rule":
+        if self._policy_name == "rule":
             return policy(self._network, effort=Effort(VALUE_STEPS), start=start, chances=self._chances)
-        name: PolicyName = (
-            "goal_probability" if self._network.policy == "goal_probability" else "expected_cost"
-        )
+        name: PolicyName = "goal_probability" if self._policy_name == "goal_probability" else "expected_cost"
         best = BestPolicy(self._network, self._chances, name, self._network.person_s, Effort(VALUE_STEPS))
         return best.policy(start)

@@ -22,7 +22,10 @@ from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 from .aims import NO_AIMS, Aims
 from .attempts import MAX_ATTEMPTS as MAX_ATTEMPTS
 from .attempts import Attempts
+from .belief_prior import BeliefPrior
 from .distinctions import SiblingAction, distinctions
+from .endings import Ending as Ending
+from .endings import FailEnding as FailEnding
 
 Fact = str | bool | int | float
 
@@ -107,29 +110,6 @@ class Situation:
     """Physical facts that hold in it; facts that only describe knowledge belong in the name."""
     element: str | None = None
     """Element of a `repeat` that it belongs to; facts learned for it are forgotten when it is left."""
-
-
-@dataclass(frozen=True)
-class Ending:
-    """A further situation that a Success of an action may lead to, decided by what it measured."""
-
-    target: str
-    result: str = ""
-    """Result by which the primitive reports it."""
-    p: float | None = None
-    """Probability that an attempt ends so."""
-
-
-@dataclass(frozen=True)
-class FailEnding:
-    """Situation that a Fail of an action leads to, decided by its cause."""
-
-    cause: str
-    """Name of a `CauseKind`."""
-    target: str | None = None
-    """The situation; None: it remains as it is."""
-    p: float | None = None
-    """Probability that an attempt ends so."""
 
 
 @dataclass(frozen=True)
@@ -254,6 +234,8 @@ class ActionNetwork:
     """Limits on repeating the restoring after a fault."""
     aims: Aims = NO_AIMS
     """Time-out, rounds and interrupts."""
+    belief: BeliefPrior | None = None
+    """Beliefs in the probabilities at the start of a run; None: those of the file hold throughout."""
 
     @classmethod
     def build(
@@ -341,6 +323,8 @@ class ActionNetwork:
             digest.update(repr(("otherwise", self.otherwise)).encode())
         if self.policy != "rule":
             digest.update(repr((self.policy, self.person_s)).encode())
+        if self.belief is not None:
+            digest.update(repr(("belief", *self.belief)).encode())
         if self.restoring != NO_PATIENCE:
             digest.update(repr(("restoring", *self.restoring)).encode())
         if aims := self.aims.fields():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import networkx as nx
 
+from .belief_prior import Judged
 from .network import Action, ActionNetwork
 from .plan_search import SKIP_WEIGHT as SKIP_WEIGHT
 from .plan_search import PlanSearch
@@ -25,6 +26,8 @@ class Plan:
     """True if the last action has to fail, or to have another result than its first, to lead on. Each of
     its Successes uses up an attempt, so that a run ends.
     """
+    judged: Judged | None = None
+    """Judgement of the policy that it follows; None where beliefs decide nothing."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class NoWay:
     explanation: str
     calls_person: bool = False
     """True if actions are left, and calling a person costs less than any of them."""
+    judged: Judged | None = None
+    """Judgement of the policy that it follows; None where beliefs decide nothing."""
 
 
 class Planner:
@@ -80,6 +85,10 @@ class Planner:
         self.counts[action.counter] = allowed.used_up(count) if permanent else allowed.failed(count)
         times, _ = self._reasons.get(action.index, (0, ""))
         self._reasons[action.index] = times + 1, reason
+
+    def hoped(self, action: Action) -> None:
+        """Count a Success as a Fail, which was needed."""
+        Planner.failed(self, action, "it succeeded, and its Fail was needed")
 
     def succeeded(self, action: Action) -> bool:
         """Renew the counts that begin again after a Success of an action; return whether one changed."""

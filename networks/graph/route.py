@@ -175,7 +175,7 @@ class RunDecisions:
         target = action.target_of(result)
         renewed = self.planner.succeeded(action)
         if hopes:
-            self.planner.failed(action, "it succeeded, and its Fail was needed")
+            self.planner.hoped(action)
         if renewed or (self._ahead and self._ahead[-1].source != target):
             self._ahead = []
         self._moved(target)

@@ -8,7 +8,7 @@ from typing import Any
 
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
-from handcart.networks.deciding.best_planner import planner_of
+from handcart.networks.deciding.planners import planner_of
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.route import Elsewhere, RunDecisions
 from handcart.primitives.outcomes.outcome import Success

@@ -80,6 +80,8 @@ class RunLog(Intents):
         else:
             record["no_way"] = plan.explanation
             record["excluded"] = [each.index for each in plan.blocking]
+        if plan.judged is not None:
+            record["judged"] = plan.judged.fields()
         self._write("PLAN", record)
         self._tell(lambda: Planned(self._robot.time, situation, plan))
 

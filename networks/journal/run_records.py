@@ -61,6 +61,7 @@ class PlannedRecord(TypedDict):
     cost: NotRequired[float]
     no_way: NotRequired[str]
     excluded: NotRequired[list[Index]]
+    judged: NotRequired[dict[str, Any]]
     error: NotRequired[str]
 
 

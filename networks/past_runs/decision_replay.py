@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay, Plan
@@ -76,6 +77,9 @@ def _planned(position: RunPosition, record: Record) -> DecisionDifference | None
     plan = route.plan()
     position.plans += 1
     excluded = [each.index for each in (plan.excluded if isinstance(plan, Plan) else plan.blocking)]
+    judged = None if plan.judged is None else plan.judged.fields()
+    if "judged" in record and record["judged"] != judged:
+        return _differs(record, f"judged {_judged(record['judged'])}", f"judges {_judged(judged)}")
     if isinstance(plan, Plan) and "way" in record:
         way = [each.index for each in plan.actions]
         same_cost = math.isclose(record["cost"], plan.cost, rel_tol=COST_TOLERANCE)
@@ -112,6 +116,14 @@ def _ended(position: RunPosition, record: Record) -> DecisionDifference | None:
         return _differs(record, f"ended in Fail: {record['reason']}", f"is at the goal {route.goal}")
     position.followed([record])
     return None
+
+
+def _judged(fields: Mapping[str, Any] | None) -> str:
+    if fields is None:
+        return "no policy by beliefs"
+    beliefs = ", ".join(f"{entry}: {a:g}/{b:g}" for entry, a, b in fields["beliefs"])
+    share = f"better in {fields['better']:.1%} of draws"
+    return f"that {fields['follows']} is to be followed ({share}; beliefs {beliefs or 'as at first'})"
 
 
 def _differs(record: Record, journal: str, today: str, why: str = "") -> DecisionDifference:

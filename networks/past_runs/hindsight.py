@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from handcart.networks.deciding.best_planner import planner_of
+from handcart.networks.deciding.belief_planner import BeliefPlanner
 from handcart.networks.deciding.option_values import OptionValue, OptionValues
+from handcart.networks.deciding.planners import planner_of
+from handcart.networks.graph.belief_prior import Judged
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.plan_search import PlanSearch
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 
-from .past_run import PastAction, PastRun, Record
+from .past_run import PastAction, PastRun
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,8 @@ class Option:
     """Reason why it was excluded; empty if it was open."""
     value: OptionValue | None = None
     """Expected result of a run with it, by the probabilities in the file; None if they are unknown."""
+    believed: float | None = None
+    """Probability of Success by the beliefs of the run; None without beliefs."""
 
     def threshold_s(self, chosen: OpenRoute) -> float | None:
         """Return the cost below which the rule would choose it, in [s]; None without one."""
@@ -62,6 +66,8 @@ class Choice:
     """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
     policy: str = "rule"
     """Policy by which the run chose, as the task's file names it."""
+    judged: Judged | None = None
+    """Judgement of that policy by the beliefs of the run; None without beliefs."""
 
 
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:
@@ -86,7 +92,8 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
         tuple(options),
         min(ways, key=lambda way: way.cost, default=None),
         then.after_fail(chosen),
-        then.network.policy,
+        then.judged.follows if then.judged else then.network.policy,
+        then.judged,
     )
 
 
@@ -99,10 +106,14 @@ class _Then:
         self._search = PlanSearch(self.network)
         self._events = list(_counted(run, action))
         self._planner = self._new_planner()
-        self._values = OptionValues(self.network)
         goal = _pursued(run, action)
         self._goal = None if goal == self.network.goal else goal
-        self._for_good = {index for index, word in self._events if word == FOR_GOOD}
+        self.judged = _judged(run, action)
+        planner = self._planner
+        self._beliefs = planner.beliefs.chances() if isinstance(planner, BeliefPlanner) else None
+        self._values = OptionValues(self.network, self._beliefs, self.judged and self.judged.follows)
+        begun = max((n for n, (_, word) in enumerate(self._events) if word == ROUND), default=0)
+        self._for_good = {index for index, word in self._events[begun:] if word == FOR_GOOD}
 
     def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
         return self._planner.plan(situation, self._goal, without=without)
@@ -125,12 +136,14 @@ class _Then:
         others = [each for each in self.network.actions if each.source == action.source]
         rest = self.plan(action.target, without=others)
         value = self._value(action)
+        chance = None if self._beliefs is None else self._beliefs[action.index]
+        believed = None if chance is None else chance.success
         if isinstance(rest, Plan):
             route = OpenRoute((action, *rest.actions), weight + rest.cost)
-            return Option(action, weight, fails, route, "", value)
+            return Option(action, weight, fails, route, "", value, believed)
         leads = isinstance(self.plan(action.target), Plan)
         out = "leads only back here" if leads else f"nothing leads on from {action.target}"
-        return Option(action, weight, fails, None, out, value)
+        return Option(action, weight, fails, None, out, value, believed)
 
     def _value(self, action: Action) -> OptionValue | None:
         """Return what a run comes to with an action; None if that is not known."""
@@ -145,30 +158,37 @@ class _Then:
         if self.network.policy != "rule":
             planner = planner_of(self.network)
         for index, word in self._events:
-            if word == SUCCEEDED:
+            if word == ROUND:
+                planner.begin_again()
+            elif word == SUCCEEDED:
                 planner.succeeded(self.network.actions[index])
+            elif word == HOPED:
+                planner.hoped(self.network.actions[index])
             else:
                 planner.failed(self.network.actions[index], "", permanent=word == FOR_GOOD)
         return planner
 
 
 SUCCEEDED, FAILED, FOR_GOOD = "succeeded", "failed", "failed for good"
+HOPED, ROUND = "succeeded, and had to fail", "another round began"
 
 
 def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
-    """Yield what counts before an action: the index of what ended, and how."""
+    """Yield what counts before an action: the index of what ended, and how; -1 for another round."""
     indices = {each.number: each.index for each in run.actions}
     started: dict[int, int] = {}
     needed: int | None = None  # the action whose Fail is needed, by the last plan
-    for record in _of_this_round(run.before(action)):
+    for record in run.before(action):
         kind = record["kind"]
+        if kind == "AIM" and record["what"] == "round":
+            yield -1, ROUND
         if kind == "PLAN":
             needed = _needs_fail(run, record.get("way", ()))
         hoped = kind == "RESULT" and indices[record["n"]] == needed
         if kind == "RESULT" and record["outcome"] == "Success":
             yield indices[record["n"]], SUCCEEDED
             if hoped:
-                yield indices[record["n"]], FAILED
+                yield indices[record["n"]], HOPED
         elif kind == "RESULT" and record["outcome"] == "Fail":
             yield indices[record["n"]], FOR_GOOD if record["permanent"] else FAILED
         elif kind in ("START", "RESULT"):
@@ -177,13 +197,6 @@ def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
             yield int(record["action"]), FAILED
         elif kind == "ACK" and record["record"] in started:  # from there on it counts as a Fail
             yield started[record["record"]], FAILED
-
-
-def _of_this_round(records: Iterable[Record]) -> list[Record]:
-    """Return the records since the last round began, when all attempts were given back."""
-    every = list(records)
-    begins = [n for n, each in enumerate(every) if each["kind"] == "AIM" and each["what"] == "round"]
-    return every[begins[-1] :] if begins else every
 
 
 def _pursued(run: PastRun, action: PastAction) -> str:
@@ -195,6 +208,13 @@ def _pursued(run: PastRun, action: PastAction) -> str:
     ways = [each["way"] for each in run.before(action) if each["kind"] == "PLAN" and each.get("way")]
     last = network.actions[ways[-1][-1]].target if ways else network.goal
     return last if last in ends else network.goal
+
+
+def _judged(run: PastRun, action: PastAction) -> Judged | None:
+    """Return the judgement that the journal keeps of the last plan before an action."""
+    plans = [each for each in run.before(action) if each["kind"] == "PLAN"]
+    kept = plans[-1].get("judged") if plans else None
+    return None if kept is None else Judged.read(kept)
 
 
 def _needs_fail(run: PastRun, way: Sequence[int]) -> int | None:

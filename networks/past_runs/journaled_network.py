@@ -10,6 +10,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.networks.graph.aims import Aims
+from handcart.networks.graph.belief_prior import BeliefPrior
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, FailEnding, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
@@ -80,5 +81,6 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
         person_s=float(fields.get("person_s", 600.0)),
         restoring=Patience(*fields.get("restoring", NO_PATIENCE)),
         aims=Aims.of(dict(fields)),
+        belief=BeliefPrior.read(fields),
     )
     return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))

@@ -127,6 +127,8 @@ def _aims(network: ActionNetwork) -> dict[str, Any]:
     aims: dict[str, Any] = {}
     if network.policy != "rule":
         aims = {"policy": network.policy, "person_s": network.person_s}
+    if network.belief is not None:
+        aims["belief"] = {"attempts": network.belief.attempts, "entries": list(network.belief.entries)}
     if network.restoring != NO_PATIENCE:
         aims["restoring"] = list(network.restoring)
     aims |= network.aims.fields()

@@ -28,6 +28,7 @@ from handcart.networks.entries.entry import TaskEntry, listed_names
 from handcart.networks.entries.goals_in_order import TooManyGoals
 from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.aims import Aims
+from handcart.networks.graph.belief_prior import BeliefPrior
 from handcart.networks.graph.network import (
     LOCATE_NAME,
     Action,
@@ -49,11 +50,7 @@ from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
-from .task_knowledge import (
-    PLACES_KIND,
-    TaskKnowledge,
-    read_knowledge,
-)
+from .task_knowledge import PLACES_KIND, TaskKnowledge, read_knowledge
 from .task_model import (
     MAX_TASK_BYTES,
     MAX_TASK_NODES,
@@ -370,7 +367,7 @@ class _Reader:
         network = ActionNetwork.build(*parts, goal, otherwise)
         patience = Patience(file.restoring.attempts, file.restoring.wait_s)
         network = replace(network, policy=file.policy, person_s=file.person_s, restoring=patience)
-        network = replace(network, aims=aims)
+        network = replace(network, aims=aims, belief=BeliefPrior.of(file.belief_attempts, entries))
         self._add_all(round_faults(network))
         if file.policy != "rule":
             self._add_all(chance_faults(file))

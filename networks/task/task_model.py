@@ -60,6 +60,13 @@ class RestoringEntry(FileModel):
     """Time at rest before it is tried again."""
 
 
+class BeliefEntry(FileModel):
+    """How much a run's own outcomes count against the probabilities of the file."""
+
+    attempts: Annotated[float, Field(ge=1.0, le=1e6)] = 20.0
+    """Number of attempts that `p` of the file counts for, as if they had been seen before the run."""
+
+
 class Each(FileModel):
     """A value of the element of a repeat."""
 
@@ -111,12 +118,19 @@ class TaskHead(AimsHead):
     """Choice of actions: the cheapest route with doubled weights, or by the probabilities `p` the least
     expected cost or the largest probability of the goal.
     """
+    belief: BeliefEntry | None = None
+    """Belief in the probabilities, which outcomes of the run change; policies but the rule follow it."""
     person_s: Annotated[float, Field(gt=0.0, le=1e6)] = 600.0
     """Price of each end short of the goal, in seconds of a person's time."""
     budgets: Annotated[dict[str, Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)]], Field(default_factory=dict)]
     """Attempts that several actions share, by name; `attempts: {budget: NAME}` refers to them."""
     restoring: Annotated[RestoringEntry, Field(default_factory=RestoringEntry)]
     """Maximum number of attempts to undo an action after a fault, before it ends in GiveUp."""
+
+    @property
+    def belief_attempts(self) -> float | None:
+        """Number of attempts that the probabilities count for; None if they hold throughout."""
+        return None if self.belief is None or self.policy == "rule" else self.belief.attempts
 
 
 class TaskFile(TaskHead):

@@ -216,6 +216,7 @@ def _choice_json(choice: Choice) -> dict[str, Any]:
     return {
         "way": _way_json(choice.way),
         "policy": choice.policy,
+        "judged": choice.judged and choice.judged.fields(),
         "options": [
             {**_option_json(each), "chosen_below_s": each.threshold_s(choice.way)} for each in choice.options
         ],
@@ -235,6 +236,7 @@ def _option_json(option: Option) -> dict[str, Any]:
         "out": option.out,
         "p_goal": option.value and option.value.goal,
         "mean_s": option.value and option.value.mean_s,
+        "believed": option.believed,
     }
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from handcart.networks.graph.belief_prior import Judged
 from handcart.networks.graph.planner import SKIP_WEIGHT
 from handcart.networks.past_runs.hindsight import Choice, OpenRoute, Option
 from handcart.networks.past_runs.past_run import PastAction, PastRun
@@ -128,6 +129,8 @@ def choice_words(choice: Choice) -> Iterator[str]:
     fails = f", failed {_times(chosen.fails)} before" if chosen.fails else ""
     yield f"{_chosen_words(choice)}: {_steps(choice.way)}{_value_words(chosen)}"
     yield f"{chosen.action.do} counted {_seconds(chosen.weight)} of it{fails}"
+    if choice.judged is not None:
+        yield from _judged_words(choice, choice.judged)
     if not others:
         yield f"nothing else leads out of {choice.chosen.source}"
     for each in others:
@@ -148,6 +151,21 @@ def _chosen_words(choice: Choice) -> str:
     if choice.policy == "expected_cost":
         return f"least expected price, {_seconds(choice.way.cost)}"
     return f"cheapest way to the goal, {_cost(choice.way)}"
+
+
+def _judged_words(choice: Choice, judged: Judged) -> Iterator[str]:
+    """Yield the beliefs of the run, and whether they were enough to leave the rule."""
+    found = f"better than the rule in {judged.better:.1%} of draws, by {judged.saved_s:.1f} s in the mean"
+    if judged.follows != "rule":
+        yield f"by the run's outcomes the policy {judged.follows} is {found}: it is followed"
+    elif judged.better or judged.saved_s:
+        yield f"by the run's outcomes the best policy is {found}; needed to leave the rule: 95 %"
+    else:
+        yield "by the run's outcomes the best policy decides as the rule does"
+    for option in choice.options:
+        p, believed = option.action.p_success, option.believed
+        if p is not None and believed is not None and abs(p - believed) >= 5e-4:
+            yield f"{option.action} is believed to succeed with p {believed:.3f}, by the file {p:g}"
 
 
 def _value_words(option: Option) -> str:

@@ -17,7 +17,8 @@ from handcart.networks.analysis.forecast import Forecaster, forecast
 from handcart.networks.analysis.task_findings import task_findings
 from handcart.networks.chains.chance import Chance
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.deciding.best_planner import BestPlanner, chances_of, planner_of
+from handcart.networks.deciding.best_planner import BestPlanner, chances_of
+from handcart.networks.deciding.planners import planner_of
 from handcart.networks.drawing.drawing import to_dot, to_mermaid, to_svg
 from handcart.networks.events.events import Event, Started
 from handcart.networks.graph.network import ActionNetwork

@@ -1,0 +1,75 @@
+"""Planner that leaves the rule where the beliefs of the run say that another policy is better."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from typing_extensions import override
+
+from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.step_maker import State, Step
+from handcart.networks.graph.belief_prior import BeliefPrior, Judged
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.graph.planner import NoWay, Plan
+
+from .beliefs import Beliefs
+from .best_planner import BestPlanner
+from .best_policy import BestPolicy, PolicyName
+from .posterior import SwitchVerdict, judge_policies
+
+BEST_STEPS, RULE_STEPS = 60_000.0, 20_000.0
+"""Budgets of one judgement: some 0.3 s."""
+
+
+class BeliefPlanner(BestPlanner):
+    """Plans by the rule, or by the file's policy where it costs less in 95 % of draws from the beliefs.
+
+    A judgement is made for each plan, from the situation of the run on. Beliefs stay from round to round.
+    """
+
+    def __init__(self, network: ActionNetwork, prior: BeliefPrior, name: PolicyName) -> None:
+        """Create a planner of a network in which nothing has been tried.
+
+        Args:
+            network: the network.
+            prior: the beliefs at first.
+            name: the policy that is followed where it is better.
+        """
+        self.beliefs = Beliefs(network, prior)
+        chances = self.beliefs.chances()
+        super().__init__(BestPolicy(network, chances, name, network.person_s, Effort(BEST_STEPS)))
+        self._is_new = False
+
+    @override
+    def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
+        super().failed(action, reason, permanent=permanent)
+        self._is_new |= self.beliefs.failed(action)
+
+    @override
+    def succeeded(self, action: Action) -> bool:
+        self._is_new |= self.beliefs.succeeded(action)
+        return super().succeeded(action)
+
+    @override
+    def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
+        excluded = list(without)
+        if goal not in (None, self.network.goal) or excluded or situation == self.network.goal:
+            return self.plan_by_rule(situation, goal, excluded)
+        verdict = self.verdict(situation)
+        plan = self.plan_by_policy(situation) if verdict.is_sure else self.plan_by_rule(situation)
+        name = self.best.name if verdict.is_sure else "rule"
+        judged = Judged(name, verdict.better_share, verdict.saved_s, self.beliefs.changed)
+        return replace(plan, judged=judged)
+
+    @override
+    def step(self, state: State) -> Step:
+        return self.best.known_step(state) or self.best.step(state)
+
+    def verdict(self, situation: str) -> SwitchVerdict:
+        """Judge whether the policy is better than the rule from a situation on, by the present beliefs."""
+        if self._is_new:
+            self.best = self.best.believing(self.beliefs.chances(), Effort(BEST_STEPS))
+            self._is_new = False
+        start = self.best.state(situation, self.counts)
+        return judge_policies(self.best, self.beliefs.drawn, start, RULE_STEPS)

@@ -1,0 +1,90 @@
+"""Beliefs in the probabilities of a task's actions, which outcomes change during a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.networks.chains.chance import Chance
+from handcart.networks.graph.belief_prior import BeliefPrior
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.robotics.numerics.arrays import FloatArray
+
+DRAW_COUNT = 200
+
+
+class Beliefs:
+    """Weights (a, b) of Success and Fail for each entry of the file, shared by all its copies.
+
+    At first they are those of `p`, as if it had been counted in the prior's number of attempts. GiveUp keeps
+    its weight, because it ends a run.
+    """
+
+    def __init__(self, network: ActionNetwork, prior: BeliefPrior) -> None:
+        """Begin with the prior.
+
+        Args:
+            network: the network; all its actions have probabilities.
+            prior: weight of its probabilities, and the entry of each action.
+        """
+        self._network, self._entries = network, prior.entries
+        self._prior: dict[int, tuple[float, float, float]] = {}
+        for action in network.actions:
+            if action.binding is not None:
+                p = 1.0 if action.p_success is None else action.p_success
+                fail = max(0.0, 1.0 - p - action.p_give_up)
+                weights = prior.attempts * p, prior.attempts * fail, prior.attempts * action.p_give_up
+                self._prior.setdefault(self._entries[action.index], weights)
+        self._seen: dict[int, tuple[int, int]] = {}
+
+    def succeeded(self, action: Action) -> bool:
+        """Count a Success, and renew what begins again after it; return whether a belief changed."""
+        for counter in self._network.renewed_by.get(action.index, ()):
+            for each in self._network.shared[counter]:
+                self._seen.pop(self._entries[each.index], None)
+        return self._count(action, 1, 0)
+
+    def failed(self, action: Action) -> bool:
+        """Count a Fail; return whether a belief changed."""
+        return self._count(action, 0, 1)
+
+    def _count(self, action: Action, success: int, fail: int) -> bool:
+        entry = self._entries[action.index]
+        if entry < 0:
+            return False
+        successes, fails = self._seen.get(entry, (0, 0))
+        self._seen[entry] = successes + success, fails + fail
+        return True
+
+    def weights(self, entry: int) -> tuple[float, float, float]:
+        """Return the weights of Success, Fail and GiveUp of an entry."""
+        (a, b, give_up), (successes, fails) = self._prior[entry], self._seen.get(entry, (0, 0))
+        return a + successes, b + fails, give_up
+
+    @property
+    def changed(self) -> tuple[tuple[int, float, float], ...]:
+        """Number of each entry whose belief differs from the prior, with its weights of Success and Fail."""
+        return tuple((entry, *self.weights(entry)[:2]) for entry in sorted(self._seen))
+
+    def chances(self) -> list[Chance | None]:
+        """Return the expected probabilities of each action; None for a skip."""
+        known = {entry: _mean(self.weights(entry)) for entry in self._prior}
+        return [known.get(entry) for entry in self._entries]
+
+    def drawn(self, seed: int = 0) -> list[list[Chance | None]]:
+        """Return draws of all probabilities; equal beliefs have equal draws."""
+        order = list(self._prior)
+        draws = np.random.default_rng([31, seed])
+        weights = np.array([self.weights(entry) for entry in order])
+        gammas: FloatArray = draws.standard_gamma(weights, (DRAW_COUNT, *weights.shape))
+        shares = (gammas / gammas.sum(axis=2, keepdims=True)).tolist()
+        rows = [
+            {entry: Chance(success, give_up) for entry, (success, _, give_up) in zip(order, row, strict=True)}
+            for row in shares
+        ]
+        return [[row.get(entry) for entry in self._entries] for row in rows]
+
+
+def _mean(weights: tuple[float, float, float]) -> Chance:
+    success, fail, give_up = weights
+    total = success + fail + give_up
+    return Chance(success / total, give_up / total)
