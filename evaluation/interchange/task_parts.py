@@ -73,6 +73,8 @@ class TaskParts:
             yield "several goals: the last one alone ends it"
         if any(isinstance(attempts_of(row), Mapping) for row in self.actions):
             yield "attempts that are shared, or given back"
+        if any("route_from" in row for row in self.actions):
+            yield "the driving times of routes in costs"
         if any("permit" in row for row in self.actions):
             yield "permits of an operator"
 

@@ -56,6 +56,10 @@ class TaskEntry(FileModel):
     """Name of the primitive."""
     cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
     """Expected duration; each Fail doubles its weight in planning."""
+    route_from: str | None = None
+    """Fact whose value, where the action starts, is the name of the base's place: the driving time of the
+    planned route from there to the action's place is added to `cost_s`.
+    """
     attempts: Count | AttemptsEntry = 3
     """Maximum number of Fails, after which it is excluded; or how they are counted."""
     p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None

@@ -50,6 +50,7 @@ from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
+from .route_costs import RouteTimes, with_route_costs
 from .task_knowledge import PLACES_KIND, TaskKnowledge, read_knowledge
 from .task_model import (
     MAX_TASK_BYTES,
@@ -143,6 +144,7 @@ class _Reader:
         self._budgets: Mapping[str, int] = self._silently(("budgets",), dict[str, int]) or {}
         self._knowledge = read_knowledge(self._document, self._findings, resolved)
         self._names = self._knowledge.names()
+        self._route_times = RouteTimes(self._document, self._knowledge)
         places = self._knowledge.places
         self._place_names = None if places is None else list(places.value.places)
         no_places = None if self._document.root.deepest(("knowledge", PLACES_KIND))[1] else ()
@@ -360,6 +362,7 @@ class _Reader:
         ]
         every = [action for action in actions if action is not None]
         entries: tuple[int | None, ...] = tuple(copied.entry for copied in copies.actions)
+        every = with_route_costs(every, entries, file.actions, facts, self._route_times, self._add)
         parts = Parts(situations, every, copies.start)
         if not self._knowledge.is_start_known:
             parts = with_locate(parts, self._primitives(LOCATE_NAME))

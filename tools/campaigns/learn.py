@@ -145,7 +145,8 @@ def _changed(
             if not each.counts.attempts:
                 continue
             row = data["actions"][number]
-            row["cost_s"] = _rounded(each.mean_s, row["cost_s"])
+            if entry.route_from is None:  # otherwise cost_s is the part besides the route
+                row["cost_s"] = _rounded(each.mean_s, row["cost_s"])
             _write_chances(row, entry, each)
             data["actions"].yaml_add_eol_comment(f"{date}: {each.words()}", number, column=0)
         if verdict is not None and verdict.is_sure and task.network.policy == "rule":
