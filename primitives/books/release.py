@@ -78,6 +78,10 @@ class Release(HeldBookPrimitive):
     """y in the shelf frame where the book is let go, in [m]."""
     _open_to: float | None = PrivateAttr(default=None)
     """Target opening of the fingers in [m], while they open."""
+    _is_home: bool = PrivateAttr(default=False)
+    """True once the book was pushed home."""
+    _seen: bool | None = PrivateAttr(default=None)
+    """Whether the label was read in its slot; None if it was not looked at."""
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """Return the steps, one after the other."""
@@ -142,6 +146,7 @@ class Release(HeldBookPrimitive):
             raise Discrepancy(
                 "the fingers don't meet the book: it may protrude", measured=felt, cause=book_causes.PROTRUDES
             )
+        self._is_home = True
 
     def _withdraw(self, robot: Robot) -> Periods:
         yield from self._move_in_shelf(robot, -WITHDRAWN_DISTANCE_M - self._tips(robot))
@@ -169,9 +174,9 @@ class Release(HeldBookPrimitive):
         reader = OcrLabelReader(known or None)
         labels = yield from robot.compute(reader.read, photo.pixels, photo.camera, camera_T_shelf)
         self.evidence.pictures["after_release"] = draw_overlay(photo.pixels, labels=labels)
-        stands = self._stands(labels, model)
+        self._seen = self._stands(labels, model)
         yield from self._put_away(robot, model)
-        return stands
+        return self._seen
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """Return the contacts of the fingers with the book, and of the held book with the board and its
@@ -181,14 +186,32 @@ class Release(HeldBookPrimitive):
         own = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", own), *row_contacts(model, self.shelf)
 
-    def finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Pull the hand back from the shelf, and put the arm away."""
+    def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Pull the hand back and put the arm away; after a fault the book is first pushed home.
+
+        Return whether its label was then read in its slot.
+        """
         yield from settle(robot)
         if self._open_to is not None:
             yield from open_to(robot, self._open_to)
+            self._open_to = None
+        if self.met_fault and not self._is_home:
+            try:
+                yield from self._move_in_shelf(robot, -BACK_OFF)
+                yield from close(robot)
+                yield from self._push_home(robot)
+            except Discrepancy as found:
+                self.found(pushed=found.reason)
         if self._tips(robot) > -WITHDRAWN_DISTANCE_M:
             yield from self._withdraw(robot)
+        if not (self.met_fault and self._is_home):
+            yield from self._put_away(robot, model)
+            return False
+        if self._seen is None:
+            yield from self._look(robot)
+            return (yield from self.effect(robot, model))
         yield from self._put_away(robot, model)
+        return self._seen
 
     def _put_away(self, robot: Robot, model: ModelView) -> Periods:
         shelf = model.places[self.shelf].shelf

@@ -16,6 +16,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
 from handcart.primitives.restoring.retrace import retrace
@@ -184,6 +185,12 @@ class ActionPrimitive(FileModel, ABC):
     def found(self, **what: float | str) -> None:
         """Record findings for the journal and the summary."""
         self._evidence.facts.update(what)
+
+    @property
+    def met_fault(self) -> bool:
+        """True if a fault of a machine or of code broke off the motion, not a finding or a person."""
+        found = self._evidence.causes
+        return bool(found) and found[0].kind in causes.FAULT_CAUSES
 
     @property
     def evidence(self) -> Evidence:

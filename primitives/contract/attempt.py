@@ -47,8 +47,6 @@ LONGEST_RESTORE = 600.0  # [s]
 STUCK_TRAVEL_M = 0.01  # minimum travel that counts for a restoring base
 RESTLESS_REASON = "the robot doesn't come to rest before the start"
 PUSHED_REASON = "the base was moved while it stood"
-FAULT_CAUSES = (causes.ROBOT_FAULT, causes.SENSOR_FAULT, causes.CODE_ERROR)
-"""Causes after which a motion may be completed: nothing was found wrong with its effect."""
 NOT_ALONE = "another primitive moves the robot at the same time"
 
 
@@ -231,7 +229,7 @@ def _finish(
     for left in range(patience.attempts - 1, -1, -1):
         try:
             is_measured = bool((yield from primitive.finish(robot, model.view(primitive))))
-            is_measured &= failure.cause in FAULT_CAUSES and (yield from settle(robot))
+            is_measured &= failure.cause in causes.FAULT_CAUSES and (yield from settle(robot))
             _check_not_pushed(robot, displaced)
             break
         except Exception as error:

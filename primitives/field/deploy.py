@@ -224,7 +224,7 @@ class Deploy(TreePrimitive):
         if not self._let_go_whole:
             field, _ = self._field_and_target(model)
             yield from self._release(robot, field)
-        if self._stands is None:
+        if self._stands is None and self.met_fault:
             try:
                 yield from self._feel(robot, model, self._arm)
             except Discrepancy as fallen:

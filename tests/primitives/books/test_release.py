@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.backend import CommandError
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.thing import Rest
 from handcart.primitives.books.books import Books
@@ -78,6 +79,47 @@ def test_cancel_after_opening_is_a_give_up_and_the_hand_withdraws(
     assert "after a point of no return (the fingers let the book go)" in outcome.reason
     assert standing(rig, 117) is not None
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", ["opening", "open", "pushed"])
+def test_refused_command_after_opening_is_a_success_if_it_is_read(
+    inserted: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch, stage: str
+) -> None:
+    """It is pushed home all the same, and its label read between the right neighbours."""
+    rig = inserted()
+    robot, release, left = rig.robot, Release(shelf="shelf_1"), [0]
+
+    def refusing(command: Any) -> Any:
+        def commanded(*given: Any) -> None:
+            left[0] -= 1
+            if left[0] == 0:
+                raise CommandError("refused")
+            command(*given)
+
+        return commanded
+
+    for actuator in (robot.arm, robot.gripper):
+        monkeypatch.setattr(actuator, "move", refusing(actuator.move))
+
+    def refuse_next() -> bool:
+        begun = {
+            "opening": release._open_to is not None and release._no_return is not None,
+            "open": release._no_return is not None and release._open_to is None,
+            "pushed": release._is_home,
+        }
+        if begun[stage] and left[0] <= 0 and "refused" not in told:
+            told.append("refused")
+            left[0] = 1
+        return False
+
+    told: list[str] = []
+    outcome = rig.run(release, refuse_next)
+    assert told
+    assert isinstance(outcome, Success), outcome
+    assert outcome.evidence["finished_after"] == "CommandError: refused"
+    assert abs(standing(rig, 117).front) < 0.003
+    assert np.allclose(robot.arm.command(), robot.spec.posture("home"))
 
 
 def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Rig]) -> None:
