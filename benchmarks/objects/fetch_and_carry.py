@@ -3,9 +3,11 @@
 `tasks/fetch_and_carry` is run with each seed, as `handcart run` does it. The parcel is off its believed place
 by a standard deviation of 40 mm and 30 degrees; with every other seed a crate that no map shows stands about
 on the way between the tables, elsewhere with each seed. The parcel goes to the spot `left`, the spot `right`,
-or any free spot, by turns. Printed are the Successes, the outcomes that the ground truth contradicts, and the
-error of PLACE: of the parcel from its named spot, and of where it was seen to stand. A robot whose package
-isn't installed is skipped. Status 1 if an outcome was false.
+or any free spot, by turns. With `--moved-mm` and `--moved-deg`, somebody has moved both tables with what is
+on them, by so much, in a direction drawn by the seed; the robot's files don't say so. Printed are the Successes,
+the outcomes that the ground truth contradicts, and the error of PLACE: of the parcel from its named spot (on
+the true table), and of where it was seen to stand. A robot whose package isn't installed is skipped. Status 1
+if an outcome was false.
 """
 
 from __future__ import annotations
@@ -17,20 +19,34 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import yaml
 
 from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import InputError
 from handcart.networks.runs.run_options import RunOptions
+from handcart.robotics.geometry.pose2 import Pose2
 
 TASK_FOLDER = Path(__file__).resolve().parents[2] / "tasks" / "fetch_and_carry"
 SPOT_NAMES = ("left", "right", None)
 CARRY_LEG_M = ((2.2, 3.0), (4.3, 2.0))  # from the place at table A to that at table B [m]
 
+
+class TableMove(NamedTuple):
+    """Size of the motion of each table since the robot's files were written."""
+
+    distance: float = 0.0
+    """[m]"""
+    turn: float = 0.0
+    """[rad], to either side"""
+
+
+NOT_MOVED = TableMove()
 
 RunOnce = Callable[[Path, str, str, int], dict[str, Any]]
 """Runs a task below a folder, on a backend, with a robot and a seed; returns its summary."""
@@ -58,13 +74,16 @@ def main() -> None:
     words.add_argument(
         "--robots", "--robot", nargs="+", default=["librarian"], help="names or files of robots"
     )
+    words.add_argument("--moved-mm", type=float, default=0.0, help="distance by which tables were moved")
+    words.add_argument("--moved-deg", type=float, default=0.0, help="angle by which tables were turned")
     asked = words.parse_args()
+    run = partial(run_once, moved=TableMove(asked.moved_mm / 1e3, math.radians(asked.moved_deg)))
     seeds = range(asked.first, asked.first + asked.seeds)
     rows: dict[tuple[str, str], Figures | str] = {}
     for robot in asked.robots:
         for backend in asked.backends:
             try:
-                rows[robot, backend] = measure(backend, robot, seeds)
+                rows[robot, backend] = measure(backend, robot, seeds, run)
             except InputError as error:  # its package isn't installed, or it reaches no table
                 rows[robot, backend] = f"skipped: {error}"
     sys.exit(print_rows(rows))
@@ -120,18 +139,22 @@ def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) 
     return found
 
 
-def run_once(folder: Path, backend: str, robot: str, seed: int) -> dict[str, Any]:
+def run_once(
+    folder: Path, backend: str, robot: str, seed: int, moved: TableMove = NOT_MOVED
+) -> dict[str, Any]:
     """Run the task once below a folder; return its summary."""
     spot = SPOT_NAMES[seed % len(SPOT_NAMES)]
-    settings = {"robot": robot, "world": str(write_world(folder, seed)), "spot": spot or "null"}
+    settings = {"robot": robot, "world": str(write_world(folder, seed, moved)), "spot": spot or "null"}
     options = RunOptions(backend=backend, settings=settings, seed=seed)
     summary, _ = run_task(TASK_FOLDER / "task.yaml", folder, options)
     return summary
 
 
-def write_world(folder: Path, seed: int) -> Path:
+def write_world(folder: Path, seed: int, moved: TableMove = NOT_MOVED) -> Path:
     """Write the task's world; with odd seeds with a crate on the way between the tables."""
     text = (TASK_FOLDER / "world.yaml").read_text(encoding="utf-8")
+    if any(moved):
+        text = _with_moved_tables(text, moved, np.random.default_rng((seed, 1)))
     if seed % 2:
         rng = np.random.default_rng(seed)
         along, aside, turn = rng.uniform(0.35, 0.65), rng.uniform(-0.25, 0.25), rng.uniform(0.0, 90.0)
@@ -148,6 +171,27 @@ def write_world(folder: Path, seed: int) -> Path:
     path = folder / "world.yaml"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def _with_moved_tables(text: str, moved: TableMove, rng: np.random.Generator) -> str:
+    """Return a world with each table moved, and what is on it along with it."""
+    world = yaml.safe_load(text)
+    for table in world["furniture"]:
+        way, side = rng.uniform(0.0, 2.0 * math.pi), rng.choice([-1.0, 1.0])
+        before = Pose2(table["x_m"], table["y_m"], 0.0)
+        step = moved.distance * math.cos(way), moved.distance * math.sin(way)
+        now = Pose2(before.x + step[0], before.y + step[1], float(side * moved.turn))
+        half = np.array(table["size_m"][:2]) / 2
+        on_it = [
+            each
+            for each in world["objects"]
+            if (np.abs((each["x_m"] - before.x, each["y_m"] - before.y)) < half).all()
+        ]
+        for each in (table, *on_it):
+            heading = math.radians(each.get("heading_deg", 0.0))
+            pose = now.compose(Pose2(each["x_m"], each["y_m"], heading).relative_to(before))
+            each |= {"x_m": pose.x, "y_m": pose.y, "heading_deg": math.degrees(pose.theta)}
+    return str(yaml.safe_dump(world, sort_keys=False))
 
 
 def _spread(values: list[float]) -> str:

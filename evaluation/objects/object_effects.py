@@ -13,6 +13,8 @@ from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
 from handcart.evaluation.judging.survey import Claim, Effect, Survey
 from handcart.primitives.objects.object_names import name_in_world
 from handcart.primitives.objects.objects import Objects, ObjectSighting
+from handcart.primitives.objects.surface import ObjectSurface
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse
 
 SEEN_MM, SEEN_DEG = 25.0, 3.0  # fixed limits of where PLACE sees an object; LOOK_FOR states its own
@@ -28,6 +30,20 @@ def thing_of(survey: Survey, name: str) -> Thing | None:
     """Return an object of the simulated world; None if the name is unknown."""
     wanted = name_in_world(name)
     return next((each for each in survey.run.world.things() if each.name == wanted), None)
+
+
+def true_surface(survey: Survey, name: str) -> ObjectSurface:
+    """Return a surface where the simulated world has the solid of its name and size, its spots with it.
+
+    As in the file of objects if the world has no such solid.
+    """
+    surface = survey.run.model.of(Objects).objects.surfaces[name]
+    for solid in survey.run.world.solids:
+        box = solid.box
+        if box.name == name and np.allclose(box.size[:2], surface.size_m, atol=1e-3):
+            heading = math.atan2(box.pose[1, 0], box.pose[0, 0])
+            return surface.moved_to(Pose2(float(box.pose[0, 3]), float(box.pose[1, 3]), heading))
+    return surface
 
 
 def sighting_errors(thing: Thing, seen: ObjectSighting) -> tuple[float, float]:
@@ -87,10 +103,12 @@ def _picked(survey: Survey, claim: Claim) -> list[str]:
 
 
 def _placed(survey: Survey, claim: Claim) -> list[str]:
-    """Check that the object is on its surface, upright, near its spot, where it was seen."""
-    objects = survey.run.model.of(Objects)
+    """Check that the object is on its surface, upright, near its spot, where it was seen.
+
+    A spot is where the true surface has it: the file may be wrong about where a table is.
+    """
     name = claim.primitive.thing(survey.run.model.view(claim.primitive)).removeprefix(name_in_world(""))
-    thing, surface = thing_of(survey, name), objects.objects.surfaces[claim.primitive.surface]
+    thing, surface = thing_of(survey, name), true_surface(survey, claim.primitive.surface)
     if thing is None or thing.rest is not Rest.TABLE:
         return [f"{name or 'the object'} doesn't stand on anything"]
     x, y, z = thing.pose[:3, 3].tolist()

@@ -16,7 +16,7 @@ from handcart.primitives.objects.objects import Objects
 from handcart.primitives.objects.place_object import PlaceObject
 from handcart.primitives.outcomes.outcome import Outcome, Success
 
-from .object_effects import OBJECT_EFFECTS, SPOT_MM, sighting_errors, thing_of
+from .object_effects import OBJECT_EFFECTS, SPOT_MM, sighting_errors, thing_of, true_surface
 
 
 class ObjectSurvey(FiguresSurvey):
@@ -53,7 +53,7 @@ class ObjectSurvey(FiguresSurvey):
         """Note how far the object is from its spot; without one, how far from where it was seen."""
         self._note_sighting("placed_seen", name)
         thing = thing_of(self, name)
-        surface = self.run.model.of(Objects).objects.surfaces[primitive.surface]
+        surface = true_surface(self, primitive.surface)
         if thing is not None and primitive.spot is not None:
             spot = surface.spots[primitive.spot]
             x, y = thing.pose[:2, 3].tolist()

@@ -27,6 +27,7 @@ from .object_look import ObjectLook, conclude, look_closely, look_from, require_
 from .object_names import ObjectName, SurfaceName
 from .object_site import base_T_map, kind_of, surface_of
 from .objects import Objects, ObjectSighting
+from .surface_measuring import measure_surface
 from .tag_readings import Located, locate
 from .view_plan import Direction, directions, places_and_weights
 
@@ -62,7 +63,7 @@ class LookFor(ActionPrimitive):
 
     needs: ClassVar = (Arm, AnyCamera)
     reads: ClassVar = ("objects", "detectors", "held_object")
-    writes: ClassVar = ("sightings",)
+    writes: ClassVar = ("sightings", "surface_poses")
 
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
     _seen: Located | None = PrivateAttr(default=None)
@@ -82,6 +83,7 @@ class LookFor(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         kind_of(model, self.object)
         objects, name = model.of(Objects), self._surface(model)
+        yield from measure_surface(robot, model, name, self.found)
         yield from self._search(robot, model, name)
         yield from self._look.understand(robot, model, name)
         first = conclude(robot, model, self.object, name, self._look)
@@ -96,9 +98,9 @@ class LookFor(ActionPrimitive):
         others = self._others(robot, model, name)
         kept = [each for each in objects.without(self.object) if each.object not in others]
         objects.sightings = (*kept, seen, *others.values())
-        believed = objects.objects.objects[self.object]
-        if believed.x_m is not None and believed.y_m is not None:
-            off = math.hypot(seen.pose.x - believed.x_m, seen.pose.y - believed.y_m)
+        believed = objects.believed(self.object)
+        if believed is not None:
+            off = seen.pose.distance(believed)
             self.found(off_belief_mm=round(1e3 * off, 1))
         self.found(
             x_m=round(seen.pose.x, 4),
@@ -122,13 +124,13 @@ class LookFor(ActionPrimitive):
         """Look from view to view until the object's tag is read and most of the belief was in view."""
         file, surface = model.of(Objects).objects, surface_of(model, name)
         known = file.objects[self.object]
-        here = known.on == name and known.x_m is not None and known.y_m is not None
-        believed = (known.x_m or 0.0, known.y_m or 0.0) if here else None
+        at = model.of(Objects).believed(self.object) if known.on == name else None
+        believed = None if at is None else (at.x, at.y)
         places, weights = places_and_weights(surface, believed, known.sigma_mm / 1e3)
         height = surface.height_m + kind_of(model, self.object).size[2]
         points = apply(base_T_map(robot), np.column_stack([places, np.full(len(places), height)]))
-        unsure = believed is None or known.sigma_deg > MAX_HEADING_SIGMA_DEG
-        heading = None if unsure else math.radians(known.heading_deg) - robot.pose.theta
+        unsure = at is None or known.sigma_deg > MAX_HEADING_SIGMA_DEG
+        heading = None if at is None or unsure else at.theta - robot.pose.theta
         towards = list(directions(file.tags_of(self.object), heading, self.direction))
         tried = np.zeros(len(points), dtype=np.bool_)
         total = float(weights.sum())

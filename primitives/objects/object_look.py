@@ -29,7 +29,6 @@ from handcart.robotics.perception.objects.depth_view import DepthView, depth_vie
 
 from .depth_readings import ObjectBelief, Standing, contradiction, identify, standing, take_depth
 from .detected_objects import DetectedObject, detect_all, explained
-from .object_kind import KnownObject
 from .object_names import name_in_world
 from .object_site import base_T_map, held_shape, kind_of, surface_of, surroundings
 from .objects import Objects, ObjectSighting
@@ -100,7 +99,7 @@ class ObjectLook:
         """Find the things on a surface from all depth pictures so far; they are kept as `found`."""
         if self.depths:
             file, top = model.of(Objects).objects, base_T_top(robot, model, surface)
-            known = file.surfaces[surface]
+            known = surface_of(model, surface)
             found = yield from robot.compute(standing, tuple(self.depths), top, known, file.kinds)
             self.found = explained(found, self.detected, top)
 
@@ -249,16 +248,17 @@ def _beliefs(
             here = robot.pose.inverse().compose(seen.pose)
             found.append(ObjectBelief(other, (here.x, here.y), SEEN_SIGMA_M, here.theta))
         else:
-            found.append(_of_file(robot, other, known, surface))
+            found.append(_of_file(robot, objects, other, surface))
     return sorted(found, key=lambda each: each.object != name)
 
 
-def _of_file(robot: Robot, name: str, known: KnownObject, surface: str) -> ObjectBelief:
-    heading = math.radians(known.heading_deg) - robot.pose.theta
-    if known.x_m is None or known.y_m is None or known.on != surface:
-        return ObjectBelief(name, None, 1.0, heading)
-    here = robot.pose.inverse().compose(Pose2(known.x_m, known.y_m, 0.0))
-    return ObjectBelief(name, (here.x, here.y), max(known.sigma_mm / 1e3, SEEN_SIGMA_M), heading)
+def _of_file(robot: Robot, objects: Objects, name: str, surface: str) -> ObjectBelief:
+    known, believed = objects.objects.objects[name], objects.believed(name)
+    if believed is None or known.on != surface:
+        return ObjectBelief(name, None, 1.0, math.radians(known.heading_deg) - robot.pose.theta)
+    here = robot.pose.inverse().compose(believed)
+    sigma = max(known.sigma_mm / 1e3, SEEN_SIGMA_M)
+    return ObjectBelief(name, (here.x, here.y), sigma, believed.theta - robot.pose.theta)
 
 
 def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:

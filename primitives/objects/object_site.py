@@ -35,10 +35,12 @@ def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Sol
     An object that was not seen yet is kept clear of as far as it may be off its believed place.
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
-    boxes: list[Solid] = [box for name, each in objects.objects.surfaces.items() for box in each.boxes(name)]
+    boxes: list[Solid] = [
+        box for name in objects.objects.surfaces for box in objects.surface(name).boxes(name)
+    ]
     for seen in objects.sightings:
         if seen.object != without:
-            kind, surface = objects.objects.kind_of(seen.object), objects.objects.surfaces[seen.surface]
+            kind, surface = objects.objects.kind_of(seen.object), objects.surface(seen.surface)
             body = kind.body(name_in_world(seen.object))
             boxes.append(body.seen_from(seen.pose.lift(surface.height_m)))
     boxes += _believed(objects, without)
@@ -54,10 +56,10 @@ def _believed(objects: Objects, without: str) -> Iterator[Solid]:
     held = "" if objects.held_object is None else objects.held_object.object
     target = objects.seen(without)
     for name, known in objects.objects.objects.items():
-        x, y = known.x_m, known.y_m
-        if x is None or y is None or name in (without, held) or objects.seen(name) is not None:
+        believed = objects.believed(name)
+        if believed is None or name in (without, held) or objects.seen(name) is not None:
             continue
-        kind, surface = objects.objects.kind_of(name), objects.objects.surfaces[known.on]
+        x, y, kind, surface = believed.x, believed.y, objects.objects.kind_of(name), objects.surface(known.on)
         reach = kind.foot_radius + min(BELIEF_SIGMAS * known.sigma_mm / 1e3, MAX_BELIEF_M)
         if target is not None:
             beside = objects.objects.kind_of(without).foot_radius + CLOSE_VIEW_M
@@ -82,11 +84,11 @@ def kind_of(model: ModelView, name: str) -> ObjectKind:
 
 
 def surface_of(model: ModelView, name: str) -> ObjectSurface:
-    """Return a surface; raises `Discrepancy` if the file has no such surface."""
-    file = model.of(Objects).objects
-    if name not in file.surfaces:
+    """Return a surface, as it was measured; raises `Discrepancy` if the file has no such surface."""
+    objects = model.of(Objects)
+    if name not in objects.objects.surfaces:
         raise Discrepancy(f"unknown surface {name!r}", permanent=True, cause=causes.NOT_KNOWN)
-    return file.surfaces[name]
+    return objects.surface(name)
 
 
 def held_shape(model: ModelView) -> Solid | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
@@ -19,6 +20,7 @@ from handcart.robotics.geometry.transform import Transform
 
 from .object_findings import gripper_findings
 from .objects_file import ObjectsFile
+from .surface import ObjectSurface
 from .surface_places import NoStandingPlace, standing_place
 
 if TYPE_CHECKING:
@@ -40,6 +42,16 @@ class ObjectSighting(NamedTuple):
     """(3, 3) of x, y in [m] and heading in [rad], with the uncertainty of the base's pose."""
 
 
+class SurfacePose(NamedTuple):
+    """A surface as it was measured last, from a base that stood at it."""
+
+    surface: str
+    pose: Pose2
+    """Of the middle of its top, on the map."""
+    covariance: tuple[tuple[float, ...], ...]
+    """(3, 3) of x, y in [m] and heading in [rad], without the uncertainty of the base's pose."""
+
+
 class HeldObject(NamedTuple):
     """An object in the hand."""
 
@@ -53,7 +65,7 @@ class Objects(Section):
     """Knowledge of a robot that fetches and carries objects."""
 
     FILES: ClassVar = {"objects": ObjectsFile}
-    LEARNED: ClassVar = ("sightings", "held_object")
+    LEARNED: ClassVar = ("sightings", "held_object", "surface_poses")
 
     objects: ObjectsFile = NOTHING_KNOWN
     """Kinds, objects and surfaces."""
@@ -61,6 +73,8 @@ class Objects(Section):
     """Objects as they were last seen, each once."""
     held_object: HeldObject | None = None
     """The object in the hand."""
+    surface_poses: tuple[SurfacePose, ...] = ()
+    """Surfaces as they were measured last, each once."""
     listed: Loaded[ObjectsFile] | None = field(default=None, repr=False, compare=False)
     """The file with the lines of its values."""
     detectors: Mapping[str, Detector] = field(default_factory=dict, repr=False, compare=False)
@@ -115,6 +129,24 @@ class Objects(Section):
         """Return where an object was last seen; None if it wasn't."""
         return next((each for each in self.sightings if each.object == name), None)
 
+    def surface(self, name: str) -> ObjectSurface:
+        """Return a surface of the file, at its measured pose if it was measured."""
+        surface = self.objects.surfaces[name]
+        measured = next((each.pose for each in self.surface_poses if each.surface == name), None)
+        return surface if measured is None else surface.moved_to(measured)
+
+    def believed(self, name: str) -> Pose2 | None:
+        """Return where an object is believed to be, on the map; it is moved with its surface.
+
+        None for anywhere on the surface.
+        """
+        known = self.objects.objects[name]
+        if known.x_m is None or known.y_m is None:
+            return None
+        pose = Pose2(known.x_m, known.y_m, math.radians(known.heading_deg))
+        before, now = self.objects.surfaces[known.on].floor, self.surface(known.on).floor
+        return pose if now == before else now.compose(pose.relative_to(before))
+
     def without(self, name: str) -> tuple[ObjectSighting, ...]:
         """Return the sightings of all other objects."""
         return tuple(each for each in self.sightings if each.object != name)
@@ -124,6 +156,9 @@ class Objects(Section):
         held = self.held_object
         return {
             "sightings": [[*each[:2], list(each.pose), each.covariance] for each in self.sightings],
+            "surface_poses": [
+                [each.surface, list(each.pose), each.covariance] for each in self.surface_poses
+            ],
             "held_object": None if held is None else [held.object, held.hand_T_object.round(6).tolist()],
         }
 

@@ -39,6 +39,7 @@ from .object_names import ObjectName, SurfaceName, name_in_world
 from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
 from .objects import HeldObject, Objects, ObjectSighting
 from .placing_plan import goals_on, plan_placing, showing_tags
+from .surface_measuring import measure_surface
 from .tag_readings import Located
 
 GRASP_SPEED_M_S = 0.10
@@ -72,7 +73,7 @@ class Pick(ActionPrimitive):
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
     reads: ClassVar = ("objects", "detectors", "places")
-    writes: ClassVar = ("sightings", "held_object")
+    writes: ClassVar = ("sightings", "held_object", "surface_poses")
     hand: ClassVar = TAKES_OBJECT
 
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
@@ -99,6 +100,8 @@ class Pick(ActionPrimitive):
         )
         if seen is None:
             return {}
+        if self._start is None:
+            yield from measure_surface(robot, model, seen.surface, self.found)
         surface = surface_of(model, seen.surface)
         expected = base_T_map(robot) @ seen.pose.lift(surface.height_m)
         look = ObjectLook()

@@ -49,6 +49,7 @@ from .placing_plan import (
     withdrawn,
 )
 from .surface import ObjectSurface
+from .surface_measuring import measure_surface
 from .tag_readings import Located, locate
 from .view_plan import directions
 
@@ -85,7 +86,7 @@ class PlaceObject(ActionPrimitive):
         "objects",
         "detectors",
     )
-    writes: ClassVar = ("sightings", "held_object")
+    writes: ClassVar = ("sightings", "held_object", "surface_poses")
     hand: ClassVar = LETS_GO
 
     _before: HeldObject | None = PrivateAttr(default=None)
@@ -120,6 +121,7 @@ class PlaceObject(ActionPrimitive):
         assert held is not None  # the precondition
         self._before, self._known = held, objects.sightings
         kind = kind_of(model, held.object)
+        yield from measure_surface(robot, model, self.surface, self.found)
         plan = yield from self._planned(robot, model, kind, held)
         yield from move_to_joints(
             robot, plan.above, held_box(kind, held.hand_T_object), surroundings(robot, model)

@@ -35,6 +35,12 @@ class SurfaceSpot(FileModel):
         """Pose on the map; heading 0 where any will do."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
+    def moved_by(self, before: Pose2, now: Pose2) -> Self:
+        """Return the spot after its surface was moved from one pose on the map to another."""
+        pose = now.compose(self.pose.relative_to(before))
+        heading = None if self.heading_deg is None else math.degrees(pose.theta)
+        return self.model_copy(update={"x_m": pose.x, "y_m": pose.y, "heading_deg": heading})
+
 
 class ObjectSurface(LevelPose):
     """A level surface that carries objects: a table, a shelf's board, an area of the floor.
@@ -93,6 +99,12 @@ class ObjectSurface(LevelPose):
         """Return how far a point of the map is inside of its edge, in [m]; negative outside."""
         off = Pose2(x, y, 0.0).relative_to(self.floor)
         return min(self.size_m[0] / 2 - abs(off.x), self.size_m[1] / 2 - abs(off.y))
+
+    def moved_to(self, pose: Pose2) -> Self:
+        """Return the surface at another pose on the map, its spots with it."""
+        spots = {name: each.moved_by(self.floor, pose) for name, each in self.spots.items()}
+        heading = math.degrees(pose.theta)
+        return self.model_copy(update={"x_m": pose.x, "y_m": pose.y, "heading_deg": heading, "spots": spots})
 
     def allows(self, kind: str) -> bool:
         """Return whether objects of a kind may be there."""
