@@ -4,7 +4,7 @@
 by a standard deviation of 40 mm and 30 degrees; with every other seed a crate that no map shows stands about
 on the way between the tables, elsewhere with each seed. The parcel goes to the spot `left`, the spot `right`,
 or any free spot, by turns. With `--moved-mm` and `--moved-deg`, somebody has moved both tables with what is
-on them, by so much, in a direction drawn by the seed; the robot's files don't say so. Printed are the Successes,
+on them, by so much, in a direction drawn by the seed; the robot does not know. Printed are the Successes,
 the outcomes that the ground truth contradicts, and the error of PLACE: of the parcel from its named spot (on
 the true table), and of where it was seen to stand. A robot whose package isn't installed is skipped. Status 1
 if an outcome was false.

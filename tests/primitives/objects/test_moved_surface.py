@@ -48,6 +48,7 @@ def test_measured_surfaces_survive_a_checkpoint() -> None:
     assert model.taken_changes()["surface_poses"][0][0] == "table_b"
 
 
+@pytest.mark.slow
 def test_moved_table_is_measured_from_its_place(tmp_path: Path) -> None:
     moved = ("name: table_a, x_m: 2.0, y_m: 3.8", "name: table_a, x_m: 1.985, y_m: 3.826, heading_deg: -3")
     rig = at_table_a(world=changed(tmp_path, "world.yaml", moved), seed=3)
@@ -60,6 +61,7 @@ def test_moved_table_is_measured_from_its_place(tmp_path: Path) -> None:
     assert outcome.evidence["surface_off_deg"] == pytest.approx(3.0, abs=0.6)
 
 
+@pytest.mark.slow
 def test_board_with_room_below_keeps_its_pose(tmp_path: Path) -> None:
     board = changed(
         tmp_path, "objects.yaml", ("y_m: 3.8, height_m: 0.6", "y_m: 3.8, height_m: 0.6, thickness_m: 0.03")

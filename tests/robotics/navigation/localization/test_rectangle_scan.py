@@ -92,6 +92,9 @@ def test_legs_or_nothing_are_no_table() -> None:
     ]
     assert fit(scans_of(legs)) is None
     assert fit(scans_of([])) is None
+    assert (
+        fit(scans_of([corners(EXPECTED, (0.6, 0.8))])) is None
+    )  # a narrower table: beams pass where it should be
     assert fit(scans_of([corners(EXPECTED.compose(Pose2(0.35, 0.0, 0.0)))])) is None
 
 
