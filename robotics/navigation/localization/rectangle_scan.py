@@ -84,7 +84,7 @@ def fit_rectangle(
     if rays is None or _is_inside(expected, size, rays.origin):
         return None
     found, prior = expected, np.asarray(covariance, dtype=np.float64)
-    trust = np.linalg.inv(prior)
+    trust = np.asarray(np.linalg.inv(prior), dtype=np.float64)
     for _ in range(ROUNDS):
         lines = _fit_sides(rays.points, size, rays.origin, found, (expected, trust), rays.sigma)
         if lines is None:
