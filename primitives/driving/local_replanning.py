@@ -18,13 +18,14 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.centring import centred
+from handcart.robotics.navigation.routes.far_replanning import FarReplanner
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .driving import no_way, plan_drive
+from .near_map import NearMap
 from .people_watch import PeopleWatch
 
 EXPLAINED_M = 0.08  # from anything on the map: pose error, noise and half a cell together
@@ -59,12 +60,16 @@ class LocalReplanning:
         self._place: Place = model.places[name]
         self._goal = self._place.pose
         self._front = self._place.front if self._place.docks else None
-        self._field = LikelihoodField(model.map)
-        self._layer = ScanLayer(model.map)
-        self._layer.restore(model.sensed_cells)
+        lidar = robot.spec.range_sensor
+        reach = 0.0 if lidar is None else lidar.reach_m
+        self._near = NearMap(model.map, model.sensed_cells, reach, robot.pose)
         limits = robot.drive_limits
         self._top, self._shape, self._sensed = limits.speed, robot.spec.footprint_shape, np.empty((0, 2))
         self._replanner = Replanner(robot.spec.footprint_shape, limits.speed, model.speed_limits)
+        self._far: FarReplanner | None = None
+        if not self._near.is_whole:
+            radius, half = robot.spec.footprint_radius_m, self._near.half
+            self._far = FarReplanner(model.map, self._shape, radius, half, limits.speed, model.speed_limits)
         self.people = PeopleWatch(robot)
         self.speed_limit = np.inf
         """Speed along the route that yields to people, in [m/s]."""
@@ -93,8 +98,13 @@ class LocalReplanning:
         """(n, 2) what was sensed beside the map, in [m]."""
         return self._layer.points
 
+    @property
+    def _layer(self) -> ScanLayer:
+        return self._near.layer
+
     def sense(self, robot: Robot) -> None:
         """Take in this period's scan; only watch for people where its pose is in doubt."""
+        self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
         ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
@@ -104,7 +114,7 @@ class LocalReplanning:
         if robot.localization.dead_reckoned:
             margin = min(MAX_EXPLAINED_M, max(margin, 3.0 * robot.localization.sigma[0]))
         self._sensed = robot.pose.apply(scan.points())
-        explained[hit] = self._field.read(self._sensed) <= margin
+        explained[hit] = self._near.field.read(self._sensed) <= margin
         moving, left = self.people.take(robot, scan, ranges, explained)
         if not robot.localization.held_base.is_settled or robot.localization.stale_s > 0.0:
             return
@@ -113,7 +123,7 @@ class LocalReplanning:
 
     def keep(self) -> None:
         """Keep what was sensed in the world model."""
-        self._model.sensed_cells = self.people.without_people(self._layer.cells())
+        self._model.sensed_cells = self.people.without_people(self._near.cells())
 
     def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
         """Return a route from where the base is; in the meantime it holds.
@@ -122,19 +132,26 @@ class LocalReplanning:
             Discrepancy: no way leads to the place.
         """
         self.sense(robot)
-        lasting = yield from robot.compute(plan_drive, robot, self._model, self._place, False)
-        if lasting.route is None:
-            raise no_way(self._name, lasting)
+        if self._near.is_whole:
+            yield from self._check_map(robot)
         detour = self._model.detour
         route = detour.points if detour is not None and detour.goal == self._name else None
         look = yield from self._planned(robot, route, robot.period)
-        if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
+        if look.kind == "none" and self._near.forget(robot.time - OLD_CELLS_S):
             look = yield from self._planned(robot, route)
         if look.kind == "none":
+            if not self._near.is_whole:
+                yield from self._check_map(robot)
             raise self._no_way()
         self._look, self._nearest = look, np.inf
         self._nearer_at = robot.time
         return look
+
+    def _check_map(self, robot: Robot) -> Generator[None, None, None]:
+        """Raise `Discrepancy` with the reason if no way leads to the place on the map alone."""
+        lasting = yield from robot.compute(plan_drive, robot, self._model, self._place, False)
+        if lasting.route is None:
+            raise no_way(self._name, lasting)
 
     def update(self, robot: Robot, tracker: PathTracker) -> None:
         """Check once a period whether the route is still free and short, and replace it if not."""
@@ -153,7 +170,7 @@ class LocalReplanning:
         lead = LEAD_S * speed if speed > LEAD_SPEED_M_S else 0.0
         if better:
             self.people.try_all_room()
-        arguments = robot.pose, tracker.ahead, self._avoided(robot), lead, better
+        arguments = robot.pose, tracker.ahead, self._avoided(robot), robot.time, lead, better
         self._job = in_steps(self._answering(*arguments), robot.backend.simulated)
         self._advance(self._job, robot, tracker)
 
@@ -171,7 +188,7 @@ class LocalReplanning:
         """Return a look while the base holds, with ever less distance to people until a way leads on."""
         self.people.try_all_room()
         while True:
-            steps = self._answering(robot.pose, route, self._avoided(robot))
+            steps = self._answering(robot.pose, route, self._avoided(robot), robot.time)
             look = yield from at_rest(steps, robot, robot.backend.simulated, takes)
             if look.kind != "none" or self.people.is_last_attempt:
                 return look
@@ -182,12 +199,22 @@ class LocalReplanning:
         pose: Pose2,
         route: FloatArray | None,
         avoided: FloatArray,
+        time: float,
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
         """Return the look at the route, in steps of about one graph each."""
         grid = self.people.drawn_on(self._layer.merged().with_points(avoided), pose)
-        look = yield from self._replanner.looking(grid, pose, self._goal, self._front, route, lead, better)
+        if self._far is None:
+            look = yield from self._replanner.looking(
+                grid, pose, self._goal, self._front, route, lead, better
+            )
+        else:
+            sensed = np.vstack([self._near.all_points(), avoided])
+            looking = self._far.looking(
+                grid, sensed, pose, self._goal, self._front, route, lead, better, time
+            )
+            look = yield from looking
         if self._shape.is_disc or look.kind == "none":
             return look
         points, shift = centred(look.points, self._shape, self._sensed)
@@ -202,7 +229,7 @@ class LocalReplanning:
             self._next_look = robot.time
             return
         self._look = look
-        if look.kind == "none" and self._layer.forget(robot.time - OLD_CELLS_S):
+        if look.kind == "none" and self._near.forget(robot.time - OLD_CELLS_S):
             self._next_look = self._next_better = robot.time
         if look.kind == "new":
             tracker.reroute(look.points, look.speeds)

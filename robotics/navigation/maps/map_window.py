@@ -1,0 +1,68 @@
+"""Parts of a large map: a window about a place, and the complete map with larger cells."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+
+
+def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
+    """Return the cells of a map within a square, without copying them.
+
+    Args:
+        grid: the map.
+        x: of the square's centre, in [m].
+        y: of the square's centre, in [m].
+        half: half of its side, in [m].
+    """
+    corners = grid.to_cell(np.array([[x - half, y - half], [x + half, y + half]]))
+    low = np.clip(corners[0], 0, np.array(grid.occupied.shape) - 1)
+    high = np.clip(corners[1] + 1, low + 1, grid.occupied.shape)
+    rows, columns = slice(low[0], high[0]), slice(low[1], high[1])
+    left, bottom = grid.origin_x + low[1] * grid.resolution, grid.origin_y + low[0] * grid.resolution
+    cells = grid.occupied[rows, columns], grid.unknown[rows, columns]
+    return GridMap(*cells, grid.resolution, float(left), float(bottom))
+
+
+def coarsened(grid: GridMap, factor: int) -> GridMap:
+    """Return a map whose cells are `factor` times as wide: occupied or unknown where any of theirs is.
+
+    Cells beyond the map's upper and right border count as unknown.
+    """
+    occupied, unknown = _any_of(grid.occupied, factor, False), _any_of(grid.unknown, factor, True)
+    wide = grid.resolution * factor
+    return GridMap(occupied, unknown & ~occupied, wide, grid.origin_x, grid.origin_y)
+
+
+def _any_of(cells: BoolArray, factor: int, beyond: bool) -> BoolArray:
+    """Return (h, w) whether any of the cells of each block is True; cells `beyond` the border are as said."""
+    height, width = (-(-side // factor) for side in cells.shape)
+    found = np.zeros((height, width), dtype=np.bool_)
+    for i in range(factor):
+        for j in range(factor):
+            part = cells[i::factor, j::factor]
+            found[: part.shape[0], : part.shape[1]] |= part
+            if beyond:
+                found[part.shape[0] :] = True
+                found[:, part.shape[1] :] = True
+    return found
+
+
+def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
+    """Return a map on which the cells of points (n, 2) in [m] are occupied; others are as before."""
+    if not len(points):
+        return grid
+    rows, columns = grid.to_cell(points[grid.inside(points)]).T
+    occupied, unknown = grid.occupied.copy(), grid.unknown.copy()
+    occupied[rows, columns], unknown[rows, columns] = True, False
+    return GridMap(occupied, unknown, *grid[2:])
+
+
+def is_within(grid: GridMap, points: FloatArray, margin: float) -> BoolArray:
+    """Return (n,) which points (n, 2) in [m] are on a map, by a margin in [m] from its border."""
+    low = np.array([grid.origin_x, grid.origin_y])
+    high = low + np.array(grid.occupied.shape[::-1]) * grid.resolution
+    within: BoolArray = np.all((points >= low + margin) & (points <= high - margin), axis=1)
+    return within

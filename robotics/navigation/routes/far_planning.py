@@ -1,0 +1,139 @@
+"""Routes across large maps: planned on larger cells, and on the map's own cells about their goal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+
+import cv2
+import numpy as np
+
+from handcart.robotics.geometry.footprint import Footprint
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.map_window import (
+    coarsened,
+    is_within,
+    window_around,
+    with_cells_at,
+)
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+
+from .route import plan_route
+from .voronoi_graph import VoronoiGraph, voronoi_graph
+from .ways import ROUTE_ROOM_M, Ways
+
+COARSE_CELL_COUNT = 1_000_000  # of a map with larger cells, at most
+MAX_COARSE_CELL_M = 0.4  # larger ones close usual aisles
+SNAP_M = 2.5  # from start and goal, to where larger cells have room
+HANDOVER_ROOM_M = 0.15  # beside the footprint, where a part of a route on a window ends
+WINDOW_MARGIN_M = 2.0  # from a window's border, that a part of a route on it keeps
+
+
+class FarPlanner:
+    """Plans routes on a large map at the price of a small one.
+
+    Larger cells are occupied where any of theirs is, so that a route on them is free. Narrow passages may be
+    closed on them: that no route was found here says nothing.
+    """
+
+    def __init__(self, grid: GridMap, shape: Footprint, radius: float, half: float) -> None:
+        """Prepare a map.
+
+        Args:
+            grid: the map.
+            shape: footprint of the robot.
+            radius: of a circle around the footprint, in [m].
+            half: half of the side of the window about a goal in which the map's own cells count, in [m].
+        """
+        self._grid, self._shape, self._radius, self._half = grid, shape, radius, half
+        widest = max(1, int(MAX_COARSE_CELL_M / grid.resolution + 1e-9))
+        factor = min(widest, math.ceil(math.sqrt(grid.occupied.size / COARSE_CELL_COUNT)))
+        self._coarse = coarsened(grid, factor)
+        self._blocked: BoolArray | None = None
+        self._graph: VoronoiGraph | None = None
+
+    def routing(
+        self, start: Pose2, goal: Pose2, front: FloatArray | None, sensed: FloatArray
+    ) -> Generator[None, None, FloatArray | None]:
+        """Return the points (n, 2) in [m] of a route, or None, in steps of about one graph each.
+
+        Its beginning leads to where larger cells have room, and is not checked.
+
+        Args:
+            start: map_T_base.
+            goal: map_T_base at the goal.
+            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be.
+            sensed: (n, 2) points that are avoided as well, in [m].
+        """
+        graph = self._graph_with(sensed, start)
+        yield
+        if graph is None:
+            return None
+        ends = [_nearest_free(graph, point) for point in (start, goal)]
+        if ends[0] is None or ends[1] is None:
+            return None
+        far = plan_route(graph, ends[0], ends[1], reach=graph.map.resolution)
+        yield
+        if far is None:
+            return None
+        points = np.vstack([[start[:2]], far.points])
+        around = with_cells_at(window_around(self._grid, goal.x, goal.y, self._half), sensed)
+        begin = _entry(points, around, self._radius)
+        ways = Ways(around, self._shape, (float(points[begin, 0]), float(points[begin, 1])))
+        last = ways.to(goal, front).route
+        return None if last is None else np.vstack([points[:begin], last.points])
+
+    def _graph_with(self, sensed: FloatArray, start: Pose2) -> VoronoiGraph | None:
+        """Return the graph of the larger cells, built again only where these have changed."""
+        grid = with_cells_at(self._coarse, sensed)
+        if self._blocked is None or not np.array_equal(grid.blocked, self._blocked):
+            self._blocked = grid.blocked
+            try:
+                self._graph = voronoi_graph(grid, self._radius + ROUTE_ROOM_M, seed_point=(start.x, start.y))
+            except ValueError:
+                self._graph = None
+        return self._graph
+
+
+def split(route: FloatArray, window: GridMap, radius: float) -> int:
+    """Return how many of a route's first points are planned on a window: up to one with room around it.
+
+    Args:
+        route: (n, 2) on the map, in [m]; it begins in the window.
+        window: part of the map, with what was sensed.
+        radius: of the footprint, in [m].
+    """
+    inside = is_within(window, route, WINDOW_MARGIN_M)
+    count = len(route) if inside.all() else int(np.argmin(inside))
+    if count == len(route):
+        return count
+    roomy = _room(window, route[:count]) > radius + HANDOVER_ROOM_M
+    return int(np.flatnonzero(roomy)[-1]) + 1 if roomy.any() else max(count, 1)
+
+
+def _entry(route: FloatArray, window: GridMap, radius: float) -> int:
+    """Return the number of the point from which a route to a window's middle is planned on the window."""
+    return len(route) - split(route[::-1], window, radius)
+
+
+def _room(grid: GridMap, points: FloatArray) -> FloatArray:
+    """Return the distance (n,) of points (n, 2) to the centre of the nearest blocked cell, in [m]."""
+    free = np.ascontiguousarray(~grid.blocked).view(np.uint8)
+    if free.all():
+        return np.full(len(points), np.inf)
+    away = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    rows, columns = np.clip(grid.to_cell(points), 0, np.array(free.shape) - 1).T
+    return np.asarray(away[rows, columns] * grid.resolution, dtype=np.float64)
+
+
+def _nearest_free(graph: VoronoiGraph, point: Pose2) -> tuple[float, float] | None:
+    """Return the nearest place with room on a graph's map, in [m]; None if it is farther than `SNAP_M`."""
+    near = window_around(graph.map, point.x, point.y, SNAP_M)
+    row, column = graph.map.to_cell(np.array([[near.origin_x, near.origin_y]]) + 0.5 * near.resolution)[0]
+    height, width = near.occupied.shape
+    centres = near.to_point(np.argwhere(graph.free[row : row + height, column : column + width]))
+    if not len(centres):
+        return None
+    x, y = centres[int(np.argmin(np.hypot(*(centres - point[:2]).T)))].tolist()
+    return x, y
