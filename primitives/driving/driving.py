@@ -20,6 +20,7 @@ from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
+from handcart.robotics.navigation.following.way_guard import HoldingObstacle
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.localization.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -61,6 +62,20 @@ def no_way(name: str, way: Way) -> Discrepancy:
     words = f"no way leads to {name}" if way.fits else f"the base can't stand at {name}"
     return Discrepancy(
         f"{words}: {way.reason}", permanent=True, measured=_shortage(way), cause=causes.NO_ROUTE
+    )
+
+
+def held_before(place: str, held: HoldingObstacle) -> Discrepancy:
+    """Return the Discrepancy that the guard holds the base on its way to a place."""
+    shown = (
+        "ground that the lidar does not see"
+        if held.shown_by == "unseen"
+        else f"what the {held.shown_by} shows"
+    )
+    sensor = "Base" if held.shown_by == "contact" else "RangeSensor"
+    near = Measured(sensor, f"room to {shown}", held.room, held.needed, "m")
+    return Discrepancy(
+        f"the base doesn't get on to {place}: {held.words}", measured=near, cause=causes.BLOCKED
     )
 
 

@@ -46,9 +46,11 @@ from .driving import (
     FieldObstacleMonitor,
     ObstacleMonitor,
     goal_pose,
+    held_before,
     make_monitor,
     plan_tracker,
 )
+from .early_forecast import check_will_be_determined
 from .lidar_watch import LidarWatch
 from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
@@ -128,6 +130,7 @@ class MoveTo(ActionPrimitive):
             self._local = LocalReplanning(robot, model, self.place)
         tracker, points = yield from self._planned(robot, model, goal)
         self.evidence.points["planned"] = points
+        yield from check_will_be_determined(robot, model.map, self.place, place, need, points)
         yield from self._follow(robot, model, tracker)
         if robot.localization.dead_reckoned and not is_car:
             yield from self._follow_again(robot, model, goal)
@@ -297,16 +300,7 @@ class MoveTo(ActionPrimitive):
         if held.shown_by == "scan" and self._monitor is not None:
             found = self._monitor.around(robot, np.array([held.x, held.y]))
             model.obstacles = np.vstack([model.obstacles, found])
-        shown = (
-            "ground that the lidar does not see"
-            if held.shown_by == "unseen"
-            else f"what the {held.shown_by} shows"
-        )
-        sensor = "Base" if held.shown_by == "contact" else "RangeSensor"
-        near = Measured(sensor, f"room to {shown}", held.room, held.needed, "m")
-        return Discrepancy(
-            f"the base doesn't get on to {self.place}: {held.words}", measured=near, cause=causes.BLOCKED
-        )
+        return held_before(self.place, held)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""

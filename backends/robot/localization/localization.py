@@ -72,7 +72,7 @@ class Localization(ABC):
         """Time for which the lidar has repeated a scan although the base moved, in [s]."""
         self.crowd = Crowd()
         """People around the base."""
-        self._map_field: LikelihoodField | None = None
+        self.map_field: LikelihoodField | None = None
         """Field of the given map; None if no scan is compared with a map."""
         self.lifted: Lost | None = None
         """Evidence that the base was lifted and set down elsewhere; None before, and since it is located."""
@@ -97,7 +97,7 @@ class Localization(ABC):
     @property
     def can_relocate(self) -> bool:
         """True if `forget_pose` and `locate` can be used: scans are compared with a map."""
-        return self._map_field is not None and isinstance(self._range_sensor, Lidar)
+        return self.map_field is not None and isinstance(self._range_sensor, Lidar)
 
     @property
     def odometry_pose(self) -> Pose2:
@@ -234,7 +234,7 @@ class Localization(ABC):
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
-        if self.crowd.hides_walls(scan, self.pose, self._map_field, rolled):
+        if self.crowd.hides_walls(scan, self.pose, self.map_field, rolled):
             return
         if self._wheels.find_again(points):
             self._displaced()
@@ -246,7 +246,7 @@ class Localization(ABC):
 
     def forget_pose(self) -> None:
         """Estimate poses in a local frame from now on, relative to the scans taken from here on."""
-        assert self._map_field is not None
+        assert self.map_field is not None
         assert isinstance(self._range_sensor, Lidar)
         self.local_map, self.lifted = LocalMap(), None
         self.local_map.add(self.pose, beams_of(self._range_sensor))
@@ -257,16 +257,16 @@ class Localization(ABC):
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
         """Take over map_T_base with its covariance (3, 3), in [m, m, rad]: the pose on the map is known."""
-        assert self._map_field is not None
+        assert self.map_field is not None
         self.local_map = self.lifted = None
-        self._wheels.change_map(self._map_field, pose, covariance)
+        self._wheels.change_map(self.map_field, pose, covariance)
         self._wheels.surface_error = 0.0
         self.still = 0
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         """Compare scans with a map that was drawn of them from now on; `pose` and `covariance` are there."""
-        self._map_field = field
+        self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
@@ -281,7 +281,7 @@ class Localization(ABC):
             self.lift_watch.reset()
             self.crowd = Crowd()
         lidar = self._range_sensor
-        if self._map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
+        if self.map_field is None or not isinstance(lidar, Lidar) or self.lifted is not None:
             return
         if (lifted := self.lift_watch.take(lidar, rolled, self.still, self.crowd, self.pose)) is not None:
             self.lifted = lifted
@@ -381,8 +381,8 @@ class Localization(ABC):
         if echoes is None:
             self.local_map = None
             self._wheels.surface_error = 0.0
-            if self._map_field is not None:
-                self._wheels.extend_map(self._map_field)
+            if self.map_field is not None:
+                self._wheels.extend_map(self.map_field)
             return
         if not self.can_relocate:
             raise NotAState("no state of this localization: it needs a map and a lidar")

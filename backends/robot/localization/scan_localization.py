@@ -39,7 +39,7 @@ class ScanLocalization(Localization):
         """Begin with a robot at rest, and match a scan at once."""
         super().__init__(backend, matching, lidar)
         self._matching, self._map_error_then = matching, np.zeros((3, 3))
-        self._map_field = matching.field
+        self.map_field = matching.field
         assert self._range_sensor is not None, "scans come from a range sensor"
         matching.correct(self._range_sensor.scan().points())
         if isinstance(lidar, Lidar):

@@ -41,7 +41,7 @@ class WheelLocalization(Localization):
         """Begin with a robot at rest."""
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels
-        self._map_field = wheels.field
+        self.map_field = wheels.field
         self._unanswered = 0.0
         if isinstance(lidar, Lidar):
             self.held_base = HeldBase(wheels, lidar, backend.period)

@@ -9,7 +9,7 @@ import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.determination import PoseNeed
-from handcart.networks.task.pose_forecast import PoseForecast, forecast_pose
+from handcart.backends.robot.localization.pose_forecast import PoseForecast, forecast_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import FloorBox, from_boxes
