@@ -18,6 +18,17 @@ from tests.tools.conftest import TOUR
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.S)
+EXAMPLE_OUTPUTS = (
+    r"Success in .*\n(\d+\. .*: Success after \d+\.\d s\n)+\d+\.\d m; the ground truth contradicts: \[\]\n",
+    r"[^\n]*unknown place 'dekc'; did you mean 'desk'[^\n]*\n",
+    r".* from \w+ to \w+\n\[.*'SEARCH'.*\]\n",
+    r".* Success \d+ records\ndriven to \[.*\] in \d+\.\d s\n",
+    r"3 of 3 \(0\.\d+, .*\)\n",
+    r"all that was tried holds\n",
+    r"",  # a primitive, which only has to be accepted
+    r"\['Base', 'Arm', .*, 'Positioning'\]\n",
+)
+"""Patterns of what the examples print, in the order of the page."""
 FACE = {
     *("run", "check", "load_task", "load_run", "campaign", "causes", "conformance", "Result"),
     *("ActionPrimitive", "CauseKind", "Discrepancy", "NeedsPerson", "Success", "Fail", "GiveUp"),
@@ -48,11 +59,15 @@ def test_nothing_is_imported_before_it_is_used() -> None:
         for at, text in enumerate(EXAMPLES)
     ],
 )
-def test_the_documents_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+def test_the_documents_examples_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
     (tmp_path / "tasks").symlink_to(ROOT / "tasks")
     monkeypatch.chdir(tmp_path)
     code = compile(EXAMPLES[number], "docs/reference/api.md", "exec", dont_inherit=True)
     exec(code, {"__name__": "__main__"})
+    printed = capsys.readouterr().out
+    assert re.fullmatch(EXAMPLE_OUTPUTS[number], printed, re.S), printed
 
 
 def test_a_campaign_takes_what_the_command_takes(tmp_path: Path) -> None:

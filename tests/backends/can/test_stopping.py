@@ -54,6 +54,7 @@ def test_set_points_that_are_taken_are_forgiven(
     move(backend, BEFORE)
     status: Any = ProfilePosition.status
     plain = status.fget
+    before = backend.axes["joint 1"].position
     for number in range(12):
         lost = 0x1000 if number % 3 else 0
 
@@ -62,6 +63,7 @@ def test_set_points_that_are_taken_are_forgiven(
 
         monkeypatch.setattr(ProfilePosition, "status", property(taken))
         move(backend, 1)
+    assert backend.axes["joint 1"].position > before + 0.005
 
 
 def test_a_quick_stop_ends_the_handshake(make: Make, robot: RobotFile) -> None:

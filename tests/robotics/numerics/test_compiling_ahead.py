@@ -30,7 +30,7 @@ assert len(kernels) >= 8
 wrong = [kernel for kernel, types in kernels if kernel.dispatcher.signatures != [types_of(types)]]
 print(*(kernel.__name__ for kernel in wrong))
 """
-CHECKS = """\
+CHECK_OF_A_TASK = """\
 from pathlib import Path
 from handcart.networks.task import preparing
 from handcart.robotics.manipulation.arms.screw_table import SCREW_TABLE_TYPES, screw_table
@@ -46,8 +46,8 @@ def watched(*given: object, **named: object) -> object:
 
 preparing.check = watched
 file_facts(Path("tasks/stack_blocks/task.yaml"), {})
-assert screw_table in known_first
-assert screw_table.dispatcher.signatures == [types_of(SCREW_TABLE_TYPES)]
+print(screw_table in known_first)
+print(screw_table.dispatcher.signatures == [types_of(SCREW_TABLE_TYPES)])
 """
 DIES = """\
 import os, signal
@@ -173,7 +173,9 @@ def _kernel() -> Any:
 @pytest.mark.slow
 def test_a_check_knows_the_domains_kernels_before_the_map_s() -> None:
     """The arm's functions take longest: another core begins with them while the map is checked here."""
-    subprocess.run([sys.executable, "-c", CHECKS], cwd=ROOT, check=True, timeout=120)
+    command = [sys.executable, "-c", CHECK_OF_A_TASK]
+    ended = subprocess.run(command, cwd=ROOT, check=True, timeout=120, capture_output=True, text=True)
+    assert ended.stdout.splitlines()[-2:] == ["True", "True"]
 
 
 def test_functions_that_a_caller_asked_for_are_compiled_first(monkeypatch: pytest.MonkeyPatch) -> None:
