@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from handcart.backends.simulation.objects.object_props import ObjectProps
 from handcart.evaluation.conformance.faults.fault import Fault, FaultKind
 from handcart.primitives.outcomes import causes
@@ -17,7 +15,7 @@ HEAVY_KG = 1.2
 def _cover_tags(world: Any) -> None:
     """Cover all tags: the print on the sides is not visible any more."""
     for each in world.of(ObjectProps).objects.values():
-        each.print_over({side: np.full_like(picture, each.grey) for side, picture in each.faces().items()})
+        each.cover_print()
 
 
 def _fill(world: Any) -> None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from typing_extensions import override
 
 from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.simulation.objects.printed_thing import PrintedThing
 from handcart.backends.simulation.objects.tag_print import printed_faces
-from handcart.backends.simulation.world.thing import GreyImage, Rest, Side, Thing
+from handcart.backends.simulation.world.thing import GreyImage, Rest, Side
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -23,7 +23,7 @@ FRONT, HANDLE = "door", "handle"
 
 
 @dataclass(eq=False, repr=False)
-class DoorPart(Thing):
+class DoorPart(PrintedThing):
     """The front of a door or drawer, or its handle: it moves with the joint alone."""
 
     FREE: ClassVar[bool] = False
@@ -67,15 +67,7 @@ class DoorPart(Thing):
         return self.spec.grey if not self.is_handle else max(0, self.spec.grey - 90)
 
     @override
-    def faces(self) -> Mapping[Side, GreyImage]:
-        return self._faces
-
-    def print_over(self, faces: Mapping[Side, GreyImage]) -> None:
-        """Print other pictures over its printed sides."""
-        self.__dict__["_faces"] = dict(faces)
-
-    @cached_property
-    def _faces(self) -> Mapping[Side, GreyImage]:
+    def draw_faces(self) -> Mapping[Side, GreyImage]:
         if self.is_handle or not self.spec.tags:
             return {}
         aside = self.spec.front(self.spec.true_joint())[0][1, 3]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Self
 
 from typing_extensions import override
@@ -14,12 +13,13 @@ from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedTh
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import GreyImage, Side
 
+from .printed_thing import PrintedThing
 from .spec import CarriedObjectSpec
 from .tag_print import printed_faces
 
 
 @dataclass(eq=False, repr=False)
-class CarriedObject(PlacedThing):
+class CarriedObject(PlacedThing, PrintedThing):
     """An object and where it truly is.
 
     Its frame: origin in the middle of its foot; x, y and z along its size.
@@ -56,13 +56,5 @@ class CarriedObject(PlacedThing):
         return super().set_down(scene, placed, seed, **others)
 
     @override
-    def faces(self) -> Mapping[Side, GreyImage]:
-        return self._faces
-
-    def print_over(self, faces: Mapping[Side, GreyImage]) -> None:
-        """Print other pictures over its printed sides: damage, or something that covers the tags."""
-        self.__dict__["_faces"] = dict(faces)
-
-    @cached_property
-    def _faces(self) -> Mapping[Side, GreyImage]:
+    def draw_faces(self) -> Mapping[Side, GreyImage]:
         return printed_faces(self.spec.tags, self.spec.size_mm, self.spec.grey)

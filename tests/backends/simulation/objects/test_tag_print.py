@@ -37,6 +37,18 @@ def test_tag_on_a_side_is_read_where_it_is(face: Face) -> None:
     assert seen[:3, :3] == pytest.approx(world_T_tag[:3, :3], abs=0.05)
 
 
+def test_covered_print_is_grey_until_it_is_drawn_on_another() -> None:
+    tag = PrintedTag(id=11, side_mm=40.0, face="+x")
+    spec = CarriedObjectSpec(name="a", x_m=0, y_m=0, height_m=0, size_mm=SIZE_MM, tags=(tag,), grey=120)
+    box = CarriedObject(np.eye(4), Rest.TABLE, spec)
+    drawn = box.faces()["+x"]
+    box.cover_print()
+    assert drawn.min() < 60 < 200 < drawn.max()
+    assert list(box.faces()) == ["+x"]
+    assert (box.faces()["+x"] == 120).all()
+    assert np.array_equal(CarriedObject(np.eye(4), Rest.TABLE, spec).faces()["+x"], drawn)
+
+
 def test_person_sets_an_object_down_by_its_sigmas() -> None:
     from tests.primitives.objects.fetching import rig_with, scene_of
 
