@@ -31,15 +31,15 @@ from handcart.backends.description.ros_spec import (
 )
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
-from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, BenchFaults, TopicFault
+from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, TopicFault
 from handcart.backends.ros2.bench.ros_bench import RosBench
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, trajectory_goal
-from handcart.backends.ros2.wire.ros_link import RosLink, node_name
+from handcart.backends.ros2.wire.ros_link import RosLink
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
-from .wire_rig import Ended, Process, Rest, await_driving, on_the_air
+from .wire_rig import Ended, Process, Rest, await_driving, on_the_air, serve
 
 ARM, HAND = "arm_controller/follow_joint_trajectory", "gripper_controller/gripper_cmd"
 RIVAL = "rival"
@@ -144,29 +144,17 @@ def librarian() -> RobotFile:
 def serve_arm(pipe: Connection) -> None:
     """Serve the robot's topics and actions until killed; see `serve_bench`, for the arm."""
     robot = librarian()
-    assert robot.ros2 is not None
     inner = make_backend("kinematic", robot, LIBRARY_FOLDER / "world.yaml", 0)
     arm = inner.get(Arm)  # type: ignore[type-abstract]
     assert arm is not None
-    faults = BenchFaults(robot.period_s)
-    bench = RosBench(robot, robot.ros2, inner, RosLink(node_name("bench")), faults)
-    moved: list[tuple[float, bool]] = []
-    before, due = arm.command(), time.monotonic()
-    pipe.send("ready")
-    while True:
-        bench.step()
-        now = arm.command()
-        moved.append((time.monotonic(), bool(np.abs(now - before).max() > 1e-6)))
-        before = now
-        while pipe.poll():
-            asked = pipe.recv()
-            if isinstance(asked, TopicFault):
-                faults.add(asked)
-            else:
-                late = [at for at, moves in moved if moves and at > asked]
-                pipe.send(Rest(max(late, default=asked) - asked, len(late)))
-        due = max(due + robot.period_s, time.monotonic() - robot.period_s)
-        time.sleep(max(0.0, due - time.monotonic()))
+    before = arm.command()
+
+    def moves(_: RosBench) -> bool:
+        nonlocal before
+        before, then = arm.command(), before
+        return bool(np.abs(before - then).max() > 1e-6)
+
+    serve(pipe, robot, inner, moves)
 
 
 def swing_arm(pipe: Connection) -> None:

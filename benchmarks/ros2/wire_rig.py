@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
-from handcart.backends.backend import RobotFault
+from handcart.backends.backend import Backend, RobotFault
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
@@ -115,8 +115,24 @@ def serve_bench(pipe: Connection) -> None:
     the `Rest` of the base after it.
     """
     robot = cart(1000.0)
-    assert robot.ros2 is not None
     inner = make_backend("kinematic", robot, LIBRARY_FOLDER / "world.yaml", 0)
+
+    def moves(bench: RosBench) -> bool:
+        return bool(bench.speeds.speed or bench.speeds.turn_rate)
+
+    serve(pipe, robot, inner, moves)
+
+
+def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[RosBench], bool]) -> None:
+    """Serve a robot's topics and actions until killed; answer as `serve_bench` does.
+
+    Args:
+        pipe: to the program that sends faults and times.
+        robot: with a section `ros2`.
+        inner: simulated robot behind the bench.
+        moves: returns whether what is watched has moved in the bench's last period.
+    """
+    assert robot.ros2 is not None
     faults = BenchFaults(robot.period_s)
     bench = RosBench(robot, robot.ros2, inner, RosLink(node_name("bench")), faults)
     moved: list[tuple[float, bool]] = []
@@ -124,14 +140,13 @@ def serve_bench(pipe: Connection) -> None:
     pipe.send("ready")
     while True:
         bench.step()
-        speeds = bench.speeds
-        moved.append((time.monotonic(), bool(speeds.speed or speeds.turn_rate)))
+        moved.append((time.monotonic(), moves(bench)))
         while pipe.poll():
             asked = pipe.recv()
             if isinstance(asked, TopicFault):
                 faults.add(asked)
             else:
-                late = [at for at, moves in moved if moves and at > asked]
+                late = [at for at, moving in moved if moving and at > asked]
                 pipe.send(Rest(max(late, default=asked) - asked, len(late)))
         due = max(due + robot.period_s, time.monotonic() - robot.period_s)
         time.sleep(max(0.0, due - time.monotonic()))
