@@ -72,7 +72,12 @@ class StateCodes:
         return FlowStates(counts, np.array([self.place[state.situation]]), mass[None, :])
 
     def state(self, counts: Uint16Array, place: int) -> State:
-        """Return the state with counts (counters,) in a situation."""
+        """Return the state of a run in a situation with counted Fails.
+
+        Args:
+            counts: (counters,) number of Fails by each counter of the network.
+            place: number of the situation.
+        """
         failed = np.flatnonzero(counts)
         fails = sorted((self._counters[number], int(counts[number])) for number in failed)
         return State(self._names[place], tuple(fails))

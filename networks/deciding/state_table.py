@@ -119,7 +119,11 @@ class StateTable:
         self._expanded.extend(np.zeros(len(rows), bool))
 
     def expand(self, numbers: IntArray) -> None:
-        """Look for the options of states in the component that were not expanded before."""
+        """Look for the options of states in the component that were not expanded before.
+
+        Args:
+            numbers: (n,) numbers of these states in the table.
+        """
         if not numbers.size:
             return
         rows = self.rows

@@ -18,8 +18,8 @@ def uniform_limits(bounds: FloatArray, sigmas: FloatArray) -> FloatArray:
     The tail of each sum comes from its characteristic function (Gil-Pelaez, 1951).
 
     Args:
-        bounds: (k, n) up to which each error of a sum goes, either way, without signs.
-        sigmas: (k,) of the noise.
+        bounds: (k, n) largest magnitude of each error of a sum, in any one unit.
+        sigmas: (k,) sigma of the noise of each sum, in the same unit, as are the limits.
     """
     total = bounds.sum(axis=1)
     spread = np.maximum(np.maximum(sigmas, MIN_SIGMA_RATIO * total), 1e-12)

@@ -89,7 +89,12 @@ class MujocoEngine(Engine):
         return self._bodies[number, link]
 
     def name_links(self, number: int, bodies: dict[str, int]) -> None:
-        """Declare the bodies of MuJoCo that are one body's links, each with its number."""
+        """Register the links of a robot or thing with MuJoCo's bodies of the same names.
+
+        Args:
+            number: number of the robot or thing in this engine.
+            bodies: number of each of its links, by the name of MuJoCo's body.
+        """
         model = self.model
         self._links = {model.body(name).id: (number, link) for name, link in bodies.items()}
         self._bodies = {owner: body for body, owner in self._links.items()}

@@ -44,7 +44,7 @@ class SuspensionSprings:
 
     @property
     def lean(self) -> tuple[float, float]:
-        """Roll and pitch, in [rad]."""
+        """Roll and pitch of the base on its suspension, in [rad]."""
         roll, pitch = self._joints.states()[0]
         return float(roll), float(pitch)
 

@@ -60,7 +60,7 @@ class LocalAction:
         return self._taken
 
     def send(self, request: Any) -> LocalGoal:
-        """Let a goal wait for its answer."""
+        """Queue a goal until `answer` accepts or rejects it, and return it."""
         goal = LocalGoal(self.kind, request)
         self._waiting.append(goal)
         return goal

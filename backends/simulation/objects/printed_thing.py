@@ -15,7 +15,7 @@ from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
 
 @dataclass(eq=False, repr=False)
 class PrintedThing(Thing):
-    """A thing whose pictures are drawn once, and may be printed over."""
+    """A thing with pictures printed on its sides: drawn when first seen, and replaceable."""
 
     @override
     def faces(self) -> Mapping[Side, GreyImage]:

@@ -101,7 +101,15 @@ def _round_thing(canvas: Canvas, thing: Thing) -> None:
 
 
 def round_strips(size: tuple[float, float, float]) -> list[tuple[FloatArray, FloatArray]]:
-    """Return corners (n, 3) and outward normals (3,) of a cylinder's strips and ends, from its middle."""
+    """Return the flat faces that approximate a cylinder along z: strips of its side, and both ends.
+
+    Args:
+        size: size of the box around the cylinder along x, y and z, in [m].
+
+    Returns:
+        Corners (n, 3) of each face, relative to the cylinder's middle in [m], and its outward unit
+        normal (3,).
+    """
     angles = np.arange(ROUND_STRIPS) * (2.0 * np.pi / ROUND_STRIPS)
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(ROUND_STRIPS)]) * (size[0] / 2)
     up = np.array([0.0, 0.0, size[2] / 2])

@@ -146,7 +146,14 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
 
 
 def hand_shift(model: ArmModel, joints: FloatArray, number: int, way: float) -> str:
-    """Return in words how the hand moves, in the base's frame, when one joint moves by `way`."""
+    """Describe in words how the hand moves in the base's frame when one joint of the arm moves.
+
+    Args:
+        model: model of the arm.
+        joints: (n,) joints before the motion, in [rad] or [m].
+        number: number of the moving joint, from 0.
+        way: motion of that joint, in [rad] or [m].
+    """
     after = joints.copy()
     after[number] += way
     before_pose, after_pose = model.forward(joints), model.forward(after)

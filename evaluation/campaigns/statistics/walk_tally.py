@@ -30,7 +30,7 @@ class WalkTally(Tally):
             self.columns[name] = array("d")
 
     def count_all(self) -> Generator[int, None, None]:
-        """Walk and count, and yield the number of walks since the last yield."""
+        """Draw and count the walks of all seeds in batches; yield the size of each counted batch."""
         size = self.trials.side_by_side
         for number in range(self._seeds[0] // size, self._seeds[-1] // size + 1):
             first = max(self._seeds[0], number * size)

@@ -136,7 +136,7 @@ def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
 
     Args:
         pose: (4, 4) base_T_tip, whose axis is free.
-        free: number of the free turn, 0 if none is.
+        free: 1 if the turn about the tip's z is free, 2 if that about its x is, 0 if none is.
         rows: (6, k) in the axes of the base, [m] above and [rad] below; changed.
     """
     if free == 0:
@@ -209,12 +209,14 @@ def solve_in_place(matrix: FloatArray, right: FloatArray) -> bool:
 
 @compiled_for((CHAIN_TYPES, "f8[:,::1]", "i8", "i8", POSTURE_TYPES))
 def descend(chain: ScrewChain, target: FloatArray, free: int, iterations: int, posture: ChainPosture) -> bool:
-    """Descend to a target by damped least squares, within limits; return whether it arrived.
+    """Move an arm's joints towards a pose by damped least squares, within their limits.
+
+    Return whether the pose was reached.
 
     Args:
         chain: kinematics of the arm.
         target: (4, 4) wanted base_T_tip.
-        free: number of the free turn, 0 if none is.
+        free: 1 if the turn about the tip's z is free, 2 if that about its x is, 0 if none is.
         iterations: largest number of steps.
         posture: its angles are the start, in [rad]; the result is written into it.
     """
