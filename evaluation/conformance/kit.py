@@ -78,15 +78,16 @@ class KitSetting:
         shares = math.ceil(count / MAX_INSTANTS_PER_JOB)
         return [
             Batch(source, number, count, part, shares)
-            for source, number, name in reversed(self._actions())  # the last takes longest to come to
+            for source, number, name in reversed(self._actions)  # the last takes longest to come to
             for part in range(shares)
             if name in self.primitives or not self.primitives
         ]
 
     def tried(self) -> list[str]:
         """Names of the primitives in which faults can be injected."""
-        return sorted({name for _, _, name in self._actions()})
+        return sorted({name for _, _, name in self._actions})
 
+    @cached_property
     def _actions(self) -> list[tuple[Rehearsal | Solo, int, str]]:
         """REACH, then of each rehearsal what no earlier one has."""
         result: list[tuple[Rehearsal | Solo, int, str]] = [(Solo(self.bench, Reach()), 0, Reach.label())]
@@ -117,8 +118,9 @@ class KitSetting:
             return tuple(Path(each).resolve() for each in self.own_tasks)
         return repertoire(self.robot, self._chosen, self.simulated or self.backend)
 
+    @cached_property
     def left_out(self) -> dict[str, str]:
-        """Return why primitives are not tried on this backend, by their names."""
+        """Reasons why primitives are not tried on this backend, by their names."""
         if self.own_tasks:
             return {}
         backend, tried = self.simulated or self.backend, self.tried()

@@ -67,7 +67,7 @@ def conformance(
         backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or (), own, bench
     )
     _check(setting)
-    for name, why in sorted(setting.left_out().items()):
+    for name, why in sorted(setting.left_out.items()):
         print(f"left out: {name}: {why}", file=sys.stderr)
     if quick:
         print("quick: few faults and no complete tasks; --full tries everything", file=sys.stderr)
@@ -138,7 +138,7 @@ def _check(setting: KitSetting) -> None:
     for task in setting.own_tasks:
         if errors := check(task, setting.backend, {"robot": setting.robot}).errors:
             raise FileError(errors)
-    tried, left = setting.tried(), setting.left_out()
+    tried, left = setting.tried(), setting.left_out
     for name in setting.primitives:
         if name in left:
             raise typer.BadParameter(f"no fault can be tried in {name!r}: {left[name]}")

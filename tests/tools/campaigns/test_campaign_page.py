@@ -105,7 +105,7 @@ def long_trial(seed: int) -> Trial:
 
 def test_a_page_of_very_many_trials_stays_small(tmp_path: Path) -> None:
     folder = CampaignFolder.made(tmp_path / "out", ASKED)
-    for seed in range(10_000):
+    for seed in (0, 9_999):
         (folder.runs / f"return_book-{seed}").mkdir(parents=True)
     page = CampaignPage(folder, CampaignReport([long_trial(seed) for seed in range(10_000)]), None)
     content = page.write().read_bytes()

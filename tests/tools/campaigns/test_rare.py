@@ -30,12 +30,12 @@ def test_what_is_told(handcart: Callable[..., Said], tmp_path: Path) -> None:
 
 
 def test_parts_and_processes_tell_the_same(handcart: Callable[..., Said], tmp_path: Path) -> None:
-    words = ("campaign", rare_walk(tmp_path), *ALWAYS)
+    words = ("campaign", rare_walk(tmp_path), *ALWAYS[:-1], 6)
     plain = handcart(*words)
     whole = handcart(*words, "--out", tmp_path / "whole", "--jobs", 2)
     assert (plain.out, plain.status) == (whole.out, 0)
     again = handcart(*words, "--out", tmp_path / "whole")
-    assert (again.out, "30 of 30 trials are there already" in again.err) == (whole.out, True)
+    assert (again.out, "6 of 6 trials are there already" in again.err) == (whole.out, True)
     for part in (1, 2):
         handcart(*words, "--out", tmp_path / f"part{part}", "--shard", f"{part}/2")
     merged = handcart("campaign", "merge", tmp_path / "part1", tmp_path / "part2", "--out", tmp_path / "all")

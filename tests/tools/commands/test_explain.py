@@ -85,6 +85,7 @@ def test_a_blocked_way_in_words(handcart: Callable[..., Said], runs: Callable[[s
     assert "RangeSensor: free way ahead" in handcart("explain", runs("blocked"), "--action", 3).out
 
 
+@pytest.mark.slow
 def test_an_unreadable_tag(
     handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:
