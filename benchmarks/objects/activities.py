@@ -23,15 +23,32 @@ from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import InputError
 from handcart.networks.runs.run_options import RunOptions
 
-ACTIVITIES = (
-    "re_shelving_library_books",
-    "store_honey",
-    "store_batteries",
-    "returning_videotapes_to_store",
-    "setting_up_room_for_games",
-    "store_beer",
-)
-"""Activities whose things are rigid, fit between the fingers, and go on or into furniture."""
+LIBRARIAN, TOYAMA, FETCH = "librarian", "toyama", "fetch"
+ROBOTS = {
+    "store_honey": LIBRARIAN,
+    "collecting_wood": FETCH,
+    "bringing_newspaper_in": FETCH,
+    "putting_wood_in_fireplace": FETCH,
+    "store_batteries": LIBRARIAN,
+    "sending_packages": FETCH,
+    "putting_meal_in_fridge_at_work": LIBRARIAN,
+    "dispose_of_batteries": TOYAMA,
+    "store_firewood": FETCH,
+    "cleaning_parks": FETCH,
+    "make_the_ultimate_spa_basket": LIBRARIAN,
+    "bringing_in_kindling": FETCH,
+    "hiding_Easter_eggs": TOYAMA,
+    "packing_books_into_car": LIBRARIAN,
+    "returning_videotapes_to_store": LIBRARIAN,
+    "setting_up_room_for_games": LIBRARIAN,
+    "store_beer": LIBRARIAN,
+    "dispose_of_fireworks": TOYAMA,
+    "picking_up_books_at_library": LIBRARIAN,
+    "re_shelving_library_books": LIBRARIAN,
+    "boxing_books_up_for_storage": LIBRARIAN,
+}
+"""Activities whose things are rigid, and a robot whose fingers take them and whose arm reaches them; those
+with few things to move come first. The librarian does not reach low things on the floor."""
 
 
 @dataclass
@@ -51,15 +68,15 @@ class Row:
 def main() -> None:
     """Print a row for each activity."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--activities", type=int, default=len(ACTIVITIES), help="number of activities")
+    words.add_argument("--activities", type=int, default=len(ROBOTS), help="number of activities")
     words.add_argument("--names", nargs="+", default=None, help="these activities instead")
     words.add_argument("--seeds", type=int, default=20, help="number of seeds, from --first")
     words.add_argument("--first", type=int, default=0)
     words.add_argument("--backend", default="kinematic")
-    words.add_argument("--robot", default="librarian", help="name or file of the robot")
+    words.add_argument("--robot", default=None, help="name or file of the robot (default: by activity)")
     words.add_argument("--scale", action="store_true", help="make narrower what the fingers can't take")
     asked = words.parse_args()
-    names = asked.names or ACTIVITIES[: asked.activities]
+    names = asked.names or list(ROBOTS)[: asked.activities]
     rows: dict[str, Row | str] = {}
     for name in names:
         try:
@@ -73,7 +90,7 @@ def measure(name: str, seeds: Sequence[int], asked: argparse.Namespace) -> Row:
     """Make an activity and run it with some seeds."""
     row = Row()
     with TemporaryDirectory(prefix="activity-") as folder:
-        make(name, 0, Path(folder), asked.robot, asked.scale)
+        make(name, 0, Path(folder), asked.robot or ROBOTS.get(name, LIBRARIAN), asked.scale)
         for seed in seeds:
             begun = time.process_time()
             options = RunOptions(backend=asked.backend, seed=seed)

@@ -14,10 +14,14 @@ from handcart.backends.simulation.world_files.world_map import map_of_world
 from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 from .activity_task import task_text
 from .definition import Definition
-from .room import DEPTH_M, Room, ThingSlot
+from .furniture import FurnitureLevel, Piece
+from .placement import DEPTH_M
+from .room import Room
+from .slots import ThingSlot
 from .thing_table import CarriedEntry
 
 OFF_MM, OFF_DEG = 10.0, 5.0
@@ -26,6 +30,7 @@ BELIEF_DEG = 10.0
 """Standard deviation of a heading that the robot reckons with."""
 LIDAR_HEIGHT_M = 0.2
 RESOLUTION_M = 0.02
+LEGS_M = 0.005  # by which a surface is thinner than high if a lidar can't measure its sides
 MIN_TOP_MM = 22.0
 """Narrowest upper side with a tag; below it the tags are on two upright sides."""
 QUIET = 1.45
@@ -50,8 +55,17 @@ def write_activity(definition: Definition, room: Room, folder: Path, robot: str)
     }
     for name, text in texts.items():
         write_whole(folder / name, text)
+    pictures = ["map.yaml", "map.png"]
     _write_map(folder)
-    return [folder / name for name in (*texts, "map.yaml", "map.png")]
+    if floor_levels(room):
+        _write_keepout(folder, room)
+        pictures += ["keepout.yaml", "keepout.png"]
+    return [folder / name for name in (*texts, *pictures)]
+
+
+def floor_levels(room: Room) -> list[tuple[Piece, FurnitureLevel]]:
+    """Return the areas of the floor that things are on, at first or at the end."""
+    return [(piece, level) for piece in room.pieces for level in piece.levels() if level.height <= 0.0]
 
 
 def _world(room: Room) -> str:
@@ -59,12 +73,18 @@ def _world(room: Room) -> str:
     lines = ["format: handcart-world/1", f"start: {_pose(room.home)}", "walls:"]
     for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
         lines.append(f"  - {_flow({'from_m': list(begin), 'to_m': list(end)})}")
-    lines.append("furniture:")
+    bodies = [each for piece in room.pieces for each in piece.parts()]
+    lines += ["furniture:"] if bodies else []
     for piece in room.pieces:
         for part in piece.parts():
             pose = piece.in_room(part.x, part.y)
             above = {"above_m": part.above} if part.above else {}
             lines.append(f"  - {_flow({'name': part.name, **_at(pose), 'size_m': list(part.size), **above})}")
+    floors = floor_levels(room)
+    lines += ["floor_areas:"] if floors else []
+    for piece, level in floors:
+        pose = piece.in_room(level.x, level.y)
+        lines.append(f"  - {_flow({'name': level.name, **_at(pose), 'size_m': list(level.size)})}")
     lines.append("objects:")
     lines += [f"  - {_flow(_true_object(room, term, slot))}" for term, slot in room.at_first.items()]
     return "\n".join(lines) + "\n"
@@ -121,20 +141,32 @@ def _objects(room: Room) -> str:
                 continue
             keys: dict[str, Any] = {**_at(piece.in_room(level.x, level.y)), "height_m": level.height}
             keys["size_m"] = [round(each, 4) for each in level.size]
-            if level.thickness < level.height:
-                keys["thickness_m"] = round(level.thickness, 4)
+            if level.thickness > 0.0 and (level.thickness < level.height or _is_part(piece, level)):
+                keys["thickness_m"] = round(min(level.thickness, level.height - LEGS_M), 4)
             if level.clearance is not None:
                 keys["clearance_m"] = level.clearance
             if level.walls:
                 keys["walls"] = list(level.walls)
             if level.wall_height is not None:
                 keys["wall_m"] = round(level.wall_height, 4)
+            keys["kinds"] = _kinds_on(room, level)
             lines.append(f"  {level.name}: {_flow(keys | ({'spots': spots} if spots else {}))}")
     lines.append("objects:")
     for term, slot in room.at_first.items():
         keys = {"kind": _kind(room, term), "on": slot.level.name, **_at(slot.pose), "sigma_deg": BELIEF_DEG}
         lines.append(f"  {room.names[term]}: {_flow({**keys, 'tags': _tags(room, term)})}")
     return "\n".join(lines) + "\n"
+
+
+def _is_part(piece: Piece, level: FurnitureLevel) -> bool:
+    """Return whether a level is a part of a top: a lidar doesn't see where it ends, so it isn't measured."""
+    return level.size[0] < piece.entry.size_m[0]
+
+
+def _kinds_on(room: Room, level: FurnitureLevel) -> list[str]:
+    """Return the kinds of things that are on a level at first or at the end."""
+    terms = [term for slots in (room.at_first, room.at_end) for term in slots if slots[term].level == level]
+    return list(dict.fromkeys(_kind(room, each) for each in terms))
 
 
 def _kind(room: Room, term: str) -> str:
@@ -152,10 +184,17 @@ def _activity(definition: Definition, room: Room) -> str:
         f"activity: {definition.name}",
         f"definition: {definition.instance}",
     ]
-    lines.append("furniture:")
-    lines += [f"  {each.term}: {_flow([part.name for part in each.parts()])}" for each in room.pieces]
+    lines.append("furniture:" if any(list(each.parts()) for each in room.pieces) else "furniture: {}")
+    bodies = {each.term: [part.name for part in each.parts()] for each in room.pieces}
+    lines += [f"  {term}: {_flow(parts)}" for term, parts in bodies.items() if parts]
     lines.append("objects:")
     lines += [f"  {term}: {room.names[term]}" for term in room.at_first]
+    if room.floors:
+        lines.append("floors:   # least x and y, greatest x and y")
+        lines += [f"  {term}: {_flow(list(extent))}" for term, extent in room.floors.items()]
+    if room.beside:
+        lines.append("beside:   # moved objects, and the terms that they have to be next to")
+        lines += [f"  {room.names[term]}: {other}" for term, other in room.beside.items()]
     lines.append("goal:     # surfaces that each moved object may be on")
     pieces = {level.name: piece for piece in room.pieces for level in piece.levels()}
     for term, slot in room.at_end.items():
@@ -167,10 +206,25 @@ def _activity(definition: Definition, room: Room) -> str:
 
 def _write_map(folder: Path) -> None:
     grid = map_of_world(load_world(folder / "world.yaml"), LIDAR_HEIGHT_M, RESOLUTION_M)
-    write_png(folder / "map.png", np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
+    _write_grid(folder, "map", grid)
+
+
+def _write_keepout(folder: Path, room: Room) -> None:
+    """Write the areas of the floor that carry things as zones that the base keeps out of."""
+    outlines = []
+    for piece, level in floor_levels(room):
+        pose = piece.in_room(level.x, level.y)
+        outlines.append((pose.x, pose.y, pose.theta, *level.size))
+    size = (room.width, DEPTH_M)
+    _write_grid(folder, "keepout", from_boxes(outlines, RESOLUTION_M, (0.0, 0.0), size))
+
+
+def _write_grid(folder: Path, name: str, grid: GridMap) -> None:
+    write_png(folder / f"{name}.png", np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
+    origin = f"[{grid.origin_x:g}, {grid.origin_y:g}, 0.0]"
     write_whole(
-        folder / "map.yaml",
-        f"image: map.png\nresolution: {RESOLUTION_M:g}\norigin: [{grid.origin_x:g}, {grid.origin_y:g}, 0.0]\n"
+        folder / f"{name}.yaml",
+        f"image: {name}.png\nresolution: {RESOLUTION_M:g}\norigin: {origin}\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
     )
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 from typing_extensions import override
 
 from handcart.backends.simulation.world.thing import Rest, Thing
@@ -13,6 +14,9 @@ from handcart.files.errors import InputError
 from handcart.primitives.activities.activity import Activity, ActivityFile
 from handcart.primitives.objects.object_names import name_in_world
 from handcart.primitives.objects.objects import Objects
+from handcart.robotics.geometry.footprint import polygon_gap
+from handcart.robotics.kinematics.shapes import Box, corners
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .bddl_judge import Verdict, judge_goal
 from .definition import NoBddl, load_definition
@@ -63,6 +67,10 @@ class ActivitySurvey(Survey):
             thing = things.get(name_in_world(name))
             if thing is None or not any(self._is_on(thing, each) for each in surfaces):
                 yield f"{name} isn't on {' or '.join(surfaces)}"
+        for name, term in (file.beside if file else {}).items():
+            thing, parts = things.get(name_in_world(name)), self._bodies(term)
+            if thing is None or not _are_near(thing.box(), parts):
+                yield f"{name} isn't next to {term}"
 
     def _is_on(self, thing: Thing, name: str) -> bool:
         surface = self.run.model.of(Objects).objects.surfaces.get(name)
@@ -75,6 +83,16 @@ class ActivitySurvey(Survey):
             and abs(z - surface.height_m) <= FOOT_M
         )
 
+    def _bodies(self, term: str) -> list[Box]:
+        """Return the solid boxes of what a term means: an object, or parts of furniture."""
+        file = _file(self.run)
+        assert file is not None  # it applies
+        if term in file.objects:
+            name = name_in_world(file.objects[term])
+            return [each.box() for each in self.run.world.things() if each.name == name]
+        parts = set(file.furniture.get(term, ()))
+        return [each.box for each in self.run.world.solids if each.box.name in parts]
+
     def _verdict(self) -> Verdict | str:
         """Return their verdict, or why there is none."""
         file = _file(self.run)
@@ -84,6 +102,26 @@ class ActivitySurvey(Survey):
         except (NoBddl, InputError) as error:
             return str(error)
         return judge_goal(definition, true_things(definition, file, self.run.world))
+
+
+def _are_near(one: Box, parts: Sequence[Box]) -> bool:
+    """Return whether the gap between two outlines is at most a sixth of the mean size of both.
+
+    Args:
+        one: a body.
+        parts: boxes that another body consists of.
+    """
+    if not parts:
+        return False
+    points = np.vstack([corners(each) for each in parts])
+    mean = (sum(one.size) + float(np.ptp(points, axis=0).sum())) / 3
+    return min(polygon_gap(_outline(one), _outline(each)) for each in parts) <= mean / 6
+
+
+def _outline(box: Box) -> FloatArray:
+    """Return the (4, 2) corners of an upright box, seen from above."""
+    half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
+    return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
 
 
 def _file(run: SurveyedRun) -> ActivityFile | None:

@@ -12,7 +12,8 @@ format: handcart-task/1
 title: {title}
 robot: {{parameter: robot}}
 world: world.yaml
-knowledge: {{map: map.yaml, places: places.yaml, objects: objects.yaml, activity: activity.yaml, start: home}}
+knowledge: {{map: map.yaml, places: places.yaml, objects: objects.yaml, activity: activity.yaml,
+  start: home{more}}}
 
 parameters:
   robot: {robot}
@@ -58,8 +59,10 @@ def task_text(definition: Definition, room: Room, robot: str) -> str:
     steps = list(_steps(room))
     goal = f"placed_{steps[-1]['name']}"
     title = definition.name.replace("_", " ").capitalize()
+    has_floors = any(level.height <= 0.0 for piece in room.pieces for level in piece.levels())
+    more = ", keepout: keepout.yaml" if has_floors else ""
     head = HEAD.format(
-        name=definition.name, instance=definition.instance, title=title, robot=robot, goal=goal
+        name=definition.name, instance=definition.instance, title=title, robot=robot, goal=goal, more=more
     )
     situations = "".join(SITUATIONS.format(**each) for each in steps)
     actions = "".join(ACTIONS.format(**each) for each in steps)

@@ -15,6 +15,10 @@ WALL_M = 0.02
 """Thickness of sides, backs and tops."""
 BOTTOM_M = 0.01
 """Thickness of the bottom of a box."""
+HALVED_M = 0.38
+"""Greatest width of the bottom of a box that the arm serves from one place, between its walls."""
+OVERLAP_M = 0.004
+"""Of the halves of a bottom: a thing may be right in its middle."""
 SEGMENT_M = 0.62
 """Greatest width of a surface that the arm serves from one place."""
 
@@ -36,7 +40,7 @@ class FurnitureLevel(NamedTuple):
 
     name: str
     relation: str
-    """Relation of the things there to the piece: `ontop` or `inside`."""
+    """Relation of the things there to the piece: `ontop`, `inside`, or `front` for next to it."""
     x: float
     """Of its middle in the frame of the piece, in [m]."""
     y: float
@@ -60,19 +64,33 @@ class Piece:
     entry: FurnitureEntry
     pose: Pose2
     """Of the middle of its foot; its -y side is its front."""
+    base: float = 0.0
+    """Height of its foot, in [m]."""
+    reserved: float = 0.0
+    """Width at the +x end of a table for furniture on it, in [m]."""
+    front: tuple[float, float] | None = None
+    """Width and depth of the area of the floor before it for what is next to it, in [m]; None for none."""
+    fronts: int = 1
+    """Number of parts of that area."""
 
     def parts(self) -> Iterator[FurniturePart]:
         """Yield its solid boxes; one that carries things has the name of that surface."""
-        depth = self.entry.size_m[1]
+        width, depth, height = self.entry.size_m
         for level in self.levels():
-            under = level.height - level.thickness
-            yield FurniturePart(level.name, level.x, 0.0, (level.size[0], depth, level.thickness), under)
+            if level.thickness > 0.0:
+                under = level.height - level.thickness
+                yield FurniturePart(level.name, level.x, 0.0, (level.size[0], depth, level.thickness), under)
+        if self.reserved > 0.0:
+            x = (width - self.reserved) / 2
+            yield FurniturePart(f"{self.name}_end", x, 0.0, (self.reserved, depth, height))
+        if self.entry.form == "block":
+            yield FurniturePart(self.name, 0.0, 0.0, (width, depth, height))
         if self.entry.form == "box":
-            width, _, height = self.entry.size_m
             for side, x in (("left", -(width - WALL_M) / 2), ("right", (width - WALL_M) / 2)):
-                yield FurniturePart(f"{self.name}_{side}", x, 0.0, (WALL_M, depth, height))
+                yield FurniturePart(f"{self.name}_{side}", x, 0.0, (WALL_M, depth, height), self.base)
             for side, y in (("front", -(depth - WALL_M) / 2), ("back", (depth - WALL_M) / 2)):
-                yield FurniturePart(f"{self.name}_{side}", 0.0, y, (width - 2 * WALL_M, WALL_M, height))
+                size = (width - 2 * WALL_M, WALL_M, height)
+                yield FurniturePart(f"{self.name}_{side}", 0.0, y, size, self.base)
         if self.entry.form == "shelf":
             sides, high = (self.entry.size_m[0] - WALL_M) / 2, self._board + self._opening
             for side, x in (("left", -sides), ("right", sides)):
@@ -83,19 +101,45 @@ class Piece:
     def levels(self) -> Iterator[FurnitureLevel]:
         """Yield its surfaces, divided into parts that the arm serves from one place each."""
         width, depth, height = self.entry.size_m
+        if self.front is not None:
+            yield from self._before()
         if self.entry.form == "table":
-            yield from self._divided(self.name, "ontop", (width, depth), height)
+            yield from self._divided(self.name, "ontop", (width - self.reserved, depth), height)
+        elif self.entry.form == "floor":
+            yield from self._divided(f"{self.name}_area", "ontop", (width, depth), 0.0)
+        elif self.entry.form == "tray":
+            size, top = (width, depth), self.base + height
+            yield FurnitureLevel(self.name, "ontop", 0.0, 0.0, size, top, None, (), height)
         elif self.entry.form == "box":
-            size, walls = (width - 2 * WALL_M, depth - 2 * WALL_M), ("+x", "-x", "+y", "-y")
-            name = f"{self.name}_in"
-            yield FurnitureLevel(
-                name, "inside", 0.0, 0.0, size, BOTTOM_M, None, walls, BOTTOM_M, height - BOTTOM_M
-            )
+            yield from self._bottom()
         elif self.entry.form == "shelf":
             inner = width - 2 * WALL_M
             size = (inner, depth - WALL_M)
             yield from self._divided(f"{self.name}_in", "inside", size, self._board, self._opening)
             yield from self._divided(f"{self.name}_top", "ontop", (width, depth), height)
+
+    def _bottom(self) -> Iterator[FurnitureLevel]:
+        """Yield the bottom of a box, in halves if it is wide: each is served from a place of its own."""
+        width, depth, height = self.entry.size_m
+        inner, name, bottom = width - 2 * WALL_M, f"{self.name}_in", self.base + BOTTOM_M
+        count = 2 if inner > HALVED_M else 1
+        for number in range(count):
+            sides = ("+y", "-y", *["-x"] * (number == 0), *["+x"] * (number == count - 1))
+            label = name if count == 1 else f"{name}_{number + 1}"
+            size = (inner / count + (OVERLAP_M if count > 1 else 0.0), depth - 2 * WALL_M)
+            x = (inner - size[0]) * (number - (count - 1) / 2)
+            rim = height - BOTTOM_M
+            yield FurnitureLevel(label, "inside", x, 0.0, size, bottom, None, sides, BOTTOM_M, rim)
+
+    def _before(self) -> Iterator[FurnitureLevel]:
+        """Yield the areas of the floor before it."""
+        assert self.front is not None
+        (width, depth), count = self.front, self.fronts
+        y, height = -(self.entry.size_m[1] + depth) / 2, self.entry.size_m[2]
+        for number in range(count):
+            x, name = (number + 0.5) / count * width - width / 2, f"{self.name}_before_{number + 1}"
+            size = (width / count, depth)
+            yield FurnitureLevel(name, "front", x, y, size, 0.0, None, ("+y",), 0.0, height)
 
     def in_room(self, x: float, y: float) -> Pose2:
         """Return the pose in the room of a point of the piece, with the heading of the piece."""
@@ -121,7 +165,7 @@ class Piece:
         count = math.ceil(width / SEGMENT_M)
         back = (self.entry.size_m[1] - depth) / 2
         for number in range(count):
-            x = (number + 0.5) / count * width - width / 2
+            x = (number + 0.5) / count * width - width / 2 - self.reserved / 2
             label = name if count == 1 else f"{name}_{number + 1}"
             sides = ("+y", *["-x"] * (number == 0), *["+x"] * (number == count - 1))
             walls = () if clearance is None else sides

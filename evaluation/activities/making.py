@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
@@ -14,8 +15,9 @@ from handcart.primitives.objects.object_findings import OPENING_MARGIN_MM
 
 from .activity_files import write_activity
 from .definition import Definition, load_definition
-from .relations import ActivityRelations, entry_of, relations_of
+from .relations import ActivityRelations, relations_of
 from .room import Room, furnish
+from .thing_relation import entry_of
 from .thing_table import CarriedEntry
 
 
@@ -55,13 +57,19 @@ def make(
         FileError: the activity, or something in it, isn't known or not possible, at its line.
         OSError: the folder can't be written.
     """
+    definition, room, scaled = plan_activity(name, instance, robot, scale)
+    write_activity(definition, room, folder, _named_from(folder, robot))
+    return MadeActivity(definition, room, folder, scaled)
+
+
+def plan_activity(
+    name: str, instance: int, robot: str, scale: bool
+) -> tuple[Definition, Room, Mapping[str, float]]:
+    """Return an activity's definition, its room, and the factors of what is made narrower; see `make`."""
     definition = load_definition(name, instance)
     relations = relations_of(definition)
-    named = _named_from(folder, robot)
     sizes, scaled = _sizes(definition, relations, _widest_mm(robot), scale)
-    room = furnish(definition, relations, sizes)
-    write_activity(definition, room, folder, named)
-    return MadeActivity(definition, room, folder, scaled)
+    return definition, furnish(definition, relations, sizes), scaled
 
 
 def _named_from(folder: Path, robot: str) -> str:
@@ -75,6 +83,7 @@ def _named_from(folder: Path, robot: str) -> str:
     return Path(os.path.relpath(file, folder.resolve())).as_posix()
 
 
+@cache
 def _widest_mm(robot: str) -> float:
     """Return the width of the widest thing that the robot's fingers take."""
     gripper = load_robot(robot).gripper

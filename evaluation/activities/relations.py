@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.suggest import suggest
 
-from .definition import Definition, Literal
-from .thing_table import CarriedEntry, FurnitureEntry, thing_table
-
-AGENT = "agent.n.01"
-FORMS_OF = {"ontop": ("table", "shelf"), "inside": ("shelf", "box")}
-"""Forms of furniture that can have a thing on top or inside."""
-
-
-class ThingRelation(NamedTuple):
-    """A thing is on top of, or inside, a piece of furniture."""
-
-    kind: str
-    """`ontop` or `inside`."""
-    thing: str
-    """Term of the carried thing."""
-    furniture: str
-    """Term of the furniture."""
+from .definition import Definition
+from .goal_option import GoalOption
+from .ground_options import ground_options
+from .thing_relation import AGENT, ThingRelation, is_floor, is_support, relation_of
+from .thing_table import thing_table
 
 
 @dataclass(frozen=True)
@@ -35,11 +22,28 @@ class ActivityRelations:
     initial: tuple[ThingRelation, ...]
     moves: tuple[ThingRelation, ...]
     """One for each thing that has to be moved, by where it goes."""
+    supports: Mapping[str, str]
+    """What each piece of furniture is on, by their terms, if the definition states it."""
 
     def terms(self) -> list[str]:
-        """Return all furniture that something is on or in, in a fixed order."""
-        found = [each.furniture for each in (*self.initial, *self.moves)]
-        return list(dict.fromkeys(found))
+        """Return all furniture and floors that something is on, in or next to, in a fixed order."""
+        things = {each.thing for each in self.initial}
+        found: dict[str, None] = {}
+        for each in (*self.initial, *self.moves):
+            beside = each.beside if each.beside not in things else None
+            if beside is None:
+                found[each.furniture] = None
+            else:
+                found[beside] = None
+        for term, below in self.supports.items():
+            if self.stands_on_furniture(term):
+                found |= {term: None, below: None}
+        return list(found)
+
+    def stands_on_furniture(self, term: str) -> bool:
+        """Return whether a piece is on another one, not on a floor."""
+        below = self.supports.get(term)
+        return below is not None and not is_floor(below)
 
 
 def relations_of(definition: Definition) -> ActivityRelations:
@@ -50,21 +54,19 @@ def relations_of(definition: Definition) -> ActivityRelations:
     """
     found = list(_unknown_things(definition))
     initial: list[ThingRelation] = []
+    supports: dict[str, str] = {}
     for literal in definition.initial:
-        relation = _relation(definition, literal)
+        if is_support(definition, literal):
+            supports[literal[1]] = literal[2]
+            continue
+        relation = relation_of(definition, literal)
         if isinstance(relation, Finding):
             found.append(relation)
         elif relation is not None:
             initial.append(relation)
     if found:
         raise FileError(found)
-    return ActivityRelations(tuple(initial), _moves(definition, initial))
-
-
-def entry_of(definition: Definition, term: str) -> CarriedEntry | FurnitureEntry | None:
-    """Return the size of a thing; None if its category is unknown."""
-    category, table = definition.category(term), thing_table()
-    return table.carried.get(category) or table.furniture.get(category)
+    return ActivityRelations(tuple(initial), _moves(definition, initial, supports), supports)
 
 
 def _unknown_things(definition: Definition) -> Iterator[Finding]:
@@ -78,78 +80,29 @@ def _unknown_things(definition: Definition) -> Iterator[Finding]:
             yield definition.finding([category], wrong)
 
 
-def _relation(definition: Definition, literal: Literal) -> ThingRelation | Finding | None:
-    """Return the relation that a literal states; None for the robot and for furniture on the floor."""
-    predicate, *terms = literal
-    if predicate not in FORMS_OF or len(terms) != 2:
-        words = f"the condition {predicate!r} isn't simulated; allowed: {', '.join(FORMS_OF)}"
-        return definition.finding(literal, words)
-    thing, other = (entry_of(definition, each) for each in terms)
-    on_floor = isinstance(other, FurnitureEntry) and other.form == "floor"
-    if definition.category(terms[0]) == AGENT or (isinstance(thing, FurnitureEntry) and on_floor):
-        return None
-    if thing is None or other is None:
-        return None  # reported as an unknown thing
-    words = f"{terms[0]} is {predicate} {terms[1]}"
-    if isinstance(thing, FurnitureEntry):
-        return definition.finding(literal, f"{words}: furniture isn't carried; allowed: on the floor")
-    if isinstance(other, CarriedEntry):
-        return definition.finding(literal, f"{words}: that isn't furniture; allowed: on or in furniture")
-    if other.form not in FORMS_OF[predicate]:
-        allowed = f"allowed: {predicate} of a {' or '.join(FORMS_OF[predicate])}"
-        return definition.finding(literal, f"{words}: not for the form {other.form!r}; {allowed}")
-    return ThingRelation(predicate, terms[0], terms[1])
-
-
-def _moves(definition: Definition, initial: Sequence[ThingRelation]) -> tuple[ThingRelation, ...]:
+def _moves(
+    definition: Definition, initial: Iterable[ThingRelation], supports: Mapping[str, str]
+) -> tuple[ThingRelation, ...]:
     """Return the moves of the way to the goal with the fewest of them.
 
     Raises:
         FileError: no way consists of such relations alone; with the problems of the nearest one.
     """
-    best: tuple[ThingRelation, ...] | None = None
+    best: list[ThingRelation] | None = None
     problems: list[Finding] = []
-    for option in ground_options(definition):
-        wrong: list[Finding] = []
-        moves: dict[str, ThingRelation] = {}
-        for literal in option:
-            found = _relation(definition, literal)
-            if isinstance(found, Finding):
-                wrong.append(found)
-            elif found is not None and found not in initial:
-                if found.thing in moves and moves[found.thing] != found:
-                    words = f"{found.thing} would have to be in two places; allowed: in one"
-                    wrong.append(definition.finding(literal, words))
-                moves[found.thing] = found
-        if wrong:
-            problems = min((problems, wrong), key=len) if problems else wrong
+    for literals in ground_options(definition):
+        option = GoalOption(definition, initial, supports)
+        for literal in literals:
+            option.add(literal)
+        moves = option.moves()
+        if option.wrong:
+            problems = min((problems, option.wrong), key=len) if problems else option.wrong
         elif best is None or len(moves) < len(best):
-            best = tuple(moves.values())
+            best = moves
     if best is None:
-        words = "no way to the goal was found; allowed: a goal of ontop and inside"
+        words = "no way to the goal was found; allowed: a goal of ontop, inside and nextto"
         raise FileError(problems or [definition.finding([":goal"], words)])
-    return best
-
-
-def ground_options(definition: Definition) -> Iterator[list[Literal]]:
-    """Yield the ways to the goal that `bddl` finds, each as ground literals; it lists a few of many."""
-    from bddl.activity import get_goal_conditions, get_ground_goal_state_options, get_object_scope
-    from bddl.trivial_backend import TrivialBackend
-
-    conditions, backend = definition.conditions, TrivialBackend()
-    scope: dict[str, Any] = get_object_scope(conditions)
-    scope.update({term: term for term in scope})
-    goal = get_goal_conditions(conditions, backend, scope)
-    try:
-        options = get_ground_goal_state_options(conditions, backend, scope, goal)
-    except AssertionError:  # its only report of a goal without any way
-        return
-    for option in options:
-        yield [_flat(each.body) for each in option]
-
-
-def _flat(body: Iterable[Any]) -> Literal:
-    predicate, *rest = body
-    if predicate == "not":
-        return ("not", *_flat(rest[0]))
-    return (predicate, *(each.lstrip("?") for each in rest))
+    if not best:
+        words = "nothing has to be moved; allowed: a goal that isn't reached at first"
+        raise FileError([definition.finding([":goal"], words)])
+    return tuple(best)

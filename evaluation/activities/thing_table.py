@@ -29,8 +29,9 @@ class CarriedEntry(FileModel):
 class FurnitureEntry(FileModel):
     """Size of a piece of furniture. Its own -y side is its front."""
 
-    form: Literal["table", "shelf", "box", "floor"]
-    """A table carries things on its top, a shelf in an opening between boards, an open box on its bottom."""
+    form: Literal["table", "shelf", "box", "tray", "block", "floor"]
+    """A table and a tray carry things on top, a shelf in an opening between boards as well, an open box on
+    its bottom, a floor on areas of it; a block carries nothing, and things may be next to it."""
     size_m: tuple[Positive, Positive, Positive]
     """Width, depth and total height."""
     board_m: Positive | None = None

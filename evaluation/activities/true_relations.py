@@ -1,7 +1,8 @@
 """Relations between bodies by their true poses, as BEHAVIOR-1K's simulator defines them.
 
 Definitions: OmniGibson, omnigibson/object_states: on_top.py, inside.py, next_to.py, under.py, adjacency.py.
-There rays from a body find its neighbours; all bodies here are boxes, so each ray is computed.
+There rays from a body find its neighbours; all bodies here are boxes, so each ray is computed. Since 2026
+`inside` asks for the volume between an object's walls instead; for our furniture that is the same.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 RAY_M = 5.0
 AXES = 5
 """Pairs of level axes that are tried, spread over a quarter turn."""
+NEAR_DIRECTIONS = 10  # level directions in which a neighbour is looked for
 NEAR_SHARE = 1.0 / 6.0  # of the mean size of two bodies next to each other
 TOUCH_M = 0.005
 UP = np.array([0.0, 0.0, 1.0])
@@ -61,9 +63,10 @@ def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
 
 
 def is_under(lower: TrueThing, upper: TrueThing) -> bool:
-    """Return whether another thing is above a thing, and not below it as well."""
+    """Return whether another thing is above a thing, and not below it as well, nor the thing above it."""
     below, above = _vertical_starts(lower)
-    return upper.is_hit(above, UP) and not upper.is_hit(below, -UP)
+    _, over = _vertical_starts(upper)
+    return upper.is_hit(above, UP) and not upper.is_hit(below, -UP) and not lower.is_hit(over, UP)
 
 
 def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
@@ -95,9 +98,8 @@ def is_touching(one: TrueThing, other: TrueThing) -> bool:
 
 def _is_beside(one: TrueThing, other: TrueThing) -> bool:
     middle = one.middle
-    return any(
-        other.is_hit(middle, sign * axis) for pair in _level_axes() for axis in pair for sign in (1.0, -1.0)
-    )
+    angles = np.arange(NEAR_DIRECTIONS) * (2.0 * np.pi / NEAR_DIRECTIONS)
+    return any(other.is_hit(middle, np.array([np.cos(each), np.sin(each), 0.0])) for each in angles)
 
 
 def _is_between(outer: TrueThing, point: FloatArray, axis: FloatArray) -> bool:

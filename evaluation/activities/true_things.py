@@ -11,7 +11,7 @@ from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 
 from .definition import Definition
-from .relations import AGENT
+from .thing_relation import AGENT
 from .thing_table import thing_table
 from .true_relations import TrueThing
 
@@ -36,8 +36,16 @@ def true_things(definition: Definition, file: ActivityFile, scene: Scene) -> Map
     for category, terms in definition.terms.items():
         entry = thing_table().furniture.get(category)
         if entry is not None and entry.form == "floor":
-            found |= {term: TrueThing(term, (FLOOR,)) for term in terms}
+            found |= {term: TrueThing(term, (_floor(file, term),)) for term in terms}
         elif category == AGENT:
             base = Box(scene.base.lift(0.2), (0.4, 0.4, 0.4), "robot")
             found |= {term: TrueThing(term, (base,)) for term in terms}
     return found
+
+
+def _floor(file: ActivityFile, term: str) -> Box:
+    """Return what a floor's term means: a part of the floor, or all of it."""
+    if term not in file.floors:
+        return FLOOR
+    x0, y0, x1, y1 = file.floors[term]
+    return Box(transform(((x0 + x1) / 2, (y0 + y1) / 2, -0.5)), (x1 - x0, y1 - y0, 1.0), "floor")

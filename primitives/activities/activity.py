@@ -25,6 +25,10 @@ class ActivityFile(FileModel):
     """Furniture of the world that makes up each piece, by the term in the definition."""
     objects: dict[Name, Name]
     """Names of objects in the world, by the term in the definition."""
+    floors: dict[Name, tuple[float, float, float, float]] = Field(default_factory=dict)
+    """Part of the floor that a floor's term means, in [m]: least x and y, greatest x and y (default: all)."""
+    beside: dict[Name, Name] = Field(default_factory=dict)
+    """Term in the definition of what a moved object has to be next to, by the name of the object."""
     goal: dict[Name, tuple[Name, ...]] = Field(default_factory=dict)
     """Surfaces that each moved object may be on in the end, by the name of the object."""
 

@@ -161,11 +161,12 @@ class Pick(ActionPrimitive):
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Return the contacts with the object, and of the object with its surface."""
-        seen = model.of(Objects).seen(self.object)
-        on = [each.surface for each in (seen, *self._known) if each is not None]
+        seen, surfaces = model.of(Objects).seen(self.object), model.of(Objects).objects.surfaces
+        on = dict.fromkeys(each.surface for each in (seen, *self._known) if each is not None)
+        touched = [name for each in on for name in surfaces[each].contact_names(each)]
         return (
             MeantContact("hand", name_in_world(self.object)),
-            *(MeantContact("held", name) for name in dict.fromkeys(on)),
+            *(MeantContact("held", name) for name in touched),
         )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

@@ -145,7 +145,10 @@ class PlaceObject(ActionPrimitive):
         held = model.of(Objects).held_object or self._before
         if held is None:
             return ()
-        return MeantContact("hand", name_in_world(held.object)), MeantContact("held", self.surface)
+        surface = model.of(Objects).objects.surfaces.get(self.surface)
+        touched = (self.surface,) if surface is None else surface.contact_names(self.surface)
+        hand = MeantContact("hand", name_in_world(held.object))
+        return hand, *(MeantContact("held", name) for name in touched)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Play the motion backwards; a released object is gripped again on the way."""

@@ -18,6 +18,9 @@ Positive = Annotated[float, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 CEILING_M = 0.04  # thickness of what is above a surface with a clearance
 WALL_M = 0.02  # thickness of walls at its sides
+FLOOR_M = 0.05  # thickness of what is below an area of the floor
+FLOOR_NAMES = ("floor", "the ground")
+"""Names of the floor in contacts."""
 WALL_SIDES: dict[str, tuple[int, int]] = {"+x": (0, 1), "-x": (0, -1), "+y": (1, 1), "-y": (1, -1)}
 """Axis and sign of each side of a surface, in its own frame."""
 
@@ -74,10 +77,9 @@ class ObjectSurface(LevelPose):
         """Return what the arm must not touch: its body, its walls, and what is above it."""
         result = []
         length, width = self.size_m
-        if self.height_m > 0.0:
-            thick = min(self.height_m, self.thickness_m or self.height_m)
-            middle = self.pose @ transform((0.0, 0.0, -thick / 2))
-            result.append(Box(middle, (length, width, thick), name))
+        thick = min(self.height_m, self.thickness_m or self.height_m) if self.height_m > 0.0 else FLOOR_M
+        middle = self.pose @ transform((0.0, 0.0, -thick / 2))
+        result.append(Box(middle, (length, width, thick), name))
         if self.clearance_m is not None:
             above = self.pose @ transform((0.0, 0.0, self.clearance_m + CEILING_M / 2))
             result.append(Box(above, (length, width, CEILING_M), name))
@@ -94,6 +96,10 @@ class ObjectSurface(LevelPose):
                 yield Box(self.pose @ transform((off, 0.0, middle)), (WALL_M, self.size_m[1], high), name)
             else:
                 yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], WALL_M, high), name)
+
+    def contact_names(self, name: str) -> tuple[str, ...]:
+        """Return the names in contacts of what an object on it touches; `name` is its own."""
+        return (name, *FLOOR_NAMES) if self.height_m <= 0.0 else (name,)
 
     def margin(self, x: float, y: float) -> float:
         """Return how far a point of the map is inside of its edge, in [m]; negative outside."""

@@ -14,6 +14,7 @@ from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.grasping.box_grasps import BITE_M, MAX_BITE_SHARE
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.manipulation.placement.standing_places import OpenFloor
@@ -23,10 +24,12 @@ from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .aimed_view import aimed_views
+from .object_kind import KnownObject, ObjectKind
 from .objects_file import ObjectsFile
-from .surface import ObjectSurface
+from .surface import WALL_M, ObjectSurface
 
 EDGE_GAPS_M = (0.04, 0.10)  # between the base's outline and the edge of the surface
+BEFORE_WALL_M = WALL_M + 0.02  # further away from a side with a wall
 ALONG_STEP_M = 0.1  # between candidates along an edge
 INWARD_M = 0.15  # from the edge to where work is expected, if nothing is said
 LIFT_M = 0.10  # over a grasp that must be reached too
@@ -38,7 +41,8 @@ IK_RESTARTS = 4
 PITCHES_RAD = tuple(math.radians(each) for each in (90.0, 55.0, 30.0))
 """Postures of a hand over a surface: pointing down, and slanting ahead."""
 TURNS_RAD = tuple(math.radians(each) for each in (0.0, 90.0, 180.0, -90.0))
-
+SIDES = ("-x", "-y", "+x", "+y")
+"""Sides of a surface that the base faces with these turns."""
 HEADINGS_RAD = tuple(math.radians(each) for each in (0.0, 45.0, 90.0, 135.0))
 """Of a hand that comes from above; half a turn further it grips alike."""
 
@@ -75,19 +79,24 @@ def standing_place(
             f"the base has no room beside the surface {name!r}: needed: {radius:.2f} m of free floor around"
             " its middle, reached from a place"
         )
-    fit: list[tuple[int, Pose2]] = []
     missing = len(work) + 1
-    for base in free[:MAX_CANDIDATES]:
-        points = work if len(work) else _ahead(base, robot, surface)
-        unreached = sum(not _reaches(robot, arm, surface, base, point) for point in points)
-        missing = min(missing, unreached)
-        if unreached == 0:
-            fit.append((sum(_headings_missed(robot, arm, surface, base, point) for point in points), base))
-            if fit[-1][0] == 0 or len(fit) >= MAX_COMPARED:
-                break
-    if fit:
-        best = min(fit, key=lambda each: each[0])[1]
-        return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
+    tall = _tip_heights(file, name)
+    for tips in (np.full(len(tall), HIGHEST_TIP_M), tall):
+        fit: list[tuple[int, Pose2]] = []
+        for base in free[:MAX_CANDIDATES]:
+            points = work if len(work) else _ahead(base, robot, surface)
+            spots = np.column_stack([points, surface.height_m + tips[: len(points)]])
+            unreached = sum(not _reaches(robot, arm, surface, base, spot) for spot in spots)
+            missing = min(missing, unreached)
+            if unreached == 0:
+                fit.append((sum(_headings_missed(robot, arm, surface, base, spot) for spot in spots), base))
+                if fit[-1][0] == 0 or len(fit) >= MAX_COMPARED:
+                    break
+        if fit:
+            best = min(fit, key=lambda each: each[0])[1]
+            return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
+        if (tall <= HIGHEST_TIP_M).all():
+            break
     count = max(1, len(work))
     raise NoStandingPlace(
         f"the arm doesn't reach all work on the surface {name!r} from one place: {missing} of {count} points"
@@ -106,17 +115,41 @@ def _work(file: ObjectsFile, name: str) -> FloatArray:
     return np.array([*believed, *spots]).reshape(-1, 2)
 
 
+def _tip_heights(file: ObjectsFile, name: str) -> FloatArray:
+    """Return the heights (n,) of the finger tips over the surface at the points of `_work`, in [m].
+
+    They are those of a grasp from above; at a spot, of the lowest kind that may be there. With only
+    low objects they are `HIGHEST_TIP_M`; there is one height if nothing is said.
+    """
+    surface = file.surfaces[name]
+    heights = {label: _tips_on(kind) for label, kind in file.kinds.items() if surface.allows(label)}
+    least = min(heights.values(), default=HIGHEST_TIP_M)
+    own = [_tips_on(file.kind_of(label)) for label, each in file.objects.items() if _is_believed(each, name)]
+    return np.array([*own, *[least] * len(surface.spots)] or [least])
+
+
+def _tips_on(kind: ObjectKind) -> float:
+    height = kind.size[2]
+    return max(HIGHEST_TIP_M, height - min(BITE_M, MAX_BITE_SHARE * height))
+
+
+def _is_believed(known: KnownObject, name: str) -> bool:
+    """Return whether an object is believed to be at a place on a surface."""
+    return known.on == name and known.x_m is not None and known.y_m is not None
+
+
 def _around(robot: RobotFile, surface: ObjectSurface, work: FloatArray) -> Iterator[Pose2]:
     """Yield poses of the base that face the sides, those nearest to the work first."""
     poses = []
-    for turn in TURNS_RAD:
+    for turn, side_name in zip(TURNS_RAD, SIDES, strict=True):
         side = Pose2(0.0, 0.0, turn)
         lengthwise = abs(math.cos(turn)) > 0.5
         depth, width = surface.size_m if lengthwise else surface.size_m[::-1]
+        before_wall = BEFORE_WALL_M if side_name in surface.walls else 0.0
         count = max(1, round(width / ALONG_STEP_M))
         for gap in EDGE_GAPS_M:
             for along in np.linspace(-width / 2, width / 2, 2 * (count // 2) + 1).tolist():
-                away = depth / 2 + robot.footprint_radius_m + gap
+                away = depth / 2 + robot.footprint_radius_m + gap + before_wall
                 poses.append(surface.floor.compose(side).compose(Pose2(-away, along, 0.0)))
     middle = work if len(work) else np.array([[surface.x_m, surface.y_m]])
     poses.sort(key=lambda each: float(np.hypot(middle[:, 0] - each.x, middle[:, 1] - each.y).max()))
@@ -146,15 +179,16 @@ def _ahead(base: Pose2, robot: RobotFile, surface: ObjectSurface) -> FloatArray:
 
 
 def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray) -> bool:
-    """Return whether the hand grips and lifts at a point (2,), and the camera looks at it."""
+    """Return whether the finger tips grip and lift at a point (3,) on the map, and the camera looks there."""
     base_T_map = inverse(base.lift())
-    spot = apply(base_T_map, np.array([[*point, surface.height_m]]))[0]
+    tips = apply(base_T_map, point[None])[0]
+    spot = tips - (0.0, 0.0, float(point[2]) - surface.height_m)
     boxes = tuple(box.seen_from(base_T_map) for box in surface.boxes("surface"))
     collision = CollisionModel(arm, boxes)
     home = np.array(robot.posture("home"))
     grips = any(
         _is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home)
-        for hand in _hands(robot, spot)
+        for hand in _hands(robot, tips)
     )
     if not grips:
         return False
@@ -166,12 +200,12 @@ def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose
 def _headings_missed(
     robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray
 ) -> int:
-    """Return in how many of some headings the hand cannot grip and lift at a point (2,) from above."""
+    """Return in how many of some headings the hand cannot grip and lift at a point (3,) from above."""
     base_T_map = inverse(base.lift())
-    spot = apply(base_T_map, np.array([[*point, surface.height_m]]))[0]
+    tips = apply(base_T_map, point[None])[0]
     collision = CollisionModel(arm, tuple(box.seen_from(base_T_map) for box in surface.boxes("surface")))
     home = np.array(robot.posture("home"))
-    hands = [_hand(robot, spot, PITCHES_RAD[0], roll) for roll in HEADINGS_RAD]
+    hands = [_hand(robot, tips, PITCHES_RAD[0], roll) for roll in HEADINGS_RAD]
     return sum(
         not (_is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home))
         for hand in hands
@@ -190,18 +224,18 @@ def _sees(
     return any(not collision.in_collision(joints) for joints, _ in views)
 
 
-def _hands(robot: RobotFile, spot: FloatArray) -> Iterator[Transform]:
-    """Yield base_T_hand (4, 4) with the finger tips over a point (3,), approached from above or ahead."""
+def _hands(robot: RobotFile, tips: FloatArray) -> Iterator[Transform]:
+    """Yield base_T_hand (4, 4) with the finger tips at a point (3,), approached from above or ahead."""
     for pitch in PITCHES_RAD:
         for roll in TURNS_RAD[:2]:
-            yield _hand(robot, spot, pitch, roll)
+            yield _hand(robot, tips, pitch, roll)
 
 
-def _hand(robot: RobotFile, spot: FloatArray, pitch: float, roll: float) -> Transform:
-    """Return base_T_hand (4, 4) with the finger tips over a point (3,), at angles in [rad]."""
-    tips = transform((spot[0], spot[1], spot[2] + HIGHEST_TIP_M), (0.0, pitch, 0.0))
+def _hand(robot: RobotFile, tips: FloatArray, pitch: float, roll: float) -> Transform:
+    """Return base_T_hand (4, 4) with the finger tips at a point (3,), at angles in [rad]."""
+    at_tips = transform((tips[0], tips[1], tips[2]), (0.0, pitch, 0.0))
     back = transform((-robot.finger_shape.tip, 0.0, 0.0), (roll, 0.0, 0.0))
-    return np.asarray(tips @ back)
+    return np.asarray(at_tips @ back)
 
 
 def _looks(robot: RobotFile, arm: ArmModel, spot: FloatArray) -> Iterator[Transform]:

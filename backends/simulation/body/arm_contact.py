@@ -22,6 +22,7 @@ from .rigid_body import RigidBody, meet
 LOAD_NAME = "load"
 FINGER_LINKS = ("left_finger", "right_finger")
 _HANDS = (LOAD_NAME, *FINGER_LINKS, "hand", "camera_body")
+LOW_TOP_M = 0.02  # of a body that floor plans leave out
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
 Skip = Callable[[str, str], bool]
@@ -107,6 +108,7 @@ class ArmContact:
         self._mounted_reach = max(out, default=0.0)
         self._on_hand = {LOAD_NAME, *FINGER_LINKS, *_fixed_on_tip(arm, self._names)}
         self._fixed = [solid.box for solid in scene.solids]
+        self._has_low_solids = any(top(box) <= LOW_TOP_M for box in self._fixed)
         self._take_in([], ())
         self._stood: dict[str, tuple[Transform, Box]] = {}
         self._changes = -1
@@ -163,7 +165,12 @@ class ArmContact:
         return body in self._on_hand
 
     def _far(self, base: Pose2, joints: FloatArray) -> bool:
-        """Return whether all solid bodies of the room are beyond the arm's reach."""
+        """Return whether all solid bodies of the room are beyond the arm's reach.
+
+        Bodies that no floor plan shows may be anywhere.
+        """
+        if self._has_low_solids:
+            return False
         plan = self._scene.full_plan
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 

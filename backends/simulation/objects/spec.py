@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from handcart.backends.description.printed_tag import PrintedTag
 from handcart.backends.simulation.world.placed_thing import PlacedSpec
-from handcart.backends.simulation.world.world_file import each_once
+from handcart.backends.simulation.world.world_file import FloorPose, Length, Name, each_once
 from handcart.files.models.model import FileModel
 
 
@@ -43,12 +43,26 @@ class CarriedObjectSpec(PlacedSpec):
         return self
 
 
+class FloorAreaSpec(FloorPose):
+    """An area of the floor that carries objects; elsewhere an object on the floor counts as fallen.
+
+    Its pose is that of its middle.
+    """
+
+    name: Name
+    size_m: tuple[Length, Length]
+    """Along its own x and y."""
+
+
 class ObjectsSection(FileModel):
     """Keys of a world's file about objects."""
 
     objects: tuple[CarriedObjectSpec, ...] = ()
+    floor_areas: tuple[FloorAreaSpec, ...] = ()
+    """Areas of the floor that objects are on, or may be put down on."""
 
     @model_validator(mode="after")
     def _each_object_once(self) -> Self:
         each_once("object", (each.name for each in self.objects))
+        each_once("floor area", (each.name for each in self.floor_areas))
         return self

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
@@ -48,5 +49,7 @@ def test_hand_comes_down_in_every_heading_before_the_tables() -> None:
     robot = load_robot("librarian")
     for name, stand in stands.items():
         surface = file.surfaces[name]
-        point = surface_places._work(file, name)[0]
+        point = np.append(
+            surface_places._work(file, name)[0], surface.height_m + surface_places.HIGHEST_TIP_M
+        )
         assert surface_places._headings_missed(robot, robot.arm_model(), surface, stand.pose, point) == 0

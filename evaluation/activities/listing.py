@@ -1,0 +1,60 @@
+"""Which activities can be made, and why the others can't."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from handcart.files.errors import FileError
+
+from .definition import activity_names
+from .making import plan_activity
+
+SHOWN_REASONS = 40
+
+
+class ListedActivity(NamedTuple):
+    """An activity, and what making it came to."""
+
+    name: str
+    moves: int
+    """Number of things to move; 0 if it can't be made."""
+    reasons: tuple[str, ...]
+    """Everything that it needs and our worlds or the robot do not have."""
+
+
+def list_activities(robot: str, scale: bool = False) -> Iterator[ListedActivity]:
+    """Yield every activity, by name; raises NoBddl.
+
+    Args:
+        robot: name or file of the robot.
+        scale: True to make narrower what its fingers can't take.
+    """
+    for name in activity_names():
+        try:
+            _, room, _ = plan_activity(name, 0, robot, scale)
+        except FileError as error:
+            yield ListedActivity(name, 0, tuple(each.message for each in error.findings))
+        else:
+            yield ListedActivity(name, len(room.at_end), ())
+
+
+def summary_lines(listed: list[ListedActivity]) -> Iterator[str]:
+    """Yield the lines that a person reads: what can be made, then the reasons against the others."""
+    made = [each for each in listed if each.moves]
+    yield f"{len(made)} of {len(listed)} activities can be made:"
+    yield from (f"  {each.name:<44} {each.moves} to move" for each in made)
+    counts = Counter(kind for each in listed for kind in {_kind_of(reason) for reason in each.reasons})
+    yield "the others need, by the number of activities:"
+    yield from (f"  {count:>4}  {kind}" for kind, count in counts.most_common(SHOWN_REASONS))
+    if len(counts) > SHOWN_REASONS:
+        more = len(counts) - SHOWN_REASONS
+        yield f"        and {more} other reasons; `handcart activity NAME -o FOLDER` reports those of one"
+
+
+def _kind_of(reason: str) -> str:
+    """Return a reason without its instances and without what is allowed."""
+    first = re.split("; did you mean|; allowed", reason)[0]
+    return re.sub(r"(\.n\.\d+)_\d+", r"\1", first)

@@ -1,0 +1,184 @@
+"""Slots for things on the surfaces of a piece of furniture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from handcart.files.errors import Finding
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .definition import Definition
+from .furniture import FurnitureLevel, Piece
+from .thing_relation import ThingRelation
+from .thing_table import CarriedEntry
+from .true_relations import NEAR_SHARE
+
+MIN_GAP_M = 0.10  # between things, for the fingers and a thing that is set down 20 mm off
+MIN_BOX_GAP_M = 0.05  # likewise in a box, where what is there has been put and seen
+MIN_NEXT_GAP_M = 0.03  # likewise between things that have to be next to each other
+NEXT_SHARE = 0.75  # of the greatest gap that counts as next to each other
+EDGE_M = 0.06  # between a thing and the front edge
+BOX_EDGE_M = 0.05  # likewise where that edge is a wall
+MIN_BEFORE_M, MAX_BEFORE_M = 0.05, 0.12  # between a thing and what it is before
+
+
+class ThingSlot(NamedTuple):
+    """A place for a thing on a level of a piece."""
+
+    level: FurnitureLevel
+    pose: Pose2
+    """In the room; the heading is that of the thing."""
+
+
+class FoundSlots(NamedTuple):
+    """Slots on a piece, or why it has too few."""
+
+    slots: dict[ThingRelation, ThingSlot]
+    findings: list[Finding]
+
+
+def slots_on(
+    definition: Definition,
+    piece: Piece,
+    kind: str,
+    here: Sequence[ThingRelation],
+    sizes: Mapping[str, CarriedEntry],
+) -> FoundSlots:
+    """Return a slot for each thing at a piece, in rows with equal gaps.
+
+    Args:
+        definition: the activity.
+        piece: the furniture.
+        kind: relation of its levels that are used.
+        here: what is there, at first or at the end.
+        sizes: sizes of the things, by term.
+    """
+    slots: dict[ThingRelation, ThingSlot] = {}
+    findings = list(_too_near(definition, piece, here, sizes))
+    levels = [each for each in piece.levels() if each.relation == kind]
+    rows = [_whole(levels)] if piece.entry.form == "box" and levels else levels
+    for level, groups in zip(rows, _shared(_grouped(here), len(rows)), strict=True):
+        gap = (level.size[0] - sum(_length(each, sizes) for each in groups)) / (len(groups) + 1)
+        least = least_gap(piece)
+        if gap < least:
+            words = f"{piece.term} has no room for {len(here)} things; allowed: what fits with gaps of"
+            findings.append(definition.finding([piece.term], f"{words} {least:g} m"))
+        found = _in_row(piece, level, groups, sizes, gap)
+        slots |= {each: ThingSlot(_nearest(piece, levels, slot), slot.pose) for each, slot in found}
+    return FoundSlots(slots, findings)
+
+
+def _whole(parts: Sequence[FurnitureLevel]) -> FurnitureLevel:
+    """Return parts side by side as one level: nothing divides them."""
+    first, width = parts[0], sum(each.size[0] for each in parts)
+    middle = sum(each.x * each.size[0] for each in parts) / width
+    return first._replace(x=middle, size=(width, first.size[1]))
+
+
+def _nearest(piece: Piece, levels: Sequence[FurnitureLevel], slot: ThingSlot) -> FurnitureLevel:
+    """Return the level that a slot is on."""
+    along = slot.pose.relative_to(piece.pose).x
+    return min(levels, key=lambda each: abs(each.x - along))
+
+
+def least_gap(piece: Piece) -> float:
+    """Return the least gap between things at a piece, in [m]."""
+    return MIN_BOX_GAP_M if piece.entry.form in ("box", "tray") else MIN_GAP_M
+
+
+def next_gap(one: CarriedEntry, other_size: Sequence[float]) -> float:
+    """Return the gap in [m] with which things are next to each other with some margin.
+
+    Args:
+        one: a thing.
+        other_size: size of the other one along x, y and z, in [m].
+    """
+    mean = (sum(one.size_mm) / 1e3 + sum(other_size)) / 3
+    return NEXT_SHARE * NEAR_SHARE * mean
+
+
+def before_gap(thing: CarriedEntry, size: Sequence[float]) -> float:
+    """Return the gap between a thing and a piece of furniture of some size that it is before, all in [m]."""
+    return min(MAX_BEFORE_M, next_gap(thing, size))
+
+
+def _too_near(
+    definition: Definition,
+    piece: Piece,
+    here: Sequence[ThingRelation],
+    sizes: Mapping[str, CarriedEntry],
+) -> Iterator[Finding]:
+    """Yield the things that count as next to each other only where the hand doesn't fit between them."""
+    for each in here:
+        if each.beside is None:
+            continue
+        if each.beside == piece.term:
+            gap, least = before_gap(sizes[each.thing], piece.entry.size_m), MIN_BEFORE_M
+        elif each.beside in sizes:
+            gap, least = _gap_between(each, sizes), MIN_NEXT_GAP_M
+        else:
+            continue
+        if gap < least:
+            words = f"{each.thing} is next to {each.beside} only with gaps up to {1e3 * gap:.0f} mm"
+            yield definition.finding([each.thing], f"{words}; allowed: at least {1e3 * least:.0f} mm")
+
+
+def _gap_between(each: ThingRelation, sizes: Mapping[str, CarriedEntry]) -> float:
+    assert each.beside is not None
+    return next_gap(sizes[each.thing], [side / 1e3 for side in sizes[each.beside].size_mm])
+
+
+def _grouped(relations: Sequence[ThingRelation]) -> list[list[ThingRelation]]:
+    """Return the relations, those of things that are next to each other together."""
+    groups: list[list[ThingRelation]] = []
+    things = {each.thing for each in relations}
+    for each in sorted(relations, key=lambda each: each.beside in things):
+        own = next((group for group in groups if any(other.thing == each.beside for other in group)), None)
+        if own is None:
+            groups.append([each])
+        else:
+            own.append(each)
+    return groups
+
+
+def _shared(groups: Sequence[list[ThingRelation]], count: int) -> list[list[list[ThingRelation]]]:
+    """Return the groups in parts of about the same length, in their order."""
+    ends = [round(len(groups) * number / max(count, 1)) for number in range(count + 1)]
+    return [list(groups[low:high]) for low, high in pairwise(ends)]
+
+
+def _length(group: Sequence[ThingRelation], sizes: Mapping[str, CarriedEntry]) -> float:
+    """Return the length of a group in a row, in [m]."""
+    gaps = sum(_gap_between(each, sizes) for each in group[1:])
+    return gaps + sum(sizes[each.thing].size_mm[0] / 1e3 for each in group)
+
+
+def _in_row(
+    piece: Piece,
+    level: FurnitureLevel,
+    groups: Sequence[Sequence[ThingRelation]],
+    sizes: Mapping[str, CarriedEntry],
+    gap: float,
+) -> Iterator[tuple[ThingRelation, ThingSlot]]:
+    """Yield slots along a level, with equal gaps between groups."""
+    x = level.x - level.size[0] / 2
+    for group in groups:
+        x += gap
+        for number, each in enumerate(group):
+            entry = sizes[each.thing]
+            width = entry.size_mm[0] / 1e3
+            x += _gap_between(each, sizes) if number else 0.0
+            y = level.y + _inward(piece, level, entry)
+            yield each, ThingSlot(level, piece.in_room(x + width / 2, y))
+            x += width
+
+
+def _inward(piece: Piece, level: FurnitureLevel, thing: CarriedEntry) -> float:
+    """Return y of a thing's middle from the level's middle, in [m]."""
+    depth = thing.size_mm[1] / 1e3
+    if level.relation == "front":
+        return (level.size[1] - depth) / 2 - before_gap(thing, piece.entry.size_m)
+    at_edge = (BOX_EDGE_M if piece.entry.form == "box" else EDGE_M) + depth / 2 - level.size[1] / 2
+    return min(0.0, at_edge) if piece.entry.form in ("box", "tray", "floor") else at_edge
