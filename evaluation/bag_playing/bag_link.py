@@ -134,6 +134,10 @@ class BagLink(Link):
         return []
 
     @override
+    def actions_of(self, kind: str) -> list[str]:
+        return []
+
+    @override
     def now(self) -> float:
         return self._time
 

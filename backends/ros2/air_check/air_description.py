@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from handcart.backends.ros2.wire.messages import SRDF_TOPIC, URDF_TOPIC
+from handcart.backends.ros2.wire.messages import (
+    GRIPPER_ACTION,
+    SRDF_TOPIC,
+    TRAJECTORY_ACTION,
+    URDF_TOPIC,
+)
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import Link
 
 VELOCITY_KINDS = ("geometry_msgs/TwistStamped", "geometry_msgs/Twist")
 COMMAND_KINDS = (*VELOCITY_KINDS, "trajectory_msgs/JointTrajectory", "std_msgs/Float64MultiArray")
+ACTION_KINDS = (TRAJECTORY_ACTION, GRIPPER_ACTION)
 READING_KINDS = (
     "nav_msgs/Odometry",
     "sensor_msgs/JointState",
@@ -40,9 +46,11 @@ class AirDescription(NamedTuple):
     messages: Mapping[str, Any]
     """One message of topics whose content is of use, by the topic."""
     controllers: Mapping[str, tuple[str, ...]]
-    """Joints of each controller by its topic, where its node reports them."""
+    """Joints of each controller by its topic or action, where its node reports them."""
     namespace: str = ""
     """Namespace of the robot's topics."""
+    actions: Mapping[str, tuple[str, ...]] = {}
+    """Served actions of each type of `ACTION_KINDS`."""
 
 
 def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace: str = "") -> AirDescription:
@@ -81,15 +89,20 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
             ]
         )
     topics = {kind: tuple(_in_use(link, kind)) for kind in (*READING_KINDS, *COMMAND_KINDS)}
-    controllers = {
-        topic: tuple(names)
-        for kind in COMMAND_KINDS[2:]
-        for topic in topics[kind]
-        if (names := link.joints_of(topic.rpartition("/")[0]))
-    }
+    actions = {kind: tuple(link.actions_of(kind)) for kind in ACTION_KINDS}
+    commanded = [name for kind in COMMAND_KINDS[2:] for name in topics[kind]]
+    commanded += [name for names in actions.values() for name in names]
+    joints = {node: tuple(link.joints_of(node)) for node in dict.fromkeys(map(controller_of, commanded))}
+    controllers = {name: joints[controller_of(name)] for name in commanded if joints[controller_of(name)]}
+    texts.setdefault(SRDF_TOPIC, "")
     return AirDescription(
-        texts[URDF_TOPIC], texts.get(SRDF_TOPIC, ""), topics, messages, controllers, namespace
+        texts[URDF_TOPIC], texts[SRDF_TOPIC], topics, messages, controllers, namespace, actions
     )
+
+
+def controller_of(name: str) -> str:
+    """Return the node of a controller's topic or action."""
+    return name.rpartition("/")[0]
 
 
 def _in_use(link: Link, kind: str) -> list[str]:

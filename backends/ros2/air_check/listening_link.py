@@ -94,6 +94,10 @@ class ListeningLink(Link):
         return self._link.action_servers(name)
 
     @override
+    def actions_of(self, kind: str) -> list[str]:
+        return self._link.actions_of(kind)
+
+    @override
     def now(self) -> float:
         return self._link.now()
 

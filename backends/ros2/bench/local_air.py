@@ -129,6 +129,10 @@ class LocalLink(Link):
         return [] if served is None else [f"/{served[0].name} ({served[1].kind})"]
 
     @override
+    def actions_of(self, kind: str) -> list[str]:
+        return sorted(name for name, (_, each) in self._air.actions.items() if each.kind == kind)
+
+    @override
     def now(self) -> float:
         return self._air.time
 

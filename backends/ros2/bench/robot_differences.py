@@ -10,7 +10,8 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 
-TIMEOUT_NAME = "timeout"
+TIMEOUT_NAME, LATENCY_NAME = "timeout", "joints.latency"
+TIME_NAMES = (TIMEOUT_NAME, LATENCY_NAME)
 FIXED_NAMES = {
     "velocity.forward": "factor of the speed that the base drives for a commanded one",
     "velocity.sideways": "the same, sideways",
@@ -21,6 +22,7 @@ FIXED_NAMES = {
     "scan": "factor of the lidar's ranges",
     "scan.side": "-1 for a lidar that counts the other way round, as one mounted upside down",
     "imu": "factor of the inertial unit's accelerations",
+    LATENCY_NAME: "time in [s] after which a joint obeys its command",
     TIMEOUT_NAME: "time in [s] for which the base keeps its last speeds",
 }
 """Differences by name; a joint's name, or `state.` and a joint's name, is the factor of its positions."""
@@ -53,7 +55,7 @@ class RobotDifferences:
                 number = float(value)
             except ValueError:
                 number = math.nan
-            if not math.isfinite(number) or number == 0.0 or (name == TIMEOUT_NAME and number < 0.0):
+            if not math.isfinite(number) or number == 0.0 or (name in TIME_NAMES and number < 0.0):
                 wrong.append(f"{each!r}: allowed: NAME=FACTOR, a finite number other than 0")
             found[name] = number
         if wrong:
@@ -71,3 +73,8 @@ class RobotDifferences:
     def timeout(self, usual: float) -> float:
         """Return the time in [s] for which the base keeps its last speeds without a new command."""
         return self._factors.get(TIMEOUT_NAME, usual)
+
+    @property
+    def joint_latency_s(self) -> float:
+        """Return the time in [s] after which a joint obeys its command."""
+        return self._factors.get(LATENCY_NAME, 0.0)

@@ -41,6 +41,7 @@ from .bench_messages import (
     scan_message,
     state_message,
 )
+from .late_commands import LateCommands
 from .local_air import LocalLink
 from .robot_differences import RobotDifferences
 from .served_joints import ServedJoints
@@ -91,6 +92,7 @@ class RosBench:
         """Simulated time, in [s]."""
         self._command, self._commanded = DriveCommand(), -math.inf
         self._wanted: dict[str, float] = {}
+        self._late = LateCommands(round(self._true.joint_latency_s / robot.period_s))
         self._wheels = WheelOdometry(robot.drive)
         self._frames = BenchFrames(robot, spec, inner, link)
         self._send = self._publishers()
@@ -218,9 +220,9 @@ class RosBench:
         if self._robot.arm is None or self._model is None:
             return
         held = arm.command()
-        wanted = held.copy()
+        wanted, asked = held.copy(), self._late.passed(self._wanted)
         for place, joint in enumerate(self._robot.arm.joints):
-            target = self._wanted.get(self._spec.name_of(joint))
+            target = asked.get(self._spec.name_of(joint))
             if target is not None:
                 wanted[place] = self._spec.sign_of(joint) * target / self._true.factor(joint)
         most = np.minimum(self._model.velocity, self._robot.joint_speeds()) * self.inner.period

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Any
 from uuid import uuid4
@@ -182,17 +182,26 @@ def serve_action(node: Any, kind: str, name: str, accepts: Accepts, take: TakesG
 
 def action_servers(node: Any, name: str) -> list[str]:
     """Return the names of the nodes that serve an action, each with its type."""
-    full, graph = node.resolve_service_name(name), import_module("rclpy.action.graph")
-    found = []
+    full = node.resolve_service_name(name)
+    return [f"{server} ({kind})" for server, action, kind in _served_actions(node) if action == full]
+
+
+def actions_of(node: Any, kind: str) -> list[str]:
+    """Return the names of all actions of a type that are served; needs no package of its messages."""
+    return sorted({action for _, action, served in _served_actions(node) if served == kind})
+
+
+def _served_actions(node: Any) -> Iterator[tuple[str, str, str]]:
+    """Yield each server's node, action and type, such as `control_msgs/GripperCommand`."""
+    graph = import_module("rclpy.action.graph")
     for one, space in node.get_node_names_and_namespaces():
         try:
-            offered = dict(graph.get_action_server_names_and_types_by_node(node, one, space))
+            offered = graph.get_action_server_names_and_types_by_node(node, one, space)
         except RuntimeError:  # it has left meanwhile
             continue
-        found += [
-            f"{space.rstrip('/')}/{one} ({kind.replace('/action', '')})" for kind in offered.get(full, ())
-        ]
-    return found
+        for action, kinds in offered:
+            for kind in kinds:
+                yield f"{space.rstrip('/')}/{one}", action, kind.replace("/action", "")
 
 
 def action_class(kind: str) -> Any:

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from .goals import Accepts, GoalSender, TakesGoal
 from .ros_errors import NoRos
-from .ros_goals import RosGoalSender, action_servers, serve_action
+from .ros_goals import RosGoalSender, action_servers, actions_of, serve_action
 
 Take = Callable[[Any], None]
 """Receives a message."""
@@ -72,6 +72,9 @@ class Link(Protocol):
 
     def action_servers(self, name: str) -> list[str]:
         """Return the names of the nodes that serve an action, each with its type."""
+
+    def actions_of(self, kind: str) -> list[str]:
+        """Return the names of all actions of a type that are served."""
 
     def now(self) -> float:
         """Return the time of ROS in [s], by which messages are stamped."""
@@ -228,6 +231,10 @@ class RosLink(Link):
     @override
     def action_servers(self, name: str) -> list[str]:
         return action_servers(self._node, name)
+
+    @override
+    def actions_of(self, kind: str) -> list[str]:
+        return actions_of(self._node, kind)
 
     def _note(self) -> None:
         """Note that a message has arrived, so that `receive` returns."""

@@ -1,4 +1,4 @@
-"""The step that checks the sign and the unit of each joint by a small motion."""
+"""The step that checks sign, unit and latency of each joint by a small motion."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.evaluation.bringup.operator import Held
 from handcart.evaluation.bringup.rung import Facts, Rung, RungFailed
+from handcart.primitives.contract.tracking_error_monitor import MAX_LAG_PERIODS
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -23,6 +24,8 @@ TURN_RAD, SLIDE_M = math.radians(6.0), 0.02
 TURN_SPEED, SLIDE_SPEED = math.radians(6.0), 0.02
 """Speed of the test motion, in [rad/s] and [m/s]."""
 SETTLE_S = 1.5
+BEGUN_SHARE = 0.2
+"""Share of the test motion from which a joint has begun to move: more than its noise."""
 MAX_ERROR = 0.25
 """Share by which the command, the reading and a person's measurement may differ."""
 SLACK_RAD, SLACK_M = math.radians(1.0), 0.003
@@ -41,13 +44,15 @@ class JointTrial(NamedTuple):
     """Motion by `joint_states`."""
     true: float
     """Motion by the ground truth of a bench; 0 for a real robot."""
+    latency_s: float
+    """Time by which the reading follows the command, in whole periods; NaN if it never moved."""
 
 
 class JointsRung(Rung[RosSite]):
     """Step that moves each joint a little, and compares command, reading and what a person sees."""
 
     name = "joints"
-    summary = "each joint a little: command, joint_states and what is seen agree in sign and size"
+    summary = "each joint a little: command, joint_states and what is seen agree in sign, size and time"
 
     @override
     def left_out(self, site: RosSite) -> str:
@@ -81,12 +86,14 @@ class JointsRung(Rung[RosSite]):
         measured = site.number(f"{name}_{unit}", question, shown * done.true) / shown
         slack = SLACK_M if slides else SLACK_RAD
         _compare(site, name, done, measured, (unit, shown, slack))
+        _check_latency(site, name, done.latency_s)
         with site.operator.hold(f"{name}: hold the space bar; it goes back") as held:
             nudge(site, backend, number, -way, held)
         return {
             f"commanded_{unit}": round(shown * done.commanded, 2),
             f"read_{unit}": round(shown * done.read, 2),
             f"measured_{unit}": round(shown * measured, 2),
+            "latency_s": round(done.latency_s, 3),
         }
 
 
@@ -132,6 +139,7 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
     begun = float(command[number])
     top = SLIDE_SPEED if site.robot.joint_units.slides[number] else TURN_SPEED
     count = math.ceil(abs(way) / (min(top, float(site.robot.joint_speeds()[number])) * backend.period))
+    lag = JointLag(abs(way) * BEGUN_SHARE)
     for step in range(1, count + 1):
         if not held():
             backend.stop()
@@ -139,10 +147,35 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
         command[number] = begun + way * step / count
         arm.move(command)
         backend.step()
+        lag.note(command[number] - begun, float(arm.joints()[number] - read[number]))
     for _ in range(round(SETTLE_S / backend.period)):
         backend.step()
-    moved = arm.joints()[number] - read[number]
-    return JointTrial(way, float(moved), float(_true_joints(backend)[number] - true[number]))
+        lag.note(way, float(arm.joints()[number] - read[number]))
+    moved = float(arm.joints()[number] - read[number])
+    seen = float(_true_joints(backend)[number] - true[number])
+    return JointTrial(way, moved, seen, lag.periods * backend.period)
+
+
+class JointLag:
+    """Number of periods by which the reading of a joint passes a small motion later than its command."""
+
+    def __init__(self, passed: float) -> None:
+        """Wait for a motion by `passed` in [rad] or [m], either way."""
+        self._passed, self._number = passed, 0
+        self._commanded = self._read = math.nan
+
+    def note(self, commanded: float, read: float) -> None:
+        """Take the motions since the beginning, once a period."""
+        if math.isnan(self._commanded) and abs(commanded) >= self._passed:
+            self._commanded = self._number
+        if math.isnan(self._read) and abs(read) >= self._passed:
+            self._read = self._number
+        self._number += 1
+
+    @property
+    def periods(self) -> float:
+        """Return the number; NaN if one of both has never passed it."""
+        return max(0.0, self._read - self._commanded) if math.isfinite(self._read) else math.nan
 
 
 def hand_shift(model: ArmModel, joints: FloatArray, number: int, way: float) -> str:
@@ -196,6 +229,20 @@ def _compare(
         hint = unit_hint(done.read, done.commanded)
         topic = site.spec.joint_states.topic
         raise RungFailed(f"{name}: {command}, {topic} says {factor * done.read:.3g} {unit}; {hint}")
+
+
+def _check_latency(site: RosSite, name: str, latency_s: float) -> None:
+    """Raise `RungFailed` if a joint follows so late that each motion of the arm would end as not following
+    its commands.
+    """
+    periods = MAX_LAG_PERIODS - 1
+    most = periods * site.robot.period_s
+    if latency_s > most + 1e-9:
+        raise RungFailed(
+            f"{name}: its reading follows {latency_s:.2f} s after the command; allowed: {most:.2f} s"
+            f" ({periods} periods, `period_s`); does its controller smooth or queue commands, or is its"
+            " reading late?"
+        )
 
 
 def _arm_of(backend: RosBackend) -> Arm:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from handcart.backends.ros2.air_check.air_description import VELOCITY_KINDS, AirDescription
+from handcart.backends.ros2.air_check.air_description import (
+    VELOCITY_KINDS,
+    AirDescription,
+    controller_of,
+)
+from handcart.backends.ros2.wire.messages import GRIPPER_ACTION, TRAJECTORY_ACTION
 from handcart.evaluation.robot_report.outline import Outline
 
 TOPIC_WORDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
@@ -66,34 +71,65 @@ def _velocity(air: AirDescription) -> Iterator[str]:
 
 
 def _controllers(air: AirDescription, outline: Outline) -> Iterator[str]:
-    """Yield the arm's and the gripper's controllers."""
+    """Yield the arm's and the gripper's controllers: by topics, or by actions where they have no topic."""
     kind = next((each for each in CONTROLLER_KINDS if air.topics[each]), "")
-    if not kind or not outline.arm:
+    topics = list(air.topics[kind]) if kind else []
+    with_topic = set(map(controller_of, topics))
+    actions = [
+        each for each in air.actions.get(TRAJECTORY_ACTION, ()) if controller_of(each) not in with_topic
+    ]
+    if not outline.arm:
         return
-    topics = list(air.topics[kind])
     fingers = set(outline.fingers or ()) | set(outline.turning_fingers)
-    grippers = [each for each in topics if _moves(air, each, fingers) or _is_gripper(air, each)]
-    joints = _joints_by_topic(air, [each for each in topics if each not in grippers], outline.arm)
-    if joints:
-        yield "  arm:"
-        yield from () if kind.endswith("Trajectory") else (f"    type: {kind.partition('/')[2]}",)
-        yield "    controllers:"
-        for topic, names in joints.items():
-            sure = "" if topic in air.controllers else "     # by its name; look at its parameter `joints`"
-            yield f"      {_plain(air, topic)}: [{', '.join(names)}]{sure}"
+    every = [*topics, *actions]
+    grippers = [each for each in every if _moves(air, each, fingers) or _is_gripper(air, each)]
+    joints = _joints_by_topic(air, [each for each in every if each not in grippers], outline.arm)
+    yield from _arm(air, kind, joints, topics)
     left = [name for name in outline.arm if not any(name in names for names in joints.values())]
-    if left:
+    if left and (every or air.actions.get(GRIPPER_ACTION)):
         yield f"  # no controller was found for {', '.join(left)}"
-    if grippers and outline.fingers:
-        name, others = chosen("gripper", grippers)
-        fingers_of = ", ".join(air.controllers.get(name) or outline.fingers)
-        yield f"  gripper: {{topic: {_plain(air, name)}, joints: [{fingers_of}]}}{_or(air, others)}"
+    if outline.fingers:
+        yield from _gripper(air, grippers, actions, outline.fingers)
+
+
+def _arm(
+    air: AirDescription, kind: str, joints: Mapping[str, Sequence[str]], topics: Sequence[str]
+) -> Iterator[str]:
+    """Yield the section `arm`; `joints` by topic or action, `topics` of the type `kind`."""
+    if not joints:
+        return
+    yield "  arm:"
+    by_topic = {name: names for name, names in joints.items() if name in topics}
+    by_action = {name: names for name, names in joints.items() if name not in topics}
+    if by_topic and not kind.endswith("Trajectory"):
+        yield f"    type: {kind.partition('/')[2]}"
+    for key, found in (("controllers", by_topic), ("actions", by_action)):
+        if found:
+            yield f"    {key}:"
+        for name, names in found.items():
+            sure = "" if name in air.controllers else "     # by its name; look at its parameter `joints`"
+            yield f"      {_plain(air, name)}: [{', '.join(names)}]{sure}"
+
+
+def _gripper(
+    air: AirDescription, grippers: Sequence[str], actions: Sequence[str], fingers: Sequence[str]
+) -> Iterator[str]:
+    """Yield the section `gripper`: a topic before an action, which costs more."""
+    commands = list(air.actions.get(GRIPPER_ACTION, ()))
+    by_topic = [each for each in grippers if each not in actions]
+    name, others = chosen("gripper", by_topic or commands or grippers)
+    if not name:
+        return
+    joints = ", ".join(air.controllers.get(name) or fingers)
+    key = "topic" if by_topic else "action"
+    kind = ", action_type: FollowJointTrajectory" if key == "action" and name not in commands else ""
+    yield f"  gripper: {{{key}: {_plain(air, name)}{kind}, joints: [{joints}]}}{_or(air, others)}"
 
 
 def _joints_by_topic(
     air: AirDescription, topics: Sequence[str], arm: Sequence[str]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the arm's joints of each controller: as its node says, or by the words of its name."""
+    """Return the arm's joints of each controller's topic or action: as its node says, or by its name."""
     known = {topic: tuple(name for name in air.controllers.get(topic, ()) if name in arm) for topic in topics}
     found = {topic: names for topic, names in known.items() if names}
     left = [name for name in arm if not any(name in names for names in found.values())]

@@ -213,6 +213,7 @@ def test_goals_pass_the_middleware_and_come_back() -> None:
         while not stream.sender.is_ready() and time.monotonic() < until:
             pass_period()
         assert drivers.action_servers(name) == [f"/drivers ({TRAJECTORY_ACTION})"]
+        assert program.actions_of(TRAJECTORY_ACTION) == [f"/{name}"]
         for step in range(1, 6):
             stream.send(trajectory_goal(program, stream.sender, joints, [0.1 * step, -0.1 * step], 0.05))
             pass_period()

@@ -14,7 +14,7 @@ from handcart.evaluation.bringup.ladder import BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.ros.base_rung import BaseRung
 from handcart.evaluation.bringup.ros.gripper_rung import GripperRung
-from handcart.evaluation.bringup.ros.joints_rung import JointsRung
+from handcart.evaluation.bringup.ros.joints_rung import JointsRung, nudge
 from handcart.evaluation.bringup.ros.procedure import ROS_RUNGS
 from handcart.evaluation.bringup.ros.ros_site import RosSite
 from handcart.evaluation.bringup.ros.silence_rung import SilenceRung
@@ -99,11 +99,21 @@ def test_a_wrong_axis_of_the_base_is_found(site_of: Any, wrong: str, words: str)
         ("joint_1=-1", "by the readings the hand is at .* is a joint's sign, zero or unit another one"),
         ("joint_4=0.5", "joint_4: .* a factor of 0.5"),
         ("state.joint_1=-1", "by the readings the hand is at"),
+        ("joints.latency=0.4", r"joint_1: its reading follows 0.4\d s after the command; allowed: 0\.\d+ s"),
     ],
 )
 def test_a_wrong_joint_is_found(site_of: Any, wrong: str, words: str) -> None:
     with pytest.raises(RungFailed, match=words):
         JointsRung().climb(site_of("librarian", wrong))
+
+
+def test_the_latency_of_a_joint_is_measured(site_of: Any) -> None:
+    latencies = []
+    for wrong in ((), ("joints.latency=0.1",)):
+        site = site_of("librarian", *wrong)
+        with site.backend() as backend, site.operator.hold("") as held:
+            latencies.append(nudge(site, backend, 0, 0.1, held).latency_s)
+    assert latencies[1] - latencies[0] == pytest.approx(0.1, abs=1e-9)
 
 
 @pytest.mark.parametrize("wrong", ["gripper=1000", "gripper=0.5"])
@@ -117,6 +127,7 @@ def test_arm_and_gripper_as_their_file_says_pass(site_of: Any) -> None:
     site = site_of("librarian")
     facts = JointsRung().climb(site)
     assert set(facts) == {"hand_off_mm", *site.robot.arm.joints}
+    assert all(facts[name]["latency_s"] <= 0.1 for name in site.robot.arm.joints)
     assert GripperRung().climb(site)["width_at_60_percent_mm"] == pytest.approx(42, abs=2)
 
 

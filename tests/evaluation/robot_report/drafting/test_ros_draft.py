@@ -8,12 +8,22 @@ from typing import Any
 
 import pytest
 
+from handcart.backends.description.ros_spec import RosArmSpec, RosGripperSpec, RosSpec
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.backends.ros2.air_check.air_description import COMMAND_KINDS, READING_KINDS, AirDescription
+from handcart.backends.registry import make_backend
+from handcart.backends.ros2.air_check.air_description import (
+    COMMAND_KINDS,
+    READING_KINDS,
+    AirDescription,
+    describe_air,
+)
+from handcart.backends.ros2.air_check.connected import connected
 from handcart.evaluation.robot_report.drafting.ros_draft import with_air
 from handcart.evaluation.robot_report.drafting.ros_section import chosen, ros_section
 from handcart.evaluation.robot_report.outline import Outline, outline_of
+from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 
+WORLD = LIBRARY_FOLDER / "world.yaml"
 TIAGO = {
     "geometry_msgs/TwistStamped": ("/mobile_base_controller/cmd_vel",),
     "geometry_msgs/Twist": ("/joy_vel", "/nav_vel", "/key_vel", "/cmd_vel_nav"),
@@ -69,6 +79,50 @@ def test_a_controller_that_tells_its_joints_is_believed() -> None:
     lines = ros_section(air(topics, controllers=joints_by_topic), outline())
     assert f"      left/joint_trajectory: [{', '.join(ARM[1:])}]" in lines
     assert "      lift/joint_trajectory: [torso_lift_joint]" in lines
+
+
+def test_controllers_without_a_topic_are_drafted_by_their_actions() -> None:
+    topics = {"trajectory_msgs/JointTrajectory": ("/torso_controller/joint_trajectory",)}
+    actions = {
+        "control_msgs/FollowJointTrajectory": tuple(
+            f"/{name}_controller/follow_joint_trajectory" for name in ("arm", "head", "torso")
+        ),
+        "control_msgs/GripperCommand": ("/gripper_controller/gripper_cmd",),
+    }
+    lines = ros_section(air(topics, actions=actions), outline())
+    begin = lines.index("  arm:")
+    by_name = "     # by its name; look at its parameter `joints`"
+    assert lines[begin:] == [
+        "  arm:",
+        "    controllers:",
+        f"      torso_controller/joint_trajectory: [torso_lift_joint]{by_name}",
+        "    actions:",
+        f"      arm_controller/follow_joint_trajectory: [{', '.join(ARM[3:])}]{by_name}",
+        f"      head_controller/follow_joint_trajectory: [head_1_joint, head_2_joint]{by_name}",
+        "  gripper: {action: gripper_controller/gripper_cmd,"
+        " joints: [gripper_left_finger_joint, gripper_right_finger_joint]}",
+    ]
+
+
+def test_a_gripper_by_a_trajectory_action_names_its_type() -> None:
+    actions = {"control_msgs/FollowJointTrajectory": ("/hand_controller/follow_joint_trajectory",)}
+    (line,) = [each for each in ros_section(air({}, actions=actions), outline()) if "gripper:" in each]
+    assert "{action: hand_controller/follow_joint_trajectory, action_type: FollowJointTrajectory," in line
+
+
+def test_actions_on_the_air_are_described() -> None:
+    robot = load_robot("librarian")
+    assert robot.arm is not None and robot.camera is not None
+    robot = robot.with_sensors({robot.name_of(robot.camera): None}).read_in(robot.folder)
+    joints = outline_of(robot.urdf_text()).arm
+    arm = RosArmSpec(actions={"arm/follow_joint_trajectory": joints})
+    spec = RosSpec(arm=arm, gripper=RosGripperSpec(action="hand/gripper_cmd"))
+    with connected(robot, spec, make_backend("kinematic", robot, WORLD, 0)) as (link, wait):
+        described = describe_air(link, wait, 0.2)
+    assert described.actions == {
+        "control_msgs/FollowJointTrajectory": ("arm/follow_joint_trajectory",),
+        "control_msgs/GripperCommand": ("hand/gripper_cmd",),
+    }
 
 
 def test_joints_without_a_controller_are_told() -> None:

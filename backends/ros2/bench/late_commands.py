@@ -1,0 +1,22 @@
+"""Commands of joints that take effect later than they arrive."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+
+
+class LateCommands:
+    """Delays the wanted positions of joints by some periods, as slow controllers do."""
+
+    def __init__(self, periods: int) -> None:
+        """Delay by so many periods; 0 for none."""
+        self._periods = periods
+        self._kept: deque[Mapping[str, float]] = deque(maxlen=periods + 1)
+
+    def passed(self, wanted: Mapping[str, float]) -> Mapping[str, float]:
+        """Return the positions that take effect in this period, for those that were received last."""
+        if not self._periods:
+            return wanted
+        self._kept.append(dict(wanted))
+        return self._kept[0] if len(self._kept) > self._periods else {}
