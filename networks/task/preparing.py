@@ -138,7 +138,7 @@ def _built(
     assert known is not None
     model, warnings = known[0], (*spec.warnings, *known[1], *made.remarks)
     try:
-        task.check_capabilities(made)
+        task.check_capabilities(made, model)
         robot = make_robot(task, made, spec, model)
     except BaseException:
         made.close()
@@ -271,7 +271,7 @@ def check(
         with _built(read, settings, seed) as prepared:
             return _checked(replace(read, task=prepared.task))
     if kinds is not None:
-        read.task.check_kinds(kinds)
+        read.task.check_kinds(kinds, read.known[0])
     return _checked(read)
 
 

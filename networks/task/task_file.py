@@ -10,7 +10,6 @@ from typing import Any, TypeVar, cast
 import networkx as nx
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.battery import Battery
 from handcart.backends.capabilities.camera import usable_kinds
 from handcart.backends.capabilities.capability import Capability
 from handcart.files.errors import FileError
@@ -39,10 +38,11 @@ from handcart.networks.graph.network import (
 )
 from handcart.primitives.clock.wall_clock import ALLOWED_CLOCK, wall_clock_reads
 from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.registry import primitive_class
 from handcart.primitives.restoring.patience import Patience
 
-from .aims_reading import battery_faults, goal_copies, goal_faults, in_order, interrupt_faults, round_faults
+from .aims_reading import goal_copies, goal_faults, in_order, interrupt_faults, round_faults
 from .entry_actions import action_of, chance_faults, entry_faults, limit_faults
 from .named_files import file_faults, named_robot, resolved, robot_faults, start_place_faults, with_set
 from .parameters import goes_over_unknown, repeat_count, with_all, with_listed_repeats, with_parameters
@@ -50,6 +50,7 @@ from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import NotRepeated, repetitions
+from .robot_needs import need_findings
 from .route_costs import RouteTimes, with_route_costs
 from .task_knowledge import PLACES_KIND, TaskKnowledge, read_knowledge
 from .task_model import (
@@ -93,25 +94,17 @@ class Task:
         """A shipped robot's name, or the path of a robot's file."""
         return named_robot(self.document, self.file.robot)
 
-    def check_capabilities(self, backend: Backend) -> None:
-        """Raise `FileError` naming every action whose primitive needs a capability that the robot lacks."""
-        self.check_kinds(usable_kinds(backend.capabilities()))
+    def check_capabilities(self, backend: Backend, model: WorldModel | None = None) -> None:
+        """Raise `FileError` naming every action whose primitive needs something that the robot lacks."""
+        self.check_kinds(usable_kinds(backend.capabilities()), model)
 
-    def check_kinds(self, kinds: Sequence[type[Capability]]) -> None:
-        """Check the actions' needs by the classes of the robot's capabilities; raises `FileError`."""
+    def check_kinds(self, kinds: Sequence[type[Capability]], model: WorldModel | None = None) -> None:
+        """Check the actions' needs by the classes of the robot's capabilities; raises `FileError`.
+
+        `model` is what is known before the start; None to look at the capabilities alone.
+        """
         findings = Findings()
-        for action, entry in zip(self.network.actions, self.entries, strict=True):
-            if action.binding is None or entry is None:
-                continue
-            needs = action.binding.kind.needs
-            missing = [need.__name__ for need in needs if not any(issubclass(kind, need) for kind in kinds)]
-            if missing:
-                wrong = f"{action.do} needs what the robot doesn't have: {', '.join(missing)}"
-                have = ", ".join(sorted(kind.__name__ for kind in kinds))
-                findings.add(self.document.finding(("actions", entry, "do"), f"{wrong}; it has: {have}"))
-        if not any(issubclass(kind, Battery) for kind in kinds):
-            for path, fault in battery_faults(self.network.aims):
-                findings.add(self.document.finding(path, fault))
+        findings.add(*need_findings(self.document, self.network, self.entries, kinds, model))
         findings.raise_all()
 
 

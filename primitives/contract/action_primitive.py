@@ -107,6 +107,14 @@ class ActionPrimitive(FileModel, ABC):
         """
         return ""
 
+    def lacking(self, kinds: Sequence[type[Capability]], model: ModelView) -> str:
+        """Return what the robot lacks for these parameters; empty if nothing.
+
+        Called when a task is checked, with the classes of the robot's capabilities and what is known before
+        the start: a task with such an action is refused, as with one whose `needs` are not met.
+        """
+        return ""
+
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return a message about an unmet condition of the start; empty if all are met.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import AnyCamera
+from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.depth_camera import DepthCamera
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.robot import Robot
@@ -27,6 +28,7 @@ from .object_look import ObjectLook, conclude, look_closely, look_from, require_
 from .object_names import ObjectName, SurfaceName
 from .object_site import base_T_map, kind_of, surface_of
 from .objects import Objects, ObjectSighting
+from .objects_file import ObjectsFile
 from .surface_measuring import measure_surface
 from .tag_readings import Located, locate
 from .view_plan import Direction, directions, places_and_weights
@@ -75,6 +77,15 @@ class LookFor(ActionPrimitive):
         if held is not None and held.object == self.object:
             return f"{self.object} is in the hand"
         has_depth = robot.backend.get(DepthCamera) is not None  # type: ignore[type-abstract]
+        return self._invisible(file, has_depth)
+
+    @override
+    def lacking(self, kinds: Sequence[type[Capability]], model: ModelView) -> str:
+        has_depth = any(issubclass(kind, DepthCamera) for kind in kinds)
+        return self._invisible(model.of(Objects).objects, has_depth)
+
+    def _invisible(self, file: ObjectsFile, has_depth: bool) -> str:
+        """Return why no camera could show the object; "" if one could."""
         if has_depth or self.object not in file.objects or file.tags_of(self.object):
             return ""
         return f"{self.object} has no tags, and the robot has no depth camera; needed: one of them"

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.robot.mounted_camera import known_camera, mount_of
+from handcart.backends.ros2.cameras.ros_depth_camera import DEPTH_TYPES, depth_of
 from handcart.backends.ros2.ros_imu import RosImu
 from handcart.backends.ros2.ros_lidar import RosLidar
 from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
 from handcart.backends.ros2.wire.topic_sensor import TopicSensor
+from handcart.robotics.numerics.arrays import SingleArray
 
 from .air_finding import AirFinding
 from .camera_info_findings import camera_info_findings
@@ -23,6 +25,8 @@ MAX_GRAVITY_ERROR_M_S2 = 1.0
 MAX_MOTION_M, MAX_TURN_DEG = 0.05, 3.0
 """Motion of the base during a check from which it is not at rest."""
 MAX_SHARE_BEYOND_REACH = 0.5
+MIN_NEARNESS = 0.5
+"""Distance, relative to the minimum range of a depth camera, below which no reading can be true."""
 
 
 def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
@@ -40,7 +44,41 @@ def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
                 f"{sensor.name}: no beam of its last scan returns; is something before it, or all far away?"
             )
             yield AirFinding(("ros2", key), silent, is_fault=False)
+    yield from _depths(heard)
     yield from _lenses(heard)
+
+
+def _depths(heard: HeardRobot) -> Iterator[AirFinding]:
+    """Yield the findings about the units of all depth cameras."""
+    for name, (deep, topics) in depth_topics(heard.robot, heard.spec).items():
+        last = heard.last(topics.topic)
+        if last is None or last.encoding not in DEPTH_TYPES:
+            continue  # another finding says so
+        _, unit = DEPTH_TYPES[last.encoding]
+        depth = depth_of(last, 0.0, math.inf)
+        seen = depth[np.isfinite(depth)]
+        place, sensor = ("ros2", "depth"), f"the depth camera {name!r} ({topics.topic})"
+        if not seen.size:
+            words = f"{sensor}: no pixel of its last picture has a reading; is something before it?"
+            yield AirFinding(place, words, is_fault=False)
+        elif words := _wrong_unit(seen, deep.range_min_m, deep.reach_m, unit):
+            means = f"{last.encoding} means {'mm' if unit < 1.0 else 'm'}"
+            yield AirFinding(place, f"{sensor}: {words} ({means})")
+
+
+def _wrong_unit(seen: SingleArray, nearest: float, farthest: float, unit: float) -> str:
+    """Return why distances (n,) in [m] are in another unit than in steps of `unit` in [m]; "" if not."""
+    for beyond, limit, other in (
+        (seen > farthest, f"beyond {farthest:g} m (reach_m)", "mm" if unit == 1.0 else "steps below 1 mm"),
+        (seen < MIN_NEARNESS * nearest, f"nearer than half of {nearest:g} m (range_min_m)", "m or cm"),
+    ):
+        share = float(np.mean(beyond))
+        if share > MAX_SHARE_BEYOND_REACH:
+            middle = float(np.median(seen))
+            return (
+                f"{share:.0%} of its readings are {limit}, the median at {middle:.3g} m; are they in {other}?"
+            )
+    return ""
 
 
 def _lenses(heard: HeardRobot) -> Iterator[AirFinding]:

@@ -120,11 +120,18 @@ def image_message(link: Link, now: float, camera: Camera, late: bool = False, fr
 
 
 def depth_messages(
-    link: Link, now: float, camera: DepthCamera, late: bool = False, frame: str = "camera"
+    link: Link,
+    now: float,
+    camera: DepthCamera,
+    late: bool = False,
+    frame: str = "camera",
+    factor: float = 1.0,
 ) -> tuple[Any, Any]:
-    """Return depth and colours of a simulated depth camera as `Image`; see `image_message`."""
-    model = camera.model
-    depth = _picture(link, now, model, ("32FC1", 4), lambda: camera.image().depth, late)
+    """Return depth, times `factor`, and colours of a simulated depth camera as `Image`; see
+    `image_message`.
+    """
+    model, times = camera.model, np.float32(factor)
+    depth = _picture(link, now, model, ("32FC1", 4), lambda: camera.image().depth * times, late)
     colour = _picture(link, now, model, ("rgb8", 3), lambda: camera.image().colour, late)
     depth.header.frame_id = colour.header.frame_id = frame
     return depth, colour

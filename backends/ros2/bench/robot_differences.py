@@ -19,6 +19,7 @@ FIXED_NAMES = {
     "odometry.forward": "factor of the distance that the odometry reports",
     "odometry.turn": "the same, of the angle",
     "gripper": "factor of the fingers' positions in ROS",
+    "depth": "factor of a depth camera's distances",
     "scan": "factor of the lidar's ranges",
     "scan.side": "-1 for a lidar that counts the other way round, as one mounted upside down",
     "imu": "factor of the inertial unit's accelerations",

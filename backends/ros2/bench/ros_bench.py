@@ -282,7 +282,8 @@ class RosBench:
         for name, (deep, topics) in depth_topics(self._robot, self._spec).items():
             seeing = self._camera(name, DepthCamera)  # type: ignore[type-abstract]
             if seeing is not None and link.subscribers(topics.topic):
-                found[topics.topic], found[topics.colour] = depth_messages(link, now, seeing, late, name)
+                both = depth_messages(link, now, seeing, late, name, self._true.factor("depth"))
+                found[topics.topic], found[topics.colour] = both
             if link.subscribers(topics.info_topic):
                 found[topics.info_topic] = camera_info_message(link, now, deep.model)
         return found

@@ -16,6 +16,7 @@ from .scan_turn import check_side, scan_of
 from .unit_words import unit_hint
 
 DRIVE_S = 2.0
+NO_TURN_WORDS = "which way round the lidar counts isn't determined: this base doesn't turn on the spot"
 MAX_ODOMETRY_ERROR = 0.15
 """Share by which odometry and tape may differ."""
 MAX_COMMAND_ERROR = 0.4
@@ -58,8 +59,12 @@ class BaseRung(Rung[RosSite]):
                 truth = axis.shown * getattr(done.true, axis.name)
                 measured = site.number(f"{axis.name}_{axis.unit}", axis.question, truth) / axis.shown
                 _compare(site, axis, done, measured)
-                if axis.name == "turn" and not axis.speeds.forward:
-                    check_side(site, before, scan_of(backend), measured)
+                if axis.name == "turn" and before is not None:
+                    if axis.speeds.forward:
+                        site.operator.tell(f"   {NO_TURN_WORDS}")
+                    else:
+                        check_side(site, before, scan_of(backend), measured)
+                    facts["lidar_turn_checked"] = not axis.speeds.forward
                 odometry = axis.shown * getattr(done.measured, axis.name)
                 facts[f"{axis.name}_{axis.unit}"] = round(axis.shown * measured, 2)
                 facts[f"{axis.name}_by_odometry_{axis.unit}"] = round(odometry, 2)

@@ -28,24 +28,33 @@ def scan_of(backend: RosBackend) -> Scan | None:
 
 
 def check_side(site: RosSite, before: Scan | None, after: Scan | None, turn: float) -> None:
-    """Raise `RungFailed` if the scan turned with the base instead of against it.
-
-    In a round room, or where few beams return, nothing is said.
+    """Check that what the lidar sees turns against the base.
 
     Args:
         site: where.
-        before: the scan before the turn.
+        before: the scan before the turn; None without a lidar.
         after: the scan after it.
         turn: angle by which the base turned on the spot, in [rad], positive to the left.
+
+    Raises:
+        RungFailed: it turned with the base, or looks alike both ways: in a round room, or with few returns.
     """
     if before is None or after is None:
         return
     right, mirrored = shift_error(before, after, turn), shift_error(before, after, -turn)
+    turned = f"{site.spec.lidar.topic}: the base turned by {math.degrees(turn):.0f} deg, and"
     if mirrored < CLEARLY * right and right > MIN_ERROR:
         raise RungFailed(
-            f"{site.spec.lidar.topic}: the base turned by {math.degrees(turn):.0f} deg, and what the lidar"
-            f" sees turned with it instead of against it ({mirrored:.1%} error, {right:.1%} the other way);"
-            " it counts the wrong way round: is it mounted upside down?"
+            f"{turned} what the lidar sees turned with it instead of against it ({mirrored:.1%} error,"
+            f" {right:.1%} the other way); it counts the wrong way round: is it mounted upside down?"
+        )
+    if not (right < CLEARLY * mirrored and mirrored > MIN_ERROR):
+        both = f"{right:.1%} and {mirrored:.1%} error"
+        if math.isnan(right) or math.isnan(mirrored):
+            both = f"fewer than {MIN_BEAMS} beams return both times"
+        raise RungFailed(
+            f"{turned} it can't be determined which way round the lidar counts: what it sees fits both ways"
+            f" ({both}), as in a round room; put a box beside the base, within its view, and repeat the step"
         )
 
 

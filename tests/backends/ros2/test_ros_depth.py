@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,6 +21,7 @@ from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.air_check.air_report import listen
 from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
 from handcart.backends.ros2.bench.local_bench import LocalBench
+from handcart.backends.ros2.bench.robot_differences import RobotDifferences
 from handcart.backends.ros2.cameras.ros_depth_camera import colour_of, depth_of
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.ros_topics import check_joints
@@ -135,6 +137,24 @@ def test_a_check_names_depth_of_another_size_or_lens() -> None:
     bench.close()
     assert len(report.faults) == 1
     assert "head/depth/camera_info: its lens (focal 90.0 90.0" in report.faults[0].words
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1000.0, r"\d+% of its readings are beyond 6 m \(reach_m\).*in mm\? \(32FC1 means m\)"),
+        (0.001, r"nearer than half of 0.3 m \(range_min_m\).*in m or cm\?"),
+    ],
+)
+def test_a_check_names_depth_in_another_unit(factor: float, words: str) -> None:
+    robot = robot_with_cameras()
+    wrong = RobotDifferences({"depth": factor})
+    bench = LocalBench(robot, SPEC, KinematicBackend.build(robot, WORLD, 0), differences=wrong)
+    report = listen(robot, SPEC, bench.link, bench.step, 0.3)
+    bench.close()
+    (fault,) = report.faults
+    assert fault.key == ("ros2", "depth")
+    assert re.search(words, fault.words), fault.words
 
 
 def test_cameras_that_the_robot_lacks_are_named() -> None:

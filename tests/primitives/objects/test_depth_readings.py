@@ -9,8 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.depth_camera import DepthCamera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.evaluation.trials.rig import Rig
+from handcart.files.errors import FileError
+from handcart.networks.task.preparing import load_model
+from handcart.networks.task.task_file import load_task
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.objects.depth_readings import ObjectBelief, Standing, contradiction, identify
 from handcart.primitives.objects.look_for import LookFor
@@ -23,7 +32,7 @@ from handcart.robotics.geometry.transform import transform
 from handcart.robotics.perception.objects.known_solids import SolidCandidate
 from handcart.robotics.perception.objects.standing_clusters import PointCluster
 
-from .fetching import changed, rig_with, scene_of
+from .fetching import TASK, changed, rig_with, scene_of
 
 CAMERA = "{kind: depth_camera, frame: camera, width_px: 320, height_px: 240, focal_px: 280}"
 DEPTH = f"sensors: {{depth: {CAMERA}}}\n"
@@ -146,3 +155,14 @@ def test_object_without_tags_needs_a_depth_camera(tmp_path: Path) -> None:
     look: Any = LookFor(object="parcel_1")
     reason = look.unmet_precondition(rig.robot, rig.model.view(look))
     assert reason == "parcel_1 has no tags, and the robot has no depth camera; needed: one of them"
+
+
+def test_a_task_with_an_object_that_nothing_shows_is_refused(tmp_path: Path) -> None:
+    shutil.copytree(TASK, tmp_path / "task")
+    objects = tmp_path / "task" / "objects.yaml"
+    objects.write_text(objects.read_text().replace(", tags: [{id: 7, side_mm: 40}]", ""))
+    task = load_task(tmp_path / "task" / "task.yaml")
+    model, _ = load_model(task)
+    with pytest.raises(FileError, match=r"LOOK_FOR can never be done: parcel_1 has no tags, and the robot"):
+        task.check_kinds((Arm, Base, Camera, Gripper, RangeSensor), model)
+    task.check_kinds((Arm, Base, Camera, Gripper, RangeSensor, DepthCamera), model)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from handcart.backends.capabilities.scan import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.bench.robot_differences import RobotDifferences
@@ -17,11 +20,13 @@ from handcart.evaluation.bringup.ros.gripper_rung import GripperRung
 from handcart.evaluation.bringup.ros.joints_rung import JointsRung, nudge
 from handcart.evaluation.bringup.ros.procedure import ROS_RUNGS
 from handcart.evaluation.bringup.ros.ros_site import RosSite
+from handcart.evaluation.bringup.ros.scan_turn import check_side
 from handcart.evaluation.bringup.ros.silence_rung import SilenceRung
 from handcart.evaluation.bringup.ros.unit_words import unit_hint
 from handcart.evaluation.bringup.rung import RungFailed
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import InputError
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +77,7 @@ def test_a_base_as_its_file_says_passes(site_of: Any) -> None:
     assert facts["forward_by_odometry_mm"] == pytest.approx(300, abs=15)
     assert facts["turn_deg"] == pytest.approx(40, abs=3)
     assert 0.0 < facts["forward_latency_s"] <= 0.15
+    assert facts["lidar_turn_checked"] is True
 
 
 @pytest.mark.parametrize(
@@ -129,6 +135,39 @@ def test_arm_and_gripper_as_their_file_says_pass(site_of: Any) -> None:
     assert set(facts) == {"hand_off_mm", *site.robot.arm.joints}
     assert all(facts[name]["latency_s"] <= 0.1 for name in site.robot.arm.joints)
     assert GripperRung().climb(site)["width_at_60_percent_mm"] == pytest.approx(42, abs=2)
+
+
+def scans(shape: str, side: int, beams: int = 360) -> tuple[Scan, Scan]:
+    """Return scans before and after a turn of 40 deg to the left; a mirrored lidar has the side -1."""
+    angles = np.linspace(-math.pi, math.pi, beams, endpoint=False)
+    rng = np.random.default_rng(3)
+
+    def taken(heading: float) -> Scan:
+        way = side * angles + heading
+        wide = np.maximum(np.abs(np.cos(way)), np.abs(np.sin(way)))
+        off = 0.3 if shape == "beside the middle" else 0.0
+        room = {"square": 2.0 / wide, "empty": np.full(beams, np.inf)}
+        ranges = room.get(shape, 3.0 - off * np.cos(way)) + rng.normal(0.0, 0.01, beams)
+        return Scan(angles, ranges, Pose2(0.0, 0.0, 0.0))
+
+    return taken(0.0), taken(math.radians(40.0))
+
+
+@pytest.mark.parametrize("shape", ["square", "beside the middle"])
+def test_a_mirrored_lidar_is_found_in_a_symmetric_room(site_of: Any, shape: str) -> None:
+    site, turn = site_of("cart"), math.radians(40.0)
+    check_side(site, *scans(shape, 1), turn)
+    with pytest.raises(RungFailed, match="turned with it instead of against it"):
+        check_side(site, *scans(shape, -1), turn)
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"), [("round", "fits both ways"), ("empty", "fewer than 20 beams return")]
+)
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_round_room_does_not_determine_the_side(site_of: Any, shape: str, words: str, side: int) -> None:
+    with pytest.raises(RungFailed, match=f"can't be determined which way round .*{words}"):
+        check_side(site_of("cart"), *scans(shape, side), math.radians(40.0))
 
 
 def test_a_person_who_sees_another_motion_is_believed(site_of: Any) -> None:
