@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from typing_extensions import override
 
+from handcart.backends.live.sensor_errors import StaleSensor
 from handcart.files.suggest import suggest
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -19,8 +20,18 @@ KEPT_STATES = 50
 """Number of messages from which the joints at the time of a picture are taken."""
 
 
+JUMP_FACTOR = 3.0
+"""Motion between two messages that is a jump, relative to that at a joint's top speed."""
+JUMP_SLACK = 0.1
+"""[rad] or [m] added to that."""
+
+
 class JointStates(TopicSensor):
-    """Positions and efforts of joints; several publishers may each send some of them."""
+    """Positions and efforts of joints; several publishers may each send some of them.
+
+    Order and freshness are those of each joint: where one of several publishers dies, the others don't keep
+    its joints fresh.
+    """
 
     KIND = "sensor_msgs/JointState"
     KEEPS_FRAME = False  # several publishers may send joints
@@ -36,7 +47,34 @@ class JointStates(TopicSensor):
         self._positions: dict[str, float] = {}
         self._efforts: dict[str, float] = {}
         self._seen: set[str] = set()
+        self._order_s: dict[str, float] = {}
+        self._stamps_s: dict[str, float] = {}
+        self._taken_s: dict[str, float] = {}
+        self._top_speeds: dict[str, float] = {}
+        self.jumped = ""
+        """Joint that moved faster than it can, as text; "" if none did."""
         self._history: deque[tuple[float, dict[str, float]]] = deque(maxlen=KEPT_STATES)
+
+    def limit(self, names: Sequence[str], speeds: FloatArray) -> None:
+        """Set the top speeds (n,) of joints by their names in ROS, in [rad/s] or [m/s]: faster is a jump."""
+        self._top_speeds = dict(zip(names, speeds.tolist(), strict=True))
+
+    @property
+    @override
+    def age(self) -> float | None:
+        """Return the age of the joint that was read longest ago [s]; None before the first message."""
+        if self._came is None:
+            return None
+        return self._now - min(self._taken_s.values(), default=self._came)
+
+    @override
+    def check_fresh(self) -> None:
+        """See `LiveSensor`; names the joint that isn't sent any more while others are."""
+        if self._taken_s and not self.is_fresh and not self.trouble and not self.doubt:
+            oldest = min(self._taken_s, key=lambda name: self._taken_s[name])
+            words = f"no message has the joint {oldest!r} any more"
+            raise StaleSensor(self.name, self.age, self._stale, words)
+        super().check_fresh()
 
     @property
     def missing(self) -> str:
@@ -64,6 +102,20 @@ class JointStates(TopicSensor):
         return np.array([self._efforts.get(name, math.nan) for name in names])
 
     @override
+    def _stamp_before(self, message: Any) -> float | None:
+        stamps = [self._order_s[name] for name in message.name if name in self._order_s]
+        return max(stamps, default=None)
+
+    @override
+    def _note_stamp(self, message: Any, stamp: float) -> None:
+        self._order_s.update(dict.fromkeys((name for name in message.name if name in self._signs), stamp))
+
+    @override
+    def forget(self) -> None:
+        super().forget()
+        self._order_s, self._stamps_s, self._taken_s, self.jumped = {}, {}, {}, ""
+
+    @override
     def _wrong(self, message: Any) -> str:
         count = len(message.name)
         if len(message.position) != count:
@@ -77,12 +129,24 @@ class JointStates(TopicSensor):
     def _read(self, messages: list[Any]) -> None:
         for message in messages:
             efforts = message.effort if len(message.effort) == len(message.name) else ()
+            stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9
             self._seen.update(message.name)
             for place, name in enumerate(message.name):
                 sign = self._signs.get(name)
                 if sign is not None:
-                    self._positions[name] = sign * float(message.position[place])
+                    self._take(name, sign * float(message.position[place]), stamp)
                     if len(efforts):
                         self._efforts[name] = sign * float(efforts[place])
-            stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9
             self._history.append((stamp, dict(self._positions)))
+
+    def _take(self, name: str, position: float, stamp: float) -> None:
+        """Take the position of a joint, in [rad] or [m], at a stamp in [s]."""
+        if name in self._stamps_s:
+            step, seconds = abs(position - self._positions[name]), stamp - self._stamps_s[name]
+            most = JUMP_FACTOR * self._top_speeds.get(name, math.inf) * seconds + JUMP_SLACK
+            if step > most:
+                self.jumped = (
+                    f"{self.source.topic}: the joint {name!r} jumps by {step:.3g} rad or m in {seconds:.3g}"
+                    f" s; allowed: {most:.3g}; do two nodes send it?"
+                )
+        self._positions[name], self._stamps_s[name], self._taken_s[name] = position, stamp, self._now

@@ -255,6 +255,8 @@ class RosBackend(Backend):
         topics = self._topics
         if topics.odometry.jumped:
             raise RosFault(topics.odometry.jumped)
+        if topics.states is not None and topics.states.jumped:
+            raise RosFault(topics.states.jumped)
         if trouble := next((each.trouble for each in topics.streams if each.trouble), ""):
             raise RosFault(trouble)
         topics.odometry.check_fresh()

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
+
+import numpy as np
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
@@ -189,8 +192,10 @@ class RosTopics:
         for action, joints in actions.items():
             stream = self._stream(TRAJECTORY_ACTION, action)
             self._controllers[joints] = TrajectoryController(self._link, stream)
-        names = [self._spec.name_of(each) for each in spec.joints]
-        return RosArm(self._robot.arm_model(), names, self.states, wrench, self._robot.period_s)
+        names, model = [self._spec.name_of(each) for each in spec.joints], self._robot.arm_model()
+        speeds = np.maximum(model.velocity, self._robot.joint_speeds())
+        self.states.limit(names, np.where(self._robot.joint_units.endless, math.inf, speeds))
+        return RosArm(model, names, self.states, wrench, self._robot.period_s)
 
     def _made_gripper(self) -> RosGripper | None:
         spec, topic = self._robot.gripper, self._spec.gripper

@@ -81,6 +81,8 @@ def _joints(heard: HeardRobot) -> Iterator[AirFinding]:
     states = heard.topics.states
     if states is None or states.age is None:
         return
+    if states.jumped:
+        yield AirFinding(("ros2", "joint_states"), states.jumped)
     if states.missing:
         yield AirFinding(("ros2", "joint_states"), states.missing)
     elif states.is_fresh and heard.topics.arm is not None:

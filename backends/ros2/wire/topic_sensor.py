@@ -87,12 +87,21 @@ class TopicSensor(LiveSensor):
         if abs(age) > self._stale:
             what = f"{age:.3g} s old" if age > 0.0 else f"{-age:.3g} s in the future"
             return f"its stamp is {what}; allowed: {self._stale:g} s"
-        if self._last_stamp is not None and stamp <= self._last_stamp:
-            return f"its stamp is {self._last_stamp - stamp:.3g} s before that of the message before"
-        self._last_stamp = stamp
+        last = self._stamp_before(message)
+        if last is not None and stamp <= last:
+            return f"its stamp is {last - stamp:.3g} s before that of the message before"
+        self._note_stamp(message, stamp)
         if self.KEEPS_FRAME:
             self._first_frame = header.frame_id
         return ""
+
+    def _stamp_before(self, message: Any) -> float | None:
+        """Return the stamp in [s] after which that of a message has to be; None before the first."""
+        return self._last_stamp
+
+    def _note_stamp(self, message: Any, stamp: float) -> None:
+        """Note the stamp in [s] of a message that is in order."""
+        self._last_stamp = stamp
 
     def forget(self) -> None:
         """Forget all messages: the next one counts as the first."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.ros_spec import RosTopicSpec
+from handcart.backends.live.sensor_errors import StaleSensor
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.bench.local_messages import new_message
 from handcart.backends.ros2.cameras.ros_camera import TO_GREY, grey_picture
@@ -90,6 +91,59 @@ def test_joints_of_several_publishers_are_put_together() -> None:
     states.advance()
     assert states.positions(["wrist", "lift"]).tolist() == [-0.3, 0.2]
     assert np.isnan(states.efforts(["lift"])).all()
+
+
+def states_of(time: Time) -> JointStates:
+    """Return the readings of two joints, which move by 1 rad/s at most."""
+    states = JointStates("the joints", RosTopicSpec(topic="joint_states"), time, time)
+    states.expect(["lift", "wrist"], [1.0, 1.0])
+    states.limit(["lift", "wrist"], np.ones(2))
+    return states
+
+
+def hear(states: JointStates, time: Time, stamp: float, **positions: float) -> None:
+    message = new_message("sensor_msgs/JointState")
+    message.header.stamp = SimpleNamespace(sec=int(stamp), nanosec=round(1e9 * (stamp % 1.0)))
+    message.name, message.position = list(positions), list(positions.values())
+    states.heard(message)
+    states.advance()
+
+
+def test_publishers_with_different_delays_are_all_heard() -> None:
+    time = Time()
+    states = states_of(time)
+    for step in range(10):
+        time.now = 100.0 + 0.05 * step
+        hear(states, time, time.now, lift=0.01 * step)
+        hear(states, time, time.now - 0.06, wrist=0.02 * step)
+    assert states.rejected == 0
+    assert states.positions(["lift", "wrist"]) == pytest.approx([0.09, 0.18])
+    hear(states, time, time.now, lift=0.5)
+    assert states.rejected == 1
+
+
+def test_a_joint_is_not_kept_fresh_by_the_publisher_of_others() -> None:
+    time = Time()
+    states = states_of(time)
+    hear(states, time, 100.0, lift=0.0, wrist=0.0)
+    for step in range(1, 9):
+        time.now = 100.0 + 0.05 * step
+        hear(states, time, time.now, lift=0.0)
+    with pytest.raises(StaleSensor, match="no message has the joint 'wrist' any more"):
+        states.positions(["lift"])
+    hear(states, time, time.now, wrist=0.0)
+    assert states.is_fresh
+
+
+def test_two_publishers_that_contradict_each_other_are_noticed() -> None:
+    time = Time()
+    states = states_of(time)
+    for step in range(5):
+        time.now = 100.0 + 0.05 * step
+        hear(states, time, time.now, lift=0.6 + 0.14 * step, wrist=0.0)
+    assert not states.jumped
+    hear(states, time, time.now + 0.001, lift=0.0, wrist=0.0)
+    assert "joint_states: the joint 'lift' jumps by 1.16 rad or m in 0.001 s" in states.jumped
 
 
 @pytest.mark.parametrize("encoding", TO_GREY)

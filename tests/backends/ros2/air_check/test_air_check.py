@@ -17,6 +17,7 @@ from handcart.backends.ros2.air_check.air_report import AirReport, listen
 from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
 from handcart.backends.ros2.bench.local_air import LocalLink
 from handcart.backends.ros2.bench.local_bench import LocalBench
+from handcart.backends.ros2.wire.messages import set_stamp
 from tests.backends.ros2.conftest import WORLD
 
 SECONDS = 0.8
@@ -165,3 +166,21 @@ def test_a_camera_of_another_lens_is_found(seeing: RobotFile, focal: float) -> N
     if not faults:
         return
     assert "camera/camera_info: its lens" in faults[0].words
+
+
+def test_a_second_node_that_sends_other_joints_is_found(robot: RobotFile, inner: Backend) -> None:
+    bench = LocalBench(robot, RosSpec(), inner)
+    other = LocalLink(bench.air, "joint_state_publisher")
+    publish = other.publisher("sensor_msgs/JointState", "joint_states")
+    assert robot.arm is not None
+    names = list(robot.arm.joints)
+
+    def wait() -> None:
+        bench.step()
+        message = other.message("sensor_msgs/JointState")
+        set_stamp(message.header, other.now() + 1e-3)
+        message.name, message.position = names, [0.0] * len(names)
+        publish(message)
+
+    faults = listen(robot, RosSpec(first_message_s=0.5), bench.link, wait, SECONDS).faults
+    assert any("jumps by" in each.words and "do two nodes send it?" in each.words for each in faults), faults
