@@ -22,6 +22,7 @@ DOMAIN = Domain(
         "PLACE": "handcart.primitives.objects.place_object:PlaceObject",
         "STOW": "handcart.primitives.objects.stow:Stow",
         "MOVE_ARM": "handcart.primitives.objects.move_arm:MoveArm",
+        "HAND_OVER": "handcart.primitives.objects.hand_over:HandOver",
     },
     survey="handcart.evaluation.objects.object_survey:ObjectSurvey",
     files={"objects": "handcart.primitives.objects.objects_file:ObjectsFile"},
@@ -30,5 +31,6 @@ DOMAIN = Domain(
     rehearsals={
         _HERE / "fetch_and_carry" / "task.yaml": {},
         _HERE / "fetch_and_carry" / "set_aside.yaml": {},
+        _HERE / "fetch_and_carry" / "hand_over.yaml": {},
     },
 )

@@ -8,10 +8,14 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.can.drives.axis import Axis
+from handcart.backends.capabilities.arm import ForceArm
 from handcart.backends.commanded_parts import CommandedArm
+from handcart.backends.description.can_spec import AxisSpec
 from handcart.backends.hand_force import force_by_efforts
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
+
+MIN_REPORTING_JOINTS = 3  # whose torques are known, so that all directions of a force may show
 
 
 class CanArm(CommandedArm):
@@ -65,3 +69,13 @@ class CanArm(CommandedArm):
         self._sent = self._command.copy()
         for joint, angle in zip(self._joints, self._sent, strict=True):
             joint.command(float(angle))
+
+
+class CanForceArm(CanArm, ForceArm):
+    """Such joints, enough of which report their torques."""
+
+
+def kind_of_arm(joints: Sequence[AxisSpec]) -> type[CanArm]:
+    """Return the class of an arm with these joint drives: the force on its hand is measured or it isn't."""
+    reporting = sum("torque" not in joint.without for joint in joints)
+    return CanForceArm if reporting >= MIN_REPORTING_JOINTS else CanArm

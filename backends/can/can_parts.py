@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.can.drives.axes import Axes
-from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.arm import Arm, ForceArm
 from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
@@ -19,7 +19,7 @@ from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .can_arm import CanArm
+from .can_arm import CanArm, CanForceArm, kind_of_arm
 from .can_base import CanBase
 from .can_gripper import CanGripper
 
@@ -36,7 +36,7 @@ class CanParts:
         """None where the robot has none."""
         if axes.joints:
             rated = np.array([each.rated_effort for each in spec.joints])
-            self.arm = CanArm(robot.arm_model(), axes.joints, rated, robot.period_s)
+            self.arm = kind_of_arm(spec.joints)(robot.arm_model(), axes.joints, rated, robot.period_s)
         if axes.gripper is not None and robot.gripper is not None:
             self.gripper = CanGripper(robot.gripper, axes.gripper)
 
@@ -109,7 +109,7 @@ def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
     sensors = spec.sensors
     there: dict[type[Capability], object] = {
         Base: spec.left,
-        Arm: spec.joints,
+        ForceArm if kind_of_arm(spec.joints) is CanForceArm else Arm: spec.joints,
         Gripper: spec.gripper,
         Camera: sensors.camera if robot.hand_camera is not None else None,
         RangeSensor: sensors.range_sensor,

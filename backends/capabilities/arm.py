@@ -38,6 +38,10 @@ class Arm(Capability):
     def hand_force(self) -> FloatArray:
         """Return the force of the surroundings on the hand or its object, (3,) in [N], in the hand frame.
 
-        It comes from a wrist sensor or from the joints' efforts; the weight of the held object is
-        subtracted.
+        It comes from a wrist sensor or from the joints' efforts; zero where neither is there. The weight of
+        the arm is subtracted, that of a held object is not.
         """
+
+
+class ForceArm(Arm):
+    """An arm that measures the force on its hand, by a wrist sensor or by its joints' efforts."""

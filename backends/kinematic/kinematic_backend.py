@@ -41,7 +41,8 @@ class KinematicBackend(SimulatedBackend):
       The arm is not checked against itself and its base. The base also stops where it drives the arm, a
           part
       mounted above its body or a thing on it into something.
-    - A gripped thing sits in the hand as if glued and centred: it neither slips nor sags.
+    - A gripped thing sits in the hand as if glued and centred: it neither slips nor sags, but a person tears
+          it out who pulls harder than the fingers hold it by friction.
     - Rules of a thing's domain (`...simulation.world.props`) decide whether it gives way to the hand
       and where it ends up when released; by default it stays on what is right below it. Otherwise it lies
           on

@@ -67,6 +67,7 @@ class BulletEngine(Engine):
         self._connected = True
         self._pins: list[int] = []
         self._pinned: Pinned | None = None
+        self._pulled: tuple[int, list[float]] | None = None
         self.renderer = BulletRenderer(self.p, self.client, window)
         """Renderer of pictures; it shows the shapes made after it."""
         self.p.setGravity(0.0, 0.0, -GRAVITY_M_S2, physicsClientId=self.client)
@@ -87,6 +88,12 @@ class BulletEngine(Engine):
 
     @override
     def step(self, steps: int | None = None) -> None:
+        if self._pulled is not None:  # Bullet forgets a force after each chunk
+            body, (x, y, z) = self._pulled
+            middle = self.p.getBasePositionAndOrientation(body, physicsClientId=self.client)[0]
+            self.p.applyExternalForce(
+                body, -1, (x, y, z), middle, self.p.WORLD_FRAME, physicsClientId=self.client
+            )
         self.p.stepSimulation(physicsClientId=self.client)
 
     @override
@@ -179,6 +186,10 @@ class BulletEngine(Engine):
     def set_pose(self, body: int, pose: Transform) -> None:
         self.p.resetBasePositionAndOrientation(body, *placed(pose), physicsClientId=self.client)
         self.p.resetBaseVelocity(body, (0.0,) * 3, (0.0,) * 3, physicsClientId=self.client)
+
+    @override
+    def pull(self, body: int | None, force: FloatArray) -> None:
+        self._pulled = None if body is None else (body, force.tolist())
 
     @override
     def touches(self, body: int, anything: bool) -> None:

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
+from handcart.backends.capabilities.arm import ForceArm
 from handcart.backends.commanded_parts import CommandedArm
 from handcart.backends.hand_force import force_by_efforts
 from handcart.backends.plain_values import Kinds
@@ -19,7 +20,7 @@ from .wire.ros_errors import NotOnTheAir
 from .wrench_topic import WrenchTopic
 
 
-class RosArm(CommandedArm):
+class RosArm(CommandedArm, ForceArm):
     """Joints whose controllers follow a new point each period, and hold the last one."""
 
     STATE: ClassVar[Kinds] = {"_command": FloatArray, "_sent": FloatArray}

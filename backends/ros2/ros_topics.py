@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.arm import ForceArm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
@@ -288,7 +288,7 @@ def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
     """Return the capabilities that a robot has by ROS, by its file alone."""
     there: dict[type[Capability], object] = {
         HolonomicBase if robot.drive.kind == "holonomic" else Base: robot.drive,
-        Arm: robot.arm,
+        ForceArm: robot.arm,
         Gripper: robot.gripper,
         RangeSensor: robot.range_sensor,
         Camera: robot.camera,

@@ -75,7 +75,7 @@ class ActivitySurvey(Survey):
     def _is_on(self, thing: Thing, name: str) -> bool:
         surface = self.run.model.of(Objects).objects.surfaces.get(name)
         x, y, z = thing.pose[:3, 3].tolist()
-        at_rest = thing.rest not in (Rest.HAND, Rest.FLOOR, Rest.TRAY)
+        at_rest = thing.rest not in (Rest.HAND, Rest.FLOOR, Rest.TRAY, Rest.PERSON)
         return (
             surface is not None
             and at_rest

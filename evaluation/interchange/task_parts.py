@@ -158,11 +158,19 @@ def _row(action: Action) -> dict[str, Any]:
             "p": None if action.others else action.p,
             "p_give_up": action.p_give_up or None,
             "time_out_s": action.time_out_s,
-            "permit": "operator" if action.permit else None,
+            "permit": _permit(action),
         }
     )
     given = action.binding.given() if action.binding else {}
     return {**row, "with": given} if given else row
+
+
+def _permit(action: Action) -> str | None:
+    """Return the key `permit` of an action's entry; None where it says what the primitive says."""
+    usual = action.binding is not None and action.binding.kind.asks_permission
+    if action.permit is usual:
+        return None
+    return "operator" if action.permit else "none"
 
 
 def _without_none(fields: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
+from handcart.backends.capabilities.arm import ForceArm
 from handcart.backends.capabilities.base import HolonomicBase
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
@@ -73,7 +74,8 @@ class LayeredBackend(Backend):
 
 def provided_kind(part: Capability, kind: Kind) -> Kind:
     """Return the interface that a capability provides: a kind, or one that extends it."""
-    return HolonomicBase if isinstance(part, HolonomicBase) else kind
+    extended: tuple[Kind, ...] = (HolonomicBase, ForceArm)
+    return next((each for each in extended if isinstance(part, each)), kind)
 
 
 @cache

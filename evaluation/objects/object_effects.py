@@ -146,11 +146,21 @@ def _in_posture(survey: Survey, claim: Claim) -> list[str]:
     ]
 
 
+def _handed_over(survey: Survey, claim: Claim) -> list[str]:
+    """Check that a person has the object."""
+    name = claim.primitive.thing(survey.run.model.view(claim.primitive)).removeprefix(name_in_world(""))
+    thing = thing_of(survey, name)
+    if thing is None:
+        return [f"{name or 'the object'} is nowhere"]
+    return [] if thing.rest is Rest.PERSON else [f"no person has {name}, the {thing.carrier} has it"]
+
+
 OBJECT_EFFECTS: Mapping[str, Effect] = {
     "LOOK_FOR": _found,
     "PICK": _picked,
     "PLACE": _placed,
     "STOW": _stowed,
     "MOVE_ARM": _in_posture,
+    "HAND_OVER": _handed_over,
 }
 """Effects by the primitive's name."""

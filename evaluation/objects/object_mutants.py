@@ -21,11 +21,13 @@ from handcart.evaluation.conformance.planted.mutant import (
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.grip import open_to
+from handcart.primitives.objects.hand_over import HandOver
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.object_look import sighting
 from handcart.primitives.objects.objects import Objects
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject
+from handcart.primitives.objects.pull_watch import PullWatch
 from handcart.primitives.objects.tag_readings import Located
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
@@ -34,6 +36,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 
 SET_ASIDE_TASK = Path(__file__).parents[2] / "tasks" / "fetch_and_carry" / "set_aside.yaml"
+HAND_OVER_TASK, HAND_OVER_NUMBER = SET_ASIDE_TASK.with_name("hand_over.yaml"), 5
 LOOK_FOR_NUMBER, PICK_NUMBER, PLACE_NUMBER = 2, 3, 5
 """Numbers of the actions of that task."""
 WRONG_HEADING_RAD = 0.2
@@ -85,6 +88,19 @@ class PlacesBlindly(PlaceObject):
         yield from settle(robot)
 
 
+class LetsGoUnasked(HandOver):
+    """Faulty HAND_OVER that opens the fingers although nobody pulls."""
+
+    @override
+    @classmethod
+    def label(cls) -> str:
+        return HandOver.label()
+
+    @override
+    def _await_pull(self, robot: Robot, watch: PullWatch) -> Periods:
+        yield from robot.wait(0.5)
+
+
 _violations = partial(task_violations, SET_ASIDE_TASK)
 NEEDED_CAPABILITIES = (Arm, Gripper, Camera, RangeSensor)
 OBJECT_MUTANTS: Sequence[Mutant] = (
@@ -100,6 +116,12 @@ OBJECT_MUTANTS: Sequence[Mutant] = (
         partial(_violations, "LOOK_FOR", LOOK_FOR_NUMBER, TurnsSighting),
         NEEDED_CAPABILITIES,
         by_truth=True,
+    ),
+    Mutant(
+        "LetsGoUnasked",
+        "opens the fingers although nobody pulls",
+        partial(task_violations, HAND_OVER_TASK, "HAND_OVER", HAND_OVER_NUMBER, LetsGoUnasked),
+        NEEDED_CAPABILITIES,
     ),
     Mutant(
         "PlacesBlindly",

@@ -25,7 +25,7 @@ class ObjectSurvey(FiguresSurvey):
     name = "objects"
     effects = OBJECT_EFFECTS
     limits: ClassVar = {"placed_off_mm": SPOT_MM}
-    shown: ClassVar = frozenset({"LOOK_FOR", "PICK", "PLACE"})
+    shown: ClassVar = frozenset({"LOOK_FOR", "PICK", "PLACE", "HAND_OVER"})
 
     @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:

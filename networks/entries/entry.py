@@ -66,8 +66,10 @@ class TaskEntry(FileModel):
     """Probability that an attempt ends in Success; `handcart check` then reports how runs end."""
     p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
     """Probability that it ends in GiveUp; the rest is that of Fail."""
-    permit: Literal["operator"] | None = None
-    """`operator`: it starts only when the operator permits it, each time."""
+    permit: Literal["operator", "none"] | None = None
+    """`operator`: it starts only when the operator permits it, each time; `none`: it doesn't ask (default: as
+    its primitive says).
+    """
     time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None
     """Time limit of the motion; after that it is stopped, restored, and counts as a Fail."""
     parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]

@@ -39,7 +39,7 @@ def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mappi
         entry.cost_s,
         budgets.get(limit.budget or "", most),
         copied.on_fail,
-        permit=entry.permit == "operator",
+        permit=needs_permit(entry, binding),
         time_out_s=entry.time_out_s,
         p=entry.endings[0].p if entry.p_success is not None else None,
         p_give_up=entry.p_give_up,
@@ -50,6 +50,11 @@ def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mappi
         budget=limit.budget or (f"{entry.do} {copied.entry}" if is_shared else ""),
         fail_endings=_fail_endings(entry, copied.fails),
     )
+
+
+def needs_permit(entry: TaskEntry, binding: Binding) -> bool:
+    """Return whether an action needs the operator's permission: as its entry says, or else its primitive."""
+    return binding.kind.asks_permission if entry.permit is None else entry.permit == "operator"
 
 
 def entry_faults(

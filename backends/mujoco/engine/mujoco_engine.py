@@ -59,6 +59,7 @@ class MujocoEngine(Engine):
         self._links: dict[int, tuple[int, int]] = {}
         self._bodies: dict[tuple[int, int], int] = {}
         self._leaning = Leaning()
+        self._is_pulled = False
         self._seen: FloatArray | None = None
         """All coordinates when `moved` was last asked; None: everything may have moved."""
 
@@ -226,6 +227,16 @@ class MujocoEngine(Engine):
             mocap = int(model.body(f"{body}").mocapid[0])
             data.mocap_pos[mocap], data.mocap_quat[mocap] = placed[:3], placed[3:]
         self.displaced()
+
+    @override
+    def pull(self, body: int | None, force: FloatArray) -> None:
+        if body is None and not self._is_pulled:
+            return
+        applied = self.data.xfrc_applied
+        applied[:] = 0.0
+        self._is_pulled = body is not None
+        if body is not None:
+            applied[self.thing_at(body).body, :3] = force
 
     @override
     def touches(self, body: int, anything: bool) -> None:

@@ -8,8 +8,9 @@ import numpy as np
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.physics.engine.engine import Engine, Pinned, Point
-from handcart.backends.physics.engine.surface import PAD_FRICTION, PAD_SURFACE, ContactSurface
+from handcart.backends.physics.engine.surface import PAD_SURFACE, ContactSurface
 from handcart.backends.physics.world.thing_body import THING_FRICTION
+from handcart.backends.simulation.world.grasp import PAD_FRICTION
 from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.numerics.arrays import FloatArray

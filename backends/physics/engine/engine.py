@@ -150,6 +150,15 @@ class Engine(ABC):
         """Move a body to a pose world_T_body (4, 4) of its middle of mass, at rest."""
 
     @abstractmethod
+    def pull(self, body: int | None, force: FloatArray) -> None:
+        """Pull at the middle of a thing from now on, and at no other; None ends it.
+
+        Args:
+            body: the thing.
+            force: (3,) in the world, in [N].
+        """
+
+    @abstractmethod
     def touches(self, body: int, anything: bool) -> None:
         """Let a thing collide with everything, or with nothing at all."""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from handcart.backends.simulation.world.grasp import PAD_FRICTION
+
 
 class ContactSurface(NamedTuple):
     """Contact properties of a link; None leaves a property unchanged."""
@@ -48,6 +50,5 @@ SCRUBBING_SURFACE = ContactSurface(
 as they give a little, and at rest they stick."""
 SOFT_TYRES = ContactSurface(stiffness=3e5, damping=6e3, sticks=True)
 """Tyres of a car on rough ground; they stick at rest."""
-PAD_FRICTION = 1.5
 PAD_SURFACE = ContactSurface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
 """Rubber, at each corner: rigid pads would press with one corner each."""

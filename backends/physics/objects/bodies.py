@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from handcart.backends.simulation.objects.carried_object import CarriedObject
+from handcart.backends.simulation.objects.object_props import ObjectProps
 
 from .object_body import ObjectBody
+from .object_pulls import ObjectPulls
 
-PROP_BODIES = {CarriedObject: ObjectBody}
+PROP_BODIES = {CarriedObject: ObjectBody, ObjectProps: ObjectPulls}

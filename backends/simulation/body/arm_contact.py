@@ -23,6 +23,7 @@ LOAD_NAME = "load"
 FINGER_LINKS = ("left_finger", "right_finger")
 _HANDS = (LOAD_NAME, *FINGER_LINKS, "hand", "camera_body")
 LOW_TOP_M = 0.02  # of a body that floor plans leave out
+UNTOUCHED_RESTS = (Rest.HAND, Rest.FLOOR, Rest.PERSON)
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
 Skip = Callable[[str, str], bool]
@@ -292,7 +293,7 @@ class ArmContact:
         if key == self._changes:
             return
         self._changes = key
-        things = [thing for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)]
+        things = [thing for thing in self._scene.things() if thing.rest not in UNTOUCHED_RESTS]
         standing = [self._box(thing) for thing in things]
         boxes = [*self._fixed, *standing]
         if len(boxes) != len(self._boxes):

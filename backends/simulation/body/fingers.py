@@ -58,7 +58,7 @@ class Fingers:
                 thing
                 for props in self._scene.props.values()
                 for thing in props.things()
-                if thing.rest is not Rest.FLOOR and props.fits(thing, pads)
+                if thing.rest not in (Rest.FLOOR, Rest.PERSON) and props.fits(thing, pads)
             ),
             None,
         )

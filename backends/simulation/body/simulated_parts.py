@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.arm import ForceArm
 from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBase, WheelTravel
 from handcart.backends.commanded_parts import CommandedGripper
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
@@ -64,7 +64,7 @@ class CommandedHolonomicBase(CommandedBase, HolonomicBase):
         self._command = checked_command(self._drive, speed, turn_rate, sideways)
 
 
-class SimulatedArm(Arm):
+class SimulatedArm(ForceArm):
     """Arm that accepts commands, separates motions, and reads encoders and force with noise.
 
     The joints differ from their encoder readings by `ArmError`, an offset that is drawn again whenever the

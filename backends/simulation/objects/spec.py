@@ -11,6 +11,10 @@ from handcart.backends.simulation.world.placed_thing import PlacedSpec
 from handcart.backends.simulation.world.world_file import FloorPose, Length, Name, each_once
 from handcart.files.models.model import FileModel
 
+from .pull_spec import PullSpec
+
+MAX_PULLS = 100
+
 
 class CarriedObjectSpec(PlacedSpec):
     """A box or a cylinder, and where a person sets it down: the middle of its foot."""
@@ -60,6 +64,8 @@ class ObjectsSection(FileModel):
     objects: tuple[CarriedObjectSpec, ...] = ()
     floor_areas: tuple[FloorAreaSpec, ...] = ()
     """Areas of the floor that objects are on, or may be put down on."""
+    pulls: Annotated[tuple[PullSpec, ...], Field(max_length=MAX_PULLS)] = ()
+    """A person's pulls at what the hand holds."""
 
     @model_validator(mode="after")
     def _each_object_once(self) -> Self:

@@ -12,6 +12,7 @@ from handcart.backends.urdf.robot_shape import FingerShape
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.numerics.arrays import FloatArray
 
+PAD_FRICTION = 1.5  # Coulomb's coefficient of rubber pads; that of what they touch is multiplied with it
 PAD_LENGTH_M = 0.05  # of the fingers' length that is padded, up to the tips [m]
 MIN_BITE_M = 0.005  # a thing must reach this deep between the pads to be held [m]
 _SQUARE = np.cos(np.radians(15.0))  # turned further than this against the pads, a box isn't gripped

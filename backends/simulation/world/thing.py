@@ -30,6 +30,8 @@ class Rest(Enum):
     """Furniture of the world, or a thing on it."""
     FLOOR = "floor"
     """Fallen: lost to the robot."""
+    PERSON = "person"
+    """Taken away by a person: nothing collides with it, and no camera sees it."""
 
 
 @dataclass(eq=False, repr=False)
@@ -70,7 +72,9 @@ class Thing(ABC):
 
     @property
     def carrier(self) -> str:
-        """Support of the thing: "hand", "tray", "table", "floor", or the name of a more specific support."""
+        """Support of the thing: "hand", "tray", "table", "floor", "person", or the name of a more specific
+        support.
+        """
         return self.rest.value
 
     @property

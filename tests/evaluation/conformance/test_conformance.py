@@ -274,7 +274,7 @@ def test_whole_tasks_are_run_on_both_backends() -> None:
         "return_book",
         "return_books",
     }
-    assert len(names) == 7 * 2 * 3
+    assert len(names) == 8 * 2 * 3
     assert "tasks" not in KitSetting("pybullet", quick=True).chosen_parts
 
 

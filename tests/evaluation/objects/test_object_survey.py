@@ -12,6 +12,7 @@ from handcart.evaluation.objects.object_mutants import OBJECT_MUTANTS
 from handcart.evaluation.objects.object_survey import ObjectSurvey
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.objects.hand_over import HandOver
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.move_arm import MoveArm
 from handcart.primitives.objects.objects import HeldObject, Objects, ObjectSighting
@@ -94,6 +95,17 @@ def test_placed_object_has_to_stand_at_its_spot(
     assert any(words in each for each in wrong) if words else wrong == []
 
 
+@pytest.mark.parametrize("rest", ["person", "hand", "floor", "table"])
+def test_object_handed_over_has_to_be_with_a_person(rest: str) -> None:
+    rig = rig_with()
+    thing = scene_of(rig).thing_named("object parcel_1")
+    thing.rest = type(thing.rest)(rest)
+    primitive = HandOver()
+    primitive._before = HeldObject("parcel_1", transform())
+    wrong = [] if rest == "person" else [f"no person has parcel_1, the {rest} has it"]
+    assert wrong_in(rig, primitive) == wrong
+
+
 def test_object_on_the_floor_contradicts_the_run() -> None:
     rig = rig_with()
     survey, thing = survey_of(rig), scene_of(rig).thing_named("object parcel_2")
@@ -103,7 +115,7 @@ def test_object_on_the_floor_contradicts_the_run() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["DropsParcel", "TurnsSighting", "PlacesBlindly"])
+@pytest.mark.parametrize("name", ["DropsParcel", "TurnsSighting", "PlacesBlindly", "LetsGoUnasked"])
 def test_faulty_primitive_is_found(name: str) -> None:
     mutant = next(each for each in OBJECT_MUTANTS if each.name == name)
     assert mutant.look(KitSetting("kinematic", "librarian").bench) != []

@@ -1,0 +1,286 @@
+"""HAND_OVER: give the held object to a person."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from enum import Enum
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+from typing_extensions import override
+
+from handcart.backends.capabilities.arm import ForceArm
+from handcart.backends.capabilities.camera import AnyCamera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.files.suggest import suggest
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.meant_contact import MeantContact
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.grip import close, open_to
+from handcart.primitives.motions.pushing import relax
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.preconditions.hand_use import LETS_GO
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot, is_holding
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.numerics.arrays import FloatArray
+
+from . import object_causes
+from .carrying import stow
+from .floor_look import FloorLook, look_at_floor
+from .object_names import name_in_world
+from .object_site import held_box, kind_of, surroundings
+from .objects import HeldObject, Objects
+from .offering import is_outside, offering_joints
+from .placing_plan import withdrawn
+from .pull_watch import PullWatch, direction_words
+
+GRAVITY_M_S2 = 9.81
+CARRIED_SHARE = 1.5  # of the least pull, that a force on the way has before it counts
+MISSED_PERIODS = 4  # without a held object until it has slipped
+TAKING_TIME_S = 1.0  # that a person has to take the object out of the open fingers
+CALM_TIMEOUT_S = 30.0  # that a pull may last before the arm goes back
+PERSISTENT_S = 1.0  # that a force lasts beyond the arm's stop if a person pulls
+UPRIGHT_TOLERANCE_RAD = math.radians(15.0)
+
+
+class HeldPhase(Enum):
+    """Phase of the held object."""
+
+    CARRIED = "carried"
+    OFFERED = "offered"
+    RELEASED = "released"
+
+
+class HandOver(ActionPrimitive):
+    """Hold the object out to a person, wait for a pull at it, and let it go.
+
+    The arm brings the object ahead of the robot, upright, or takes a named posture. The fingers open once a
+    force pulls at the hand for a while; a bump or a push is no pull. Closing fingers then show that the hand
+    is empty, and a picture of the floor that the object isn't there.
+    """
+
+    posture: Annotated[str, Field(min_length=1)] | None = None
+    """Posture of the robot's file in which the object is offered (default: computed)."""
+    height_mm: Annotated[float, Field(ge=200.0, le=1600.0)] = 1000.0
+    """Height of the middle of the offered object over the floor, as nearly as the arm reaches."""
+    pull_n: Annotated[float, Field(ge=1.0, le=60.0)] = 6.0
+    """Least pull that opens the fingers."""
+    wait_s: Annotated[float, Field(ge=1.0, le=3600.0)] = 30.0
+    """Time that a person has to begin a pull."""
+    floor: FloorLook = "plain"
+    """Look of the floor: on a plain one, anything with an edge below the hand counts as the fallen object;
+    on a patterned one, only its tags.
+    """
+    stow: bool = True
+    """Bring the arm home in the end, as it must be before the base drives away."""
+
+    needs: ClassVar = (ForceArm, Gripper, AnyCamera)
+    reads: ClassVar = ("objects", "detectors", "sightings")
+    writes: ClassVar = ("held_object",)
+    hand: ClassVar = LETS_GO
+    asks_permission: ClassVar = True
+
+    _before: HeldObject | None = PrivateAttr(default=None)
+    _phase: HeldPhase = PrivateAttr(default=HeldPhase.CARRIED)
+    _missed: int = PrivateAttr(default=0)
+    _watch: PullWatch | None = PrivateAttr(default=None)
+    _is_gone: bool = PrivateAttr(default=False)
+
+    @override
+    def thing(self, model: ModelView) -> str:
+        held = model.of(Objects).held_object or self._before
+        return "" if held is None else name_in_world(held.object)
+
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        """Return why the object can't be handed over."""
+        if model.of(Objects).held_object is None:
+            return "no object was picked"
+        known = robot.spec.arm.postures if robot.spec.arm is not None else {}
+        if self.posture is not None and self.posture not in known:
+            return f"the robot's file has no posture {self.posture!r}{suggest(self.posture, known)}"
+        if not robot.arm.hand_force().any():  # a held object weighs something
+            return "nothing measures the force on the hand: it reads exactly 0 with an object in it"
+        return ""
+
+    @override
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        objects = model.of(Objects)
+        held = objects.held_object
+        assert held is not None  # the precondition
+        self._before, watch = held, PullWatch(robot, self.pull_n)
+        mass = kind_of(model, held.object).mass_kg
+        yield from watch.measure_rest(None if mass is None else mass * GRAVITY_M_S2)
+        self._watch = watch
+        joints = yield from self._planned(robot, model, held)
+        yield from self._bring(robot, model, joints, watch)
+        foot = robot.base_T("hand") @ held.hand_T_object
+        self.found(offered_mm=round(1e3 * (float(foot[2, 3]) + kind_of(model, held.object).size[2] / 2)))
+        yield from watch.rest_here()
+        yield from self._await_pull(robot, watch)
+        self._phase = HeldPhase.RELEASED
+        self.point_of_no_return(f"the fingers let {held.object} go")
+        yield from open_to(robot)
+        objects.held_object = None
+        released = (robot.base_T("hand") @ held.hand_T_object)[:3, 3]
+        yield from self._check_hand(robot, model)
+        seen = yield from look_at_floor(robot, model, self.evidence, held.object, released, self.floor)
+        self.found(floor=seen)
+        if self.stow:
+            yield from stow(robot, surroundings(robot, model))
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Call a person if the object slips out of the hand before it is offered, or on its way back."""
+        if self._phase is HeldPhase.CARRIED and self._has_slipped(robot):
+            raise self._slipped(robot)
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Return whether the hand is empty."""
+        return self._is_gone and not is_holding(robot)
+        yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Return the contact with the object."""
+        held = model.of(Objects).held_object or self._before
+        return () if held is None else (MeantContact("hand", name_in_world(held.object)),)
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Wait until nobody pulls, then play the motion backwards with the object in the hand."""
+        self._phase = HeldPhase.CARRIED
+        if self._watch is not None:
+            yield from self._await_calm(robot, self._watch)
+        yield from retrace(robot, start, trace)
+
+    def _planned(self, robot: Robot, model: ModelView, held: HeldObject) -> Generator[None, None, FloatArray]:
+        """Return the joints (n,) that offer the object."""
+        kind, around = kind_of(model, held.object), surroundings(robot, model)
+        if self.posture is None:
+            height = 1e-3 * self.height_mm
+            found = yield from robot.compute(offering_joints, robot, kind, held.hand_T_object, height, around)
+            if found is None:
+                raise Discrepancy(f"the arm can't hold {held.object} out freely", cause=causes.OUT_OF_REACH)
+            return found
+        joints = np.array(robot.spec.posture(self.posture))
+        base_T_hand = robot.arm_model.forward(joints)
+        up = float((base_T_hand @ held.hand_T_object)[2, 2])
+        tilt = math.acos(min(1.0, max(-1.0, up)))
+        if kind.upright and tilt > UPRIGHT_TOLERANCE_RAD:
+            tilted = Measured("Arm", "tilt", math.degrees(tilt), math.degrees(UPRIGHT_TOLERANCE_RAD), "deg")
+            raise Discrepancy(
+                f"the posture {self.posture!r} tilts {held.object}", measured=tilted, cause=causes.UNSUITABLE
+            )
+        if not is_outside(robot, base_T_hand):
+            raise Discrepancy(
+                f"the posture {self.posture!r} holds nothing out of the robot's outline",
+                cause=causes.UNSUITABLE,
+            )
+        return joints
+
+    def _bring(self, robot: Robot, model: ModelView, joints: FloatArray, watch: PullWatch) -> Periods:
+        """Bring the object there; stop where a force lasts.
+
+        Raises:
+            NeedsPerson: somebody pulls.
+            Discrepancy: something was in the way.
+        """
+        held = model.of(Objects).held_object
+        assert held is not None
+        shape = held_box(kind_of(model, held.object), held.hand_T_object)
+        for _ in move_to_joints(robot, joints, shape, surroundings(robot, model)):
+            yield
+            watch.feel()
+            force = watch.lasting(CARRIED_SHARE)
+            if force is not None:
+                yield from self._stop_at(robot, watch, held.object, force)
+
+    def _stop_at(self, robot: Robot, watch: PullWatch, name: str, force: FloatArray) -> Periods:
+        """Stop at a force: that of a contact goes when the arm yields, that of a person stays."""
+        felt = Measured(
+            "Arm", "force on the way", float(np.linalg.norm(force)), CARRIED_SHARE * self.pull_n, "N"
+        )
+        yield from relax(robot)
+        end = robot.time + PERSISTENT_S
+        while robot.time < end:
+            yield
+            watch.feel()
+            if watch.is_calm:
+                raise Discrepancy(f"something pushed {name}", measured=felt, cause=causes.ARM_BLOCKED)
+        raise NeedsPerson(f"somebody pulls at {name} before it is offered", felt, cause=object_causes.PULLED)
+
+    def _await_pull(self, robot: Robot, watch: PullWatch) -> Periods:
+        """Wait until somebody pulls, and still pulls as the fingers are about to open.
+
+        Raises:
+            Discrepancy: nobody pulls in time.
+            NeedsPerson: the object slips out of the hand, and nobody pulls.
+        """
+        self._phase = HeldPhase.OFFERED
+        begun = robot.time
+        while robot.time <= begun + self.wait_s:
+            yield
+            watch.feel()
+            if self._has_slipped(robot):
+                if not watch.is_strong:
+                    raise self._slipped(robot)
+                self.found(pull="out of the closed fingers")
+                return
+            pull = watch.pull()
+            if pull is None:
+                continue
+            yield from self.intend("the fingers let the object go to the person who pulls")
+            watch.feel()
+            if watch.lasts(pull):
+                self.found(
+                    waited_s=round(robot.time - begun, 2),
+                    pull_n=round(float(np.linalg.norm(pull)), 1),
+                    pull=direction_words(pull),
+                )
+                return
+        early = "" if watch.is_rested else ": the force at the hand never came to rest there"
+        waited = Measured("Arm", "time without a pull", robot.time - begun, self.wait_s, "s")
+        raise Discrepancy(f"nobody takes the object{early}", measured=waited, cause=object_causes.NOT_TAKEN)
+
+    def _await_calm(self, robot: Robot, watch: PullWatch) -> Periods:
+        """Wait until nobody pulls."""
+        end = robot.time + CALM_TIMEOUT_S
+        while not watch.is_calm:
+            if robot.time > end:
+                raise NeedsPerson("somebody keeps pulling at the object", cause=object_causes.PULLED)
+            yield
+            watch.feel()
+
+    def _check_hand(self, robot: Robot, model: ModelView) -> Periods:
+        """Leave the object to the person, and close the fingers: nothing may be between them.
+
+        Raises:
+            NeedsPerson: something is.
+        """
+        yield from robot.wait(TAKING_TIME_S)
+        try:
+            yield from move_straight(
+                robot, withdrawn(robot.base_T("hand")), around=surroundings(robot, model)
+            )
+        except Discrepancy as no_way:
+            if no_way.cause is not causes.NO_ARM_PATH:
+                raise
+        yield from close(robot)
+        width = robot.gripper.width()
+        if width > MIN_HELD_WIDTH_M:
+            left = Measured("Gripper", "opening", 1e3 * width, 1e3 * MIN_HELD_WIDTH_M, "mm")
+            raise NeedsPerson("something is still between the fingers", left, cause=object_causes.NOT_TAKEN)
+        self._is_gone = True
+        self.found(closed_mm=round(1e3 * width, 2))
+
+    def _has_slipped(self, robot: Robot) -> bool:
+        """Return whether the fingers have held nothing for some periods; called once a period."""
+        self._missed = 0 if is_holding(robot) else self._missed + 1
+        return self._missed >= MISSED_PERIODS
+
+    def _slipped(self, robot: Robot) -> NeedsPerson:
+        opening = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
+        return NeedsPerson("the object slipped out of the hand", opening, cause=causes.SLIPPED)

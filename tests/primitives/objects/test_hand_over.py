@@ -1,0 +1,101 @@
+"""HAND_OVER to a simulated person, against the ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.objects.handing import rig_holding, scene_of, world_with
+from handcart.backends.simulation.world.thing import Rest
+from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.objects.hand_over import HandOver
+from handcart.primitives.objects.objects import Objects
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
+
+PULL = {"waits_s": 1.0, "force_n": 15.0, "sigma_n": 3.0, "sigma_deg": 15.0, "tremor_n": 1.0}
+
+
+def holding(folder: Path, *pulls: Mapping[str, Any], seed: int = 3, backend: str = "kinematic") -> Rig:
+    return rig_holding(world_with(folder, pulls), seed=seed, backend=backend)
+
+
+def rest_of(rig: Rig) -> Rest:
+    thing = scene_of(rig).thing_named("object parcel_1")
+    assert thing is not None
+    return thing.rest
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_person_who_pulls_has_the_object(tmp_path: Path, backend: str) -> None:
+    with holding(tmp_path, PULL, backend=backend) as rig:
+        primitive = HandOver()
+        outcome = rig.do(primitive)
+        assert isinstance(outcome, Success), outcome
+        assert rest_of(rig) is Rest.PERSON
+        assert rig.model.of(Objects).held_object is None
+        assert primitive.facts["floor"] == "free"
+        assert primitive.facts["pull"] == "ahead"
+        assert scene_of(rig).joints == pytest.approx(np.array(rig.robot.spec.posture("home")), abs=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pulls", [(), ({**PULL, "force_n": 40.0, "ramp_s": 0.0, "duration_s": 0.15},)])
+def test_nobody_pulls_and_the_object_stays_in_the_hand(tmp_path: Path, pulls: Any) -> None:
+    with holding(tmp_path, *pulls) as rig:
+        before = scene_of(rig).joints.copy()
+        outcome = rig.do(HandOver(wait_s=3.0))
+        assert isinstance(outcome, Fail), outcome
+        assert outcome.cause.name == "not_taken"
+        assert rest_of(rig) is Rest.HAND
+        assert scene_of(rig).joints == pytest.approx(before, abs=0.005)
+        assert rig.model.of(Objects).held_object is not None
+
+
+@pytest.mark.slow
+def test_object_that_nobody_keeps_is_seen_on_the_floor(tmp_path: Path) -> None:
+    with holding(tmp_path, {**PULL, "takes": False}) as rig:
+        outcome = rig.do(HandOver())
+        assert isinstance(outcome, GiveUp)
+        assert (outcome.cause.name, rest_of(rig)) == ("slipped", Rest.FLOOR)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("pull", "cause", "rest"),
+    [
+        ({"at_s": 2.0, "force_n": 20.0, "duration_s": 30.0}, "pulled", Rest.HAND),
+        ({"at_s": 2.0, "force_n": 300.0}, "slipped", Rest.PERSON),
+    ],
+)
+def test_pull_on_the_way_calls_a_person(tmp_path: Path, pull: Any, cause: str, rest: Rest) -> None:
+    with holding(tmp_path, pull) as rig:
+        outcome = rig.do(HandOver())
+        assert isinstance(outcome, GiveUp)
+        assert (outcome.cause.name, rest_of(rig)) == (cause, rest)
+
+
+def test_hand_without_force_reading_is_refused_before_it_moves(tmp_path: Path) -> None:
+    with holding(tmp_path) as rig:
+        rig.robot.arm.hand_force = lambda: np.zeros(3)  # type: ignore[method-assign]
+        outcome = rig.do(HandOver())
+        assert isinstance(outcome, Fail)
+        assert outcome.reason.startswith("nothing measures the force on the hand")
+
+
+def test_unknown_posture_is_refused_with_the_nearest_name(tmp_path: Path) -> None:
+    with holding(tmp_path) as rig:
+        outcome = rig.do(HandOver(posture="hom"))
+        assert isinstance(outcome, Fail)
+        assert "no posture 'hom'; did you mean 'home'?" in outcome.reason
+
+
+def test_posture_within_the_outline_offers_nothing(tmp_path: Path) -> None:
+    with holding(tmp_path) as rig:
+        outcome = rig.do(HandOver(posture="home"))
+        assert isinstance(outcome, Fail)
+        assert outcome.cause.name == "unsuitable"
