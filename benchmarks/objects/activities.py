@@ -32,7 +32,6 @@ ROBOTS = {
     "store_batteries": LIBRARIAN,
     "sending_packages": FETCH,
     "putting_meal_in_fridge_at_work": LIBRARIAN,
-    "dispose_of_batteries": TOYAMA,
     "store_firewood": FETCH,
     "cleaning_parks": FETCH,
     "make_the_ultimate_spa_basket": LIBRARIAN,
@@ -47,8 +46,8 @@ ROBOTS = {
     "re_shelving_library_books": LIBRARIAN,
     "boxing_books_up_for_storage": LIBRARIAN,
 }
-"""Activities whose things are rigid, and a robot whose fingers take them and whose arm reaches them; those
-with few things to move come first. The librarian does not reach low things on the floor."""
+"""Activities whose things are rigid, and a robot whose fingers take them; those with few things to move come
+first. The librarian does not take low things off the floor."""
 
 
 @dataclass

@@ -105,6 +105,9 @@ def _sizes(
         assert isinstance(entry, CarriedEntry)  # by its relation
         narrowest = min(entry.size_mm[:2])
         sizes[each.thing] = entry
+        if each.thing not in moved and min(entry.size_mm) > widest:
+            words = f"{each.thing} has no side narrow enough for the fingers: {min(entry.size_mm):g} mm"
+            findings.append(definition.finding([each.thing], f"{words}; allowed: at most {widest:g} mm"))
         if each.thing not in moved or narrowest <= widest:
             continue
         if scale:

@@ -76,6 +76,12 @@ def test_neighbours_without_room_for_the_fingers_are_refused() -> None:
         plan_activity("store_baking_soda", 0, "librarian", False)
 
 
+def test_thing_that_stays_but_no_finger_gets_around_is_refused() -> None:
+    """A file of objects with it would be refused."""
+    with pytest.raises(FileError, match=r"hand_blower.*no side narrow enough for the fingers: 90 mm"):
+        plan_activity("dispose_of_batteries", 0, "librarian", False)
+
+
 def test_furniture_that_has_to_be_carried_is_refused() -> None:
     with pytest.raises(FileError, match=r"furniture(, which)? isn't carried"):
         plan_activity("putting_away_games", 0, "librarian", False)
