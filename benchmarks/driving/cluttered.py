@@ -16,6 +16,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -277,20 +278,21 @@ def main() -> None:
     chosen.shape_of_robot = shape_of(chosen.sides)
     print(f"{chosen.worlds} worlds on {chosen.backend}, {chosen.speed:g} m/s, map: {chosen.map}", flush=True)
     results = []
-    for make in worlds_of(chosen):
-        world = make()
-        result = try_world(world, chosen)
-        results.append(result)
-        print(
-            f"world {result.seed} ({result.density:g}): {result.outcome}, {result.fails} Fails, "
-            f"{result.seconds:.1f} s for {result.best_m:.1f} m, {result.contacts} contacts, nearest "
-            f"{result.nearest_mm:.0f} mm, off {result.off_mm:.0f} mm ({result.off_sigmas:.1f} sigma)"
-            + ("" if result.reached else f"; {result.reason}")
-            + "".join(f"\n  FALSE: {each}" for each in result.false),
-            flush=True,
-        )
-        if chosen.pictures:
-            draw(world, result, chosen.shape_of_robot, chosen.pictures / f"world_{result.seed}.png")
+    with suppress(KeyboardInterrupt):  # report the runs until then
+        for make in worlds_of(chosen):
+            world = make()
+            result = try_world(world, chosen)
+            results.append(result)
+            print(
+                f"world {result.seed} ({result.density:g}): {result.outcome}, {result.fails} Fails, "
+                f"{result.seconds:.1f} s for {result.best_m:.1f} m, {result.contacts} contacts, nearest "
+                f"{result.nearest_mm:.0f} mm, off {result.off_mm:.0f} mm ({result.off_sigmas:.1f} sigma)"
+                + ("" if result.reached else f"; {result.reason}")
+                + "".join(f"\n  FALSE: {each}" for each in result.false),
+                flush=True,
+            )
+            if chosen.pictures:
+                draw(world, result, chosen.shape_of_robot, chosen.pictures / f"world_{result.seed}.png")
     print(report(results, chosen.speed))
     raise SystemExit(int(any(each.contacts or each.false for each in results)))
 

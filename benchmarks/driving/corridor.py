@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -208,22 +209,24 @@ def main() -> None:
     words.add_argument("--verbose", action="store_true", help="a line for each MOVE_TO")
     chosen = words.parse_args()
     counts: dict[str, int] = {}
-    false, free, free_success, begun = 0, 0, 0, time.process_time()
-    for seed in range(chosen.first, chosen.first + chosen.runs):
-        width = HALL_M if chosen.hall else CORRIDOR_M
-        case = draw(seed, chosen.pillars, chosen.backend, chosen.wrong_start, width)
-        print(f"\rrun {seed}, {case.length_m:.0f} m ...", end="", file=sys.stderr, flush=True)
-        ended = drive(case)
-        for each in ended:
-            counts[each.outcome] = counts.get(each.outcome, 0) + 1
-            false += each.false
-            if each.false or chosen.verbose:
-                print(f"\r{json.dumps(case._asdict())}\n  {each}")
-        if not case.pallet:
-            free += 1
-            free_success += all(each.outcome == "Success" for each in ended)
+    done, false, free, free_success, begun = 0, 0, 0, 0, time.process_time()
+    with suppress(KeyboardInterrupt):  # report the runs until then
+        for seed in range(chosen.first, chosen.first + chosen.runs):
+            width = HALL_M if chosen.hall else CORRIDOR_M
+            case = draw(seed, chosen.pillars, chosen.backend, chosen.wrong_start, width)
+            print(f"\rrun {seed}, {case.length_m:.0f} m ...", end="", file=sys.stderr, flush=True)
+            ended = drive(case)
+            done += 1
+            for each in ended:
+                counts[each.outcome] = counts.get(each.outcome, 0) + 1
+                false += each.false
+                if each.false or chosen.verbose:
+                    print(f"\r{json.dumps(case._asdict())}\n  {each}")
+            if not case.pallet:
+                free += 1
+                free_success += all(each.outcome == "Success" for each in ended)
     seconds = time.process_time() - begun
-    print(f"\r{chosen.runs} runs, {counts}: {false} false Success or Fail; {seconds:.0f} CPU s")
+    print(f"\r{done} runs, {counts}: {false} false Success or Fail; {seconds:.0f} CPU s")
     print(f"without a pallet: {free_success} of {free} runs reached both places")
     raise SystemExit(1 if false else 0)
 

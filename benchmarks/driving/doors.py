@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -106,20 +107,22 @@ def main() -> None:
     width = SIDES[1] + chosen.room
     print(f"{chosen.worlds} doors of {width:.2f} m, footprint {SIDES[0]} x {SIDES[1]} m", flush=True)
     results = []
-    for seed in range(chosen.first, chosen.first + chosen.worlds):
-        result = try_doorway(make_doorway(seed, width), chosen)
-        results.append(result)
-        print(
-            f"door {seed}: {result.outcome}, {result.fails} Fails, {result.seconds:.1f} s, "
-            f"{result.contacts} contacts, nearest {result.nearest_mm:.0f} mm"
-            + ("" if result.reached else f"; {result.reason}"),
-            flush=True,
-        )
+    with suppress(KeyboardInterrupt):  # report the runs until then
+        for seed in range(chosen.first, chosen.first + chosen.worlds):
+            result = try_doorway(make_doorway(seed, width), chosen)
+            results.append(result)
+            print(
+                f"door {seed}: {result.outcome}, {result.fails} Fails, {result.seconds:.1f} s, "
+                f"{result.contacts} contacts, nearest {result.nearest_mm:.0f} mm"
+                + ("" if result.reached else f"; {result.reason}"),
+                flush=True,
+            )
     reached, contacts = sum(each.reached for each in results), sum(each.contacts for each in results)
     false = sum(len(each.false) for each in results)
     seconds = np.nanmedian([each.seconds for each in results])
     print(
-        f"{len(results)} doors: {reached} reached without a Fail ({100.0 * reached / len(results):.1f} %); "
+        f"{len(results)} doors: {reached} reached without a Fail "
+        f"({100.0 * reached / max(1, len(results)):.1f} %); "
         f"false outcomes {false}; contacts {contacts}; worlds touched "
         f"{sum(each.contacts > 0 for each in results)}; nearest "
         f"{min(each.nearest_mm for each in results):.1f} mm; median {seconds:.1f} s"

@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -202,21 +203,26 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         every = chosen_charts(Path(folder), chosen)
         lifted, seed = 0, chosen.first
-        while lifted < chosen.runs:
-            chart = every[seed % len(every)]
-            print(f"\rrun {lifted}, seed {seed}, {chart.name} ...   ", end="", file=sys.stderr, flush=True)
-            found = kidnap_once(chart, seed, chosen.backend, chosen.robot, chosen.people)
-            seed += 1
-            if found.noticed == "not lifted":
-                continue
-            lifted += 1
-            is_late = found.noticed == "unnoticed" or (found.seconds > NOTICED_S and found.metres > NOTICED_M)
-            late += is_late
-            false += found.false
-            noticed[found.noticed] += 1
-            outcomes[found.outcome] += 1
-            if chosen.verbose or is_late or found.false:
-                print(f"\r{chart.name}, seed {seed - 1}: {found}")
+        with suppress(KeyboardInterrupt):  # report the runs until then
+            while lifted < chosen.runs:
+                chart = every[seed % len(every)]
+                print(
+                    f"\rrun {lifted}, seed {seed}, {chart.name} ...   ", end="", file=sys.stderr, flush=True
+                )
+                found = kidnap_once(chart, seed, chosen.backend, chosen.robot, chosen.people)
+                seed += 1
+                if found.noticed == "not lifted":
+                    continue
+                lifted += 1
+                is_late = found.noticed == "unnoticed" or (
+                    found.seconds > NOTICED_S and found.metres > NOTICED_M
+                )
+                late += is_late
+                false += found.false
+                noticed[found.noticed] += 1
+                outcomes[found.outcome] += 1
+                if chosen.verbose or is_late or found.false:
+                    print(f"\r{chart.name}, seed {seed - 1}: {found}")
     print(f"\r{lifted} lifted: {lifted - late} noticed within {NOTICED_S:g} s or {NOTICED_M:g} m")
     print(f"by {dict(noticed)}; outcomes {dict(outcomes)}")
     print(f"{false} false outcomes; {time.process_time() - begun:.0f} CPU s")

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -93,20 +94,23 @@ def main() -> None:
         every = chosen_charts(Path(folder), chosen)
         counts = {chart.name: Counter[str]() for chart in every}
         contacts, driven = 0, []
-        for number in range(chosen.runs):
-            chart, seed = every[number % len(every)], chosen.first + number
-            print(f"\rrun {number}, seed {seed}, {chart.name} ...   ", end="", file=sys.stderr, flush=True)
-            found = locate_once(chart, seed, chosen.boxes, chosen.backend, chosen.robot)
-            counts[chart.name][found.kind] += 1
-            total[found.kind] += 1
-            contacts += found.contacts
-            driven.append(found.driven_m)
-            if found.kind != "right" and (chosen.verbose or found.kind in ("wrong", "false Fail")):
-                print(f"\r{chart.name}, seed {seed}: {found}")
+        with suppress(KeyboardInterrupt):  # report the runs until then
+            for number in range(chosen.runs):
+                chart, seed = every[number % len(every)], chosen.first + number
+                print(
+                    f"\rrun {number}, seed {seed}, {chart.name} ...   ", end="", file=sys.stderr, flush=True
+                )
+                found = locate_once(chart, seed, chosen.boxes, chosen.backend, chosen.robot)
+                counts[chart.name][found.kind] += 1
+                total[found.kind] += 1
+                contacts += found.contacts
+                driven.append(found.driven_m)
+                if found.kind != "right" and (chosen.verbose or found.kind in ("wrong", "false Fail")):
+                    print(f"\r{chart.name}, seed {seed}: {found}")
     for name, kinds in counts.items():
         print(f"\r{name}: " + ", ".join(f"{kinds[kind]} {kind}" for kind in KINDS if kinds[kind]))
     shares = ", ".join(f"{total[kind]} {kind}" for kind in KINDS)
-    print(f"{chosen.runs} starts: {shares}; {100 * total['right'] / max(1, chosen.runs):.1f} % right")
+    print(f"{total.total()} starts: {shares}; {100 * total['right'] / max(1, total.total()):.1f} % right")
     seconds = time.process_time() - begun
     print(f"contacts {contacts}, driven {np.mean(driven or [0.0]):.1f} m on average; {seconds:.0f} CPU s")
     raise SystemExit(1 if total["wrong"] or total["false Fail"] else 0)

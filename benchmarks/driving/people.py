@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -121,18 +122,19 @@ def main() -> None:
         f"{chosen.runs} runs on {chosen.backend}, {chosen.people} people at {chosen.walk:g} m/s", flush=True
     )
     results = []
-    for seed in range(chosen.first, chosen.first + chosen.runs):
-        result = try_people(people_world(seed, chosen.people, RADIUS_M), chosen)
-        results.append(result)
-        seconds = "-" if math.isnan(result.seconds) else f"{result.seconds:.1f}"
-        print(
-            f"run {seed} ({result.kind}): {result.outcome}, {result.fails} Fails, {seconds} s for "
-            f"{result.best_m:.1f} m, by the robot {result.by_robot}, while standing {result.while_standing}"
-            + ("" if result.reached else f"; {result.reason}")
-            + "".join(f"\n  {each}" for each in result.others)
-            + "".join(f"\n  FALSE: {each}" for each in result.false),
-            flush=True,
-        )
+    with suppress(KeyboardInterrupt):  # report the runs until then
+        for seed in range(chosen.first, chosen.first + chosen.runs):
+            result = try_people(people_world(seed, chosen.people, RADIUS_M), chosen)
+            results.append(result)
+            seconds = "-" if math.isnan(result.seconds) else f"{result.seconds:.1f}"
+            print(
+                f"run {seed} ({result.kind}): {result.outcome}, {result.fails} Fails, {seconds} s for "
+                f"{result.best_m:.1f} m, by robot {result.by_robot}, while standing {result.while_standing}"
+                + ("" if result.reached else f"; {result.reason}")
+                + "".join(f"\n  {each}" for each in result.others)
+                + "".join(f"\n  FALSE: {each}" for each in result.false),
+                flush=True,
+            )
     print(people_report(results, chosen.speed))
     raise SystemExit(int(any(each.by_robot or each.false for each in results)))
 

@@ -15,6 +15,7 @@ import argparse
 import math
 import time
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -226,12 +227,15 @@ def main() -> None:
     chosen = words.parse_args()
     print(f"{chosen.worlds} worlds on {chosen.backend}", flush=True)
     results = []
-    for seed in range(chosen.seed, chosen.seed + chosen.worlds):
-        results.append(try_world(seed, chosen.backend))
-        last = results[-1]
-        print(f"world {seed}: {last.outcome}, touched {dict(last.touched)}, {last.pushed:.2f} s", flush=True)
-        if chosen.verbose:
-            print("\n".join(f"  {each}" for each in last.reasons), flush=True)
+    with suppress(KeyboardInterrupt):  # report the runs until then
+        for seed in range(chosen.seed, chosen.seed + chosen.worlds):
+            results.append(try_world(seed, chosen.backend))
+            last = results[-1]
+            print(
+                f"world {seed}: {last.outcome}, touched {dict(last.touched)}, {last.pushed:.2f} s", flush=True
+            )
+            if chosen.verbose:
+                print("\n".join(f"  {each}" for each in last.reasons), flush=True)
     text, good = report(results, chosen.backend)
     print(text)
     raise SystemExit(0 if good else 1)
