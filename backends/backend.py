@@ -194,11 +194,13 @@ class Backend(ABC):
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
         """Return the capability of that kind, None where the robot has none."""
-        return next((each for each in self.capabilities() if isinstance(each, kind)), None)
+        return next((capability for capability in self.capabilities() if isinstance(capability, kind)), None)
 
     def sensor(self, name: str) -> Capability | None:
         """Return the sensor with a name of the robot's file, or None if the robot has no such sensor."""
-        return next((each for each in self.capabilities() if each.sensor_name == name), None)
+        return next(
+            (capability for capability in self.capabilities() if capability.sensor_name == name), None
+        )
 
     def __enter__(self) -> Self:
         return self

@@ -97,7 +97,7 @@ def _codec(kind: Any) -> _Codec:
     if origin in (dict, Mapping):
         return _mapping(*map(_codec, args))
     if origin is tuple and args[-1] is not ...:
-        return _fixed(tuple, [_codec(each) for each in args])
+        return _fixed(tuple, [_codec(arg) for arg in args])
     if origin in (list, tuple, frozenset):
         return _many(origin, _codec(args[0]))
     if origin is float:
@@ -126,7 +126,7 @@ def _of_class(kind: Any) -> _Codec:
         return _Codec(lambda value: value.model_dump(mode="json", by_alias=True), kind.model_validate)
     if issubclass(kind, tuple):
         named: Any = kind
-        parts = [_codec(each) for each in _hints(kind, named._fields)]
+        parts = [_codec(hint) for hint in _hints(kind, named._fields)]
         return _fixed(lambda values: named(*values), parts, optional=len(named._field_defaults))
     if dataclasses.is_dataclass(kind):
         return _dataclass(kind)
@@ -148,8 +148,8 @@ def _object(kind: Any, data: object) -> Any:
 
 
 def _dataclass(kind: Any) -> _Codec:
-    names = [each.name for each in dataclasses.fields(kind) if each.init]
-    codecs = [_codec(each) for each in _hints(kind, names)]
+    names = [field.name for field in dataclasses.fields(kind) if field.init]
+    codecs = [_codec(hint) for hint in _hints(kind, names)]
     inner = _fixed(lambda values: kind(**dict(zip(names, values, strict=True))), codecs)
     return _Codec(lambda value: inner.write([getattr(value, name) for name in names]), inner.read)
 
@@ -181,7 +181,7 @@ def _float(data: object) -> float:
 
 
 def _array(dtype: np.dtype[Any], marks: tuple[Any, ...]) -> _Codec:
-    shape = next((each for each in marks if isinstance(each, tuple)), None)
+    shape = next((mark for mark in marks if isinstance(mark, tuple)), None)
 
     def read(data: object) -> Any:
         if not isinstance(data, np.ndarray) or data.dtype != dtype:
@@ -206,21 +206,21 @@ def _fixed(make: Callable[[Any], Any], parts: list[_Codec], optional: int = 0) -
         return make([codec.read(value) for codec, value in zip(parts[:present], values, strict=True)])
 
     def write(value: Any) -> list[Any]:
-        return [codec.write(each) for codec, each in zip(parts, value, strict=True)]
+        return [codec.write(item) for codec, item in zip(parts, value, strict=True)]
 
     return _Codec(write, read)
 
 
 def _many(kind: Any, part: _Codec) -> _Codec:
     def write(value: Any) -> list[Any]:
-        return [part.write(each) for each in (sorted(value) if kind is frozenset else value)]
+        return [part.write(item) for item in (sorted(value) if kind is frozenset else value)]
 
-    return _Codec(write, lambda data: kind([part.read(each) for each in _list(data)]))
+    return _Codec(write, lambda data: kind([part.read(item) for item in _list(data)]))
 
 
 def _mapping(key: _Codec, value: _Codec) -> _Codec:
     def write(mapping: Any) -> list[Any]:
-        return [[key.write(each), value.write(item)] for each, item in mapping.items()]
+        return [[key.write(name), value.write(item)] for name, item in mapping.items()]
 
     def read(data: object) -> dict[Any, Any]:
         pairs = [_list(pair) for pair in _list(data)]
@@ -231,14 +231,14 @@ def _mapping(key: _Codec, value: _Codec) -> _Codec:
 
 def _union(kinds: tuple[Any, ...]) -> _Codec:
     """Return the codec of a union: the type is written before the value; None is written as it is."""
-    others = [_written_out(each) for each in kinds if each is not types.NoneType]
-    codecs = [_codec(each) for each in others]
+    others = [_written_out(kind) for kind in kinds if kind is not types.NoneType]
+    codecs = [_codec(other) for other in others]
 
     def write(value: Any) -> Any:
         if value is None:
             return None
         number = next(
-            i for i, each in enumerate(others) if isinstance(value, typing.get_origin(each) or each)
+            i for i, other in enumerate(others) if isinstance(value, typing.get_origin(other) or other)
         )
         return [number, codecs[number].write(value)]
 

@@ -121,7 +121,7 @@ def bench_class(name: str, drives: str) -> type[Backend]:
     """
     if not backend_class(drives).has_drives:
         raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can or ros2")
-    others = [each for each in backend_names() if each != drives]
+    others = [backend_name for backend_name in backend_names() if backend_name != drives]
     if name not in (*others, drives):
         raise NoBench(f"unknown bench {name!r}{suggest(name, others)}")
     kind = backend_class(name)

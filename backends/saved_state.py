@@ -89,11 +89,11 @@ def _written(value: object, blobs: list[bytes]) -> Any:
             blobs.append(value.tobytes())
             return {"$array": value.dtype.name, "shape": list(value.shape)}
         case list() | tuple():
-            return [_written(each, blobs) for each in value]
+            return [_written(item, blobs) for item in value]
         case Mapping():
             if _MARKS & value.keys() or not all(isinstance(key, str) for key in value):
                 raise TypeError(f"keys are words other than {', '.join(sorted(_MARKS))}")
-            return {key: _written(each, blobs) for key, each in value.items()}
+            return {key: _written(item, blobs) for key, item in value.items()}
         case np.generic():
             return _written(value.item(), blobs)
     raise TypeError(f"a {type(value).__name__} can't be kept; allowed: plain data")
@@ -110,11 +110,11 @@ class _Reader:
         if depth < 0:
             raise ValueError(f"more than {MAX_DEPTH} levels of lists and mappings")
         if isinstance(value, list):
-            return [self.read(each, depth - 1) for each in value]
+            return [self.read(item, depth - 1) for item in value]
         if not isinstance(value, dict):
             return value
         if not _MARKS & value.keys():
-            return {key: self.read(each, depth - 1) for key, each in value.items()}
+            return {key: self.read(item, depth - 1) for key, item in value.items()}
         return self._marked(value, depth)
 
     def _marked(self, value: dict[str, Any], depth: int) -> Any:
@@ -130,7 +130,7 @@ class _Reader:
         raise ValueError("an element is neither a number nor an array")
 
     def _array(self, dtype: np.dtype[Any], shape: list[Any]) -> Any:
-        if len(shape) > 4 or not all(type(each) is int and 0 <= each < 2**31 for each in shape):
+        if len(shape) > 4 or not all(type(item) is int and 0 <= item < 2**31 for item in shape):
             raise ValueError("an array of a shape that none has")
         content = self._take(dtype.itemsize * math.prod(shape))
         if dtype == np.bool_ and not set(bytes(content)) <= {0, 1}:

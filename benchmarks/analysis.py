@@ -119,8 +119,8 @@ def main() -> None:
     for shape in NETWORK_SHAPES:
         for size in sizes:
             made = network(shape, size)
-            took, known = zip(*(_timed(each, made) for each in (worst_cases, _figures)), strict=True)
-            times = "".join(f"{each:>12.2f} s" for each in took)
+            took, known = zip(*(_timed(item, made) for item in (worst_cases, _figures)), strict=True)
+            times = "".join(f"{item:>12.2f} s" for item in took)
             counts = f"{len(made.situations):>11}{len(made.actions):>9}"
             print(f"{shape:<12}{counts}{times}  {'; '.join(known)}", flush=True)
 

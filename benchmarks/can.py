@@ -174,7 +174,7 @@ def main() -> None:
     if given.json:
         print(json.dumps({"stop": stopping | {"holds": within}, "loop": cost | {"holds": cheap}}))
         return
-    p50, p99, most = (stopping[each] for each in ("p50_ms", "p99_ms", "max_ms"))
+    p50, p99, most = (stopping[name] for name in ("p50_ms", "p99_ms", "max_ms"))
     latency = f"a stop has left {p50} ms (p50), {p99} ms (p99), {most} ms (max) after the fault shows"
     ends = "holds" if within else "does not hold"
     print(f"{latency}; {given.faults} faults, period {1e3 * PERIOD_S:g} ms: {ends}")

@@ -118,8 +118,8 @@ def stops(port: int, token: str, folder: Path) -> None:
         heard.bind(name)
     heard.settimeout(10.0)
     others = [threading.Thread(target=bother, args=(number,), daemon=True) for number in range(PAGES)]
-    for each in others:
-        each.start()
+    for other in others:
+        other.start()
     time.sleep(1.0)
     took = []
     for _ in range(STOPS):

@@ -52,7 +52,7 @@ def files() -> list[str]:
         finally:
             sys.setprofile(None)
     inside = (Path(name).relative_to(REPOSITORY_ROOT) for name in seen if "site-packages" not in name)
-    return sorted(str(each) for each in inside if each.parts[0] not in ("benchmarks", ".venv"))
+    return sorted(str(pose2) for pose2 in inside if pose2.parts[0] not in ("benchmarks", ".venv"))
 
 
 if __name__ == "__main__":

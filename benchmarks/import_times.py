@@ -46,7 +46,7 @@ def beyond_bare_ms(
         for name, code in TIMED_CODE.items():
             times[name].append(cpu_ms([sys.executable, "-c", code]))
     bare = middle(times.pop("bare"))
-    return {name: middle(each) - bare for name, each in times.items()}
+    return {name: middle(time) - bare for name, time in times.items()}
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def main() -> None:
         for _ in range(ROUNDS):
             for name, backend in backends.items():
                 spent[name].append(_round(backend, periods))
-        medians = {name: np.median(each, axis=0) for name, each in spent.items()}
+        medians = {name: np.median(group, axis=0) for name, group in spent.items()}
         for name, (whole, inside) in medians.items():
             engine = backends[name]._engine
             steps = periods * engine.chunks * engine.substeps

@@ -58,8 +58,8 @@ def main() -> None:
         whole.append(time.perf_counter() - began)
         inside.append(clock.spent)
     backend.close()
-    for name, each in (("backend", whole), ("bare PyBullet", inside)):
-        spent = np.median(each)
+    for name, item in (("backend", whole), ("bare PyBullet", inside)):
+        spent = np.median(item)
         print(
             f"{name:14s} {spent / PERIODS * 1e3:6.2f} ms a period, {simulated / spent:5.1f} times real time"
         )

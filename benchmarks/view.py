@@ -55,7 +55,7 @@ def cost(task: Path) -> None:
                 before = time.process_time()
                 summary, _ = run_task(task, Path(there), RunOptions(playback=playback))
                 spent[playback].append(time.process_time() - before)
-            size = sum(each.stat().st_size for each in (Path(summary["run_dir"]) / PLAYBACK_FOLDER).iterdir())
+            size = sum(path.stat().st_size for path in (Path(summary["run_dir"]) / PLAYBACK_FOLDER).iterdir())
             lasted = summary["sim_time_s"]
     bare, recorded = min(spent[False]), min(spent[True])
     print(
@@ -63,7 +63,10 @@ def cost(task: Path) -> None:
         f"{size / 1e6:.2f} MB for {lasted:.0f} s of the robot's time"
     )
     print(
-        "  bare:", *(f"{each:.2f}" for each in spent[False]), " recorded:", *(f"{e:.2f}" for e in spent[True])
+        "  bare:",
+        *(f"{value:.2f}" for value in spent[False]),
+        " recorded:",
+        *(f"{e:.2f}" for e in spent[True]),
     )
 
 
@@ -119,9 +122,9 @@ def scrubbing(run: Path) -> None:
     with open_server(0, "benchmark") as (server, _):
         replay = Replay(server, playback)
         took = []
-        for each in times.tolist():
+        for item in times.tolist():
             before = time.perf_counter()
-            replay.go_to(each)
+            replay.go_to(item)
             replay.step(0.0)
             took.append(time.perf_counter() - before)
     half, most, worst = 1e3 * np.percentile(took, [50, 99, 100])

@@ -27,7 +27,7 @@ def entry_points_of(group: str) -> list[EntryPoint]:
         return []
     from importlib.metadata import entry_points
 
-    return sorted(entry_points(group=group), key=lambda each: each.name)
+    return sorted(entry_points(group=group), key=lambda entry_point: entry_point.name)
 
 
 class BrokenPlugin(InputError):
@@ -42,7 +42,7 @@ def paths_of(group: str, own: Mapping[str, str]) -> dict[str, str]:
     """Return import paths by name: shipped ones, and those of other packages, which cannot replace a shipped
     name.
     """
-    return {each.name: each.value for each in entry_points_of(group)} | dict(own)
+    return {point.name: point.value for point in entry_points_of(group)} | dict(own)
 
 
 def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
@@ -53,8 +53,8 @@ def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
     Raises:
         BrokenPlugin: two have the name.
     """
-    points = [each for each in entry_points_of(group) if each.name == name]
-    others = [f"{each.value}{package_of(each)}" for each in points if each.value != own.get(name)]
+    points = [point for point in entry_points_of(group) if point.name == name]
+    others = [f"{point.value}{package_of(point)}" for point in points if point.value != own.get(name)]
     if len({*others, *([own[name]] if name in own else [])}) > 1:
         both = [own[name], *others] if name in own else others
         raise BrokenPlugin(f"the name {name!r} in {group}", f"{' and '.join(both)} have it")

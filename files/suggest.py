@@ -51,11 +51,11 @@ def similar_file(path: Path) -> Path | None:
         missing.insert(0, there.name)
         there = there.parent
     for name in missing:
-        same = next((each for each in _entries(there) if each.casefold() == name.casefold()), None)
+        same = next((entry for entry in _entries(there) if entry.casefold() == name.casefold()), None)
         if same is None:
             return None
         there = there / same
-    found = nearest(path.name, (each for each in _entries(there) if (there / each).is_file()))
+    found = nearest(path.name, (entry for entry in _entries(there) if (there / entry).is_file()))
     return None if found is None else there / found
 
 
@@ -77,4 +77,4 @@ def did_you_mean(path: Path) -> str:
 
 def _entries(folder: Path) -> list[str]:
     with os.scandir(folder) as entries:
-        return sorted(each.name for each in islice(entries, _MAX_ENTRIES))
+        return sorted(entry.name for entry in islice(entries, _MAX_ENTRIES))

@@ -71,10 +71,10 @@ def main() -> None:
     words.add_argument("--seed", type=int, default=0, help="seed of the draw (default: %(default)s)")
     words.add_argument("--arrays", action="store_true", help="only functions that take or return arrays")
     chosen = words.parse_args()
-    every = [each for each in documented() if each.takes_arrays or not chosen.arrays]
+    every = [documented_ for documented_ in documented() if documented_.takes_arrays or not chosen.arrays]
     drawn = random.Random(chosen.seed).sample(every, min(chosen.count, len(every)))
-    for number, each in enumerate(drawn, 1):
-        print(f"{number}. {each.place}  {each.title}\n    {each.text.replace(chr(10), chr(10) + '    ')}\n")
+    for number, item in enumerate(drawn, 1):
+        print(f"{number}. {item.place}  {item.title}\n    {item.text.replace(chr(10), chr(10) + '    ')}\n")
     print(f"{len(drawn)} of {len(every)}, seed {chosen.seed}")
 
 

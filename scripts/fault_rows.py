@@ -33,7 +33,7 @@ def tests_by_row() -> dict[str, list[str]]:
 
 
 def _tests(tree: ast.Module) -> Iterator[ast.FunctionDef]:
-    return (each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef) and each.name[:5] == "test_")
+    return (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.name[:5] == "test_")
 
 
 def _named(test: ast.FunctionDef) -> set[str]:
@@ -47,8 +47,8 @@ def main() -> None:
     for row in rows():
         first, *more = covered.get(row, ["no test names it"])
         print(f"{row:<4} {first}")
-        for each in more:
-            print(f"     {each}")
+        for item in more:
+            print(f"     {item}")
 
 
 if __name__ == "__main__":

@@ -117,7 +117,7 @@ def domains() -> tuple[Domain, ...]:
         domain = _loaded(point)
         if domain.name in found:
             raise BrokenDomain(point, f"there is another domain of the name {domain.name!r}")
-        if both := _names(domain) & {name for each in found.values() for name in _names(each)}:
+        if both := _names(domain) & {name for domain_ in found.values() for name in _names(domain_)}:
             raise BrokenDomain(point, f"another domain has {', '.join(sorted(both))} already")
         found[domain.name] = domain
     return tuple(found.values())

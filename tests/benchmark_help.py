@@ -54,4 +54,4 @@ def benchmark_helps(names: Iterable[str]) -> dict[str, Help]:
     """Call modules with `--help`; return their exit statuses and outputs by name."""
     words = [sys.executable, "-c", ASK_EACH, *names]
     asked = subprocess.run(words, stdout=subprocess.PIPE, cwd=ROOT, check=True)
-    return {name: Help(*each) for name, each in json.loads(asked.stdout).items()}
+    return {name: Help(*load) for name, load in json.loads(asked.stdout).items()}

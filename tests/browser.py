@@ -70,7 +70,7 @@ def axe_findings(page: Page) -> list[str]:
     from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-untyped]
 
     found = Axe().run(page).response["violations"]
-    return [f"{each['id']} ({each['impact']}): {each['nodes'][0]['html']}" for each in found]
+    return [f"{item['id']} ({item['impact']}): {item['nodes'][0]['html']}" for item in found]
 
 
 @contextmanager

@@ -57,7 +57,7 @@ def _is_drawn(text: Any) -> bool:
                 if label.get_visible()
             ]
             of_axis = [*shown, axis.label, axis.offsetText]
-            return bool(axes.axison and axis.get_visible() and any(text is each for each in of_axis))
+            return bool(axes.axison and axis.get_visible() and any(text is item for item in of_axis))
     return True
 
 

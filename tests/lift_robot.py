@@ -26,8 +26,8 @@ def write_lift_robot(folder: Path) -> Path:
             "acceleration_deg_s2: 171.0\n  slide_speed_mm_s: 100\n  slide_acceleration_mm_s2: 200\n",
         ),
         *(
-            (f"    {each}: [", f"    {each}: [0, ")
-            for each in ("home", "look_at_tag", "carry", "search_ready")
+            (f"    {name}: [", f"    {name}: [0, ")
+            for name in ("home", "look_at_tag", "carry", "search_ready")
         ),
         ("    - {node: 11,", _DRIVE + "    - {node: 11,"),
     ):

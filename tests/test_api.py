@@ -97,7 +97,7 @@ def test_a_result_shows_itself_in_a_notebook(tmp_path: Path) -> None:
     result = handcart.run(task, robot="cart", set={"tour": ["desk"]}, runs=tmp_path)
     assert result.outcome == "Success"
     assert result.status == 0
-    assert [each.do for each in result.actions] == ["MOVE_TO"]
+    assert [action.do for action in result.actions] == ["MOVE_TO"]
     shown = result._repr_html_()
     assert "<b>Success</b> in situation" in shown
     assert shown.count("<tr>") == 2

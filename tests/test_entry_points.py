@@ -23,7 +23,7 @@ def shown(document: str, name: str) -> str:
     """The code block of a document that defines a class."""
     text = (ROOT / document).read_text(encoding="utf-8")
     blocks: list[str] = re.findall(r"```python\n(.*?)```", text, re.S)
-    return next(each for each in blocks if f"class {name}(" in each)
+    return next(block for block in blocks if f"class {name}(" in block)
 
 
 def install(folder: Path, document: str) -> None:
@@ -205,10 +205,10 @@ def test_a_plugin_that_cannot_be_imported_is_told(
 def fresh_registries() -> Iterator[dict[str, Callable[[str], type]]]:
     """Functions that return a class by its name; the path is read again, and forgotten after the test."""
     cached = (backends._all, primitives._all, primitives._own)
-    for each in cached:
-        each.cache_clear()
+    for item in cached:
+        item.cache_clear()
     try:
         yield {"backend": backends.backend_class, "primitive": primitives.primitive_class}
     finally:
-        for each in cached:
-            each.cache_clear()
+        for item in cached:
+            item.cache_clear()

@@ -75,7 +75,9 @@ def test_there_are_no_circles() -> None:
             if name and name != module:
                 graph.add_edge(module, name)
     assert graph.number_of_edges() > 2000
-    assert [sorted(each) for each in networkx.strongly_connected_components(graph) if len(each) > 1] == []
+    assert [
+        sorted(component) for component in networkx.strongly_connected_components(graph) if len(component) > 1
+    ] == []
 
 
 @cache
@@ -100,7 +102,7 @@ def imported(path: Path) -> Iterator[str]:
     """The modules that a file imports by their whole names."""
     for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
-            yield from (each.name for each in node.names)
+            yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
             yield node.module or ""
 
@@ -158,7 +160,9 @@ def test_folders_do_not_import_each_other_in_circles() -> None:
             if name and folder_of[name] != own:
                 graph.add_edge(own, folder_of[name])
     assert graph.number_of_edges() > 300
-    assert [sorted(each) for each in networkx.strongly_connected_components(graph) if len(each) > 1] == []
+    assert [
+        sorted(component) for component in networkx.strongly_connected_components(graph) if len(component) > 1
+    ] == []
 
 
 def _imported_modules(path: Path) -> Iterator[str]:
@@ -166,11 +170,11 @@ def _imported_modules(path: Path) -> Iterator[str]:
     here = _parts(path) if path.name == "__init__.py" else _parts(path)[:-1]
     for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
-            yield from (each.name for each in node.names)
+            yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom):
             above = here[: len(here) - node.level + 1] if node.level else []
             base = ".".join([*above, *filter(None, [node.module])])
-            yield from (f"{base}.{each.name}" for each in node.names)
+            yield from (f"{base}.{name.name}" for name in node.names)
 
 
 def test_tests_mirror_the_rooms() -> None:
@@ -206,7 +210,7 @@ def test_functions_have_at_most_50_lines() -> None:
     ]
     assert len(bodies) > 5000
     long = [f"{place}: {lines}" for place, lines in bodies if lines > 50]
-    assert [each for each in long if not re.search(KERNELS, each)] == []
+    assert [item for item in long if not re.search(KERNELS, item)] == []
 
 
 def _body_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
@@ -225,7 +229,7 @@ def test_array_types_are_named_in_one_module() -> None:
         )
     ]
     assert len(named) > 5
-    assert [each for each in named if not each.startswith("robotics/numerics/arrays.py")] == []
+    assert [item for item in named if not item.startswith("robotics/numerics/arrays.py")] == []
 
 
 def test_names_of_tests_have_at_most_65_characters() -> None:

@@ -33,16 +33,16 @@ def mutants(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 def test_each_bug_can_be_planted_and_has_its_tests(mutants: Any) -> None:
     table = mutants.read_table()
     assert len(table) >= 290
-    assert len({(each.file, each.name) for each in table}) == len(table)
-    for each in table:
-        sound = (ROOT / each.file).read_text(encoding="utf-8")
-        assert each.planted(sound) != sound
-        assert each.tests
-        assert all((ROOT / test.split("::")[0]).is_file() for test in each.tests), each.tests
+    assert len({(mutant.file, mutant.name) for mutant in table}) == len(table)
+    for mutant in table:
+        sound = (ROOT / mutant.file).read_text(encoding="utf-8")
+        assert mutant.planted(sound) != sound
+        assert mutant.tests
+        assert all((ROOT / test.split("::")[0]).is_file() for test in mutant.tests), mutant.tests
 
 
 def test_each_row_of_operators_and_pages_has_a_bug_of_its_own(mutants: Any) -> None:
-    names = [each.name.partition(":")[0] for each in mutants.read_table()]
+    names = [mutant.name.partition(":")[0] for mutant in mutants.read_table()]
     assert [f"U{number}" for number in range(1, 15) if f"U{number}" not in names] == []
 
 

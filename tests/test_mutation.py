@@ -106,7 +106,7 @@ def test_each_module_has_places_for_mutants(parts: Any) -> None:
     modules = list(drawing.MODULE_GROUPS)
     drawn = list(islice(drawing.draw(ROOT, "1", modules), len(modules)))
     assert len({mutant.module for mutant in drawn}) >= len(modules) - 2
-    folders = [ROOT / folder for each in modules for folder in drawing.MODULE_GROUPS[each]]
+    folders = [ROOT / folder for module in modules for folder in drawing.MODULE_GROUPS[module]]
     assert all(list(folder.glob("**/*.py")) for folder in folders)
 
 
@@ -120,7 +120,7 @@ def test_our_own_operator_removes_calls_as_its_examples_say(parts: Any) -> None:
 @pytest.mark.slow
 def test_the_nearest_tests_are_of_the_same_name_or_import_it(parts: Any) -> None:
     nearest = parts("choosing").nearest_tests(ROOT, "networks/journal/journal_record.py")
-    importing = [each for each in nearest if "journal_record" in (ROOT / each).read_text()]
+    importing = [text for text in nearest if "journal_record" in (ROOT / text).read_text()]
     assert nearest[0] in importing
     assert nearest[0].startswith("tests/networks/journal/")
     assert "tests/networks/journal/test_journal.py" in nearest[:3]
@@ -172,13 +172,13 @@ def test_without_a_recording_the_nearest_files_are_chosen(parts: Any, project: P
 def test_lines_of_a_statement_end_where_its_body_begins(parts: Any) -> None:
     source = "def f(\n    a=1,\n):\n    if (\n        a\n    ):\n        g()\n    h(\n        a,\n    )\n"
     statements = [parts("choosing").statement_at(ast.parse(source), line) for line in range(1, 11)]
-    assert [(min(each.lines), max(each.lines)) for each in statements] == [
+    assert [(min(statement.lines), max(statement.lines)) for statement in statements] == [
         *[(1, 3)] * 3,
         *[(4, 6)] * 3,
         (7, 7),
         *[(8, 10)] * 3,
     ]
-    assert [each.is_imported for each in statements] == [True] * 3 + [False] * 7
+    assert [statement.is_imported for statement in statements] == [True] * 3 + [False] * 7
     assert list(statements[0].body) == list(range(4, 11))
 
 

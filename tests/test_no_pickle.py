@@ -31,7 +31,7 @@ def wrong(source: str) -> Iterator[str]:
     for node in ast.walk(ast.parse(source)):
         names = []
         if isinstance(node, ast.Import):
-            names = [each.name for each in node.names]
+            names = [item.name for item in node.names]
         elif isinstance(node, ast.ImportFrom):
             names = [node.module or ""]
         yield from (name for name in names if name.split(".")[0] in FORBIDDEN)
@@ -39,7 +39,7 @@ def wrong(source: str) -> Iterator[str]:
             yield from [] if ast.unparse(node.value) == "False" else ["allow_pickle"]
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute):
             called = node.func.id if isinstance(node.func, ast.Name) else node.func.attr
-            arguments = [each.value for each in node.args if isinstance(each, ast.Constant)]
+            arguments = [arg.value for arg in node.args if isinstance(arg, ast.Constant)]
             if called in ("__import__", "import_module") and FORBIDDEN & set(map(str, arguments)):
                 yield called
 

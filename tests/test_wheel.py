@@ -61,7 +61,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_it_holds_one_name_and_every_file(wheel: Path) -> None:
     names = set(ZipFile(wheel).namelist())
     tops = {name.split("/")[0] for name in names}
-    assert {each for each in tops if not each.endswith(".dist-info")} == {"handcart"}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"handcart"}
     kept = (".py", ".yaml", ".urdf", ".png", ".eds", ".csv", ".html")
     ours = {
         f"handcart/{path.relative_to(ROOT)}"

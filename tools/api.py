@@ -66,12 +66,12 @@ class Result:
         if self.reason:
             head += f": {escape(self.reason)}"
         rows = "".join(
-            f"<tr><td>{each.number}</td><td>{escape(each.do)}</td><td>{escape(each.source)}</td>"
-            f"<td>{escape(each.target)}</td><td>{each.end - each.start:.1f}</td>"
-            f"<td>{escape(each.outcome)}</td><td>{escape(each.reason)}</td></tr>"
-            for each in self.actions
+            f"<tr><td>{action.number}</td><td>{escape(action.do)}</td><td>{escape(action.source)}</td>"
+            f"<td>{escape(action.target)}</td><td>{action.end - action.start:.1f}</td>"
+            f"<td>{escape(action.outcome)}</td><td>{escape(action.reason)}</td></tr>"
+            for action in self.actions
         )
-        names = "".join(f"<th>{each}</th>" for each in ("", "do", "from", "to", "s", "outcome", "reason"))
+        names = "".join(f"<th>{name}</th>" for name in ("", "do", "from", "to", "s", "outcome", "reason"))
         return f"<p>{head}</p><table><tr>{names}</tr>{rows}</table>"
 
 

@@ -80,11 +80,11 @@ def all_commands() -> dict[str, tuple[str, str]]:
 
     own = {name: (f"{__package__}.{at}:{what}", words) for name, (at, what, words) in OWN_COMMANDS.items()}
     try:
-        listed = [each for domain in domains() for each in domain.commands.items()]
+        listed = [item for domain in domains() for item in domain.commands.items()]
     except BrokenDomain as broken:
         print(broken, file=sys.stderr)
         return own
-    return own | {name: (each.function, each.help) for name, each in listed if name not in own}
+    return own | {name: (item.function, item.help) for name, item in listed if name not in own}
 
 
 PROGRAM_HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."

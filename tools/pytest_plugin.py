@@ -82,7 +82,7 @@ def conformance() -> Callable[..., KitReport]:
         processes: int = 2,
         tasks: Sequence[Path | str] = (),
     ) -> KitReport:
-        own = [Path(each) for each in tasks]
+        own = [Path(task) for task in tasks]
         named = robot or default_robot(own)
         setting = KitSetting(backend, named, quick, parts, primitives, instants, own_tasks=own)
         report = run_kit(setting, processes)

@@ -167,10 +167,10 @@ class CanBackend(Backend):
 
     @override
     def capabilities(self) -> tuple[Capability, ...]:
-        sensors = [each for each in self._sensors if isinstance(each, Capability)]
+        sensors = [sensor for sensor in self._sensors if isinstance(sensor, Capability)]
         own = (*self._parts.capabilities(), *sensors)
         others = () if self.inner is None else self.inner.capabilities()
-        return (*own, *(each for each in others if not _same_kind(each, own)))
+        return (*own, *(other for other in others if not _same_kind(other, own)))
 
     def step(self) -> None:
         """Send the commands, wait for the end of the period and receive the drives' answers.
@@ -342,7 +342,7 @@ class CanBackend(Backend):
 
 def _same_kind(part: Capability, own: tuple[Capability, ...]) -> bool:
     """Return whether a capability is of the same kind as one of `own`."""
-    kinds = {kind for each in own for kind in type(each).__mro__ if Capability in kind.__bases__}
+    kinds = {kind for capability in own for kind in type(capability).__mro__ if Capability in kind.__bases__}
     return isinstance(part, tuple(kinds))
 
 

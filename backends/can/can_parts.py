@@ -35,20 +35,20 @@ class CanParts:
         self.gripper: CanGripper | None = None
         """None where the robot has none."""
         if axes.joints:
-            rated = np.array([each.rated_effort for each in spec.joints])
+            rated = np.array([joint.rated_effort for joint in spec.joints])
             self.arm = kind_of_arm(spec.joints)(robot.arm_model(), axes.joints, rated, robot.period_s)
         if axes.gripper is not None and robot.gripper is not None:
             self.gripper = CanGripper(robot.gripper, axes.gripper)
 
     def capabilities(self) -> tuple[Capability, ...]:
         """Return the capabilities that this robot has."""
-        return tuple(each for each in (self.base, self.arm, self.gripper) if each is not None)
+        return tuple(item for item in (self.base, self.arm, self.gripper) if item is not None)
 
     def begin(self) -> None:
         """Prepare for the drives being enabled."""
-        for each in (self.arm, self.gripper):
-            if each is not None:
-                each.begin()
+        for item in (self.arm, self.gripper):
+            if item is not None:
+                item.begin()
 
     STATE: ClassVar = {
         "travel": WheelTravel,
@@ -89,16 +89,16 @@ class CanParts:
     def pass_on(self) -> None:
         """Hand the period's commands to the drives."""
         self.base.pass_on()
-        for each in (self.arm, self.gripper):
-            if each is not None:
-                each.pass_on()
+        for item in (self.arm, self.gripper):
+            if item is not None:
+                item.pass_on()
 
     def halt(self) -> None:
         """Drop all commands; arm and gripper hold."""
         self.base.forget()
-        for each in (self.arm, self.gripper):
-            if each is not None:
-                each.halt()
+        for item in (self.arm, self.gripper):
+            if item is not None:
+                item.halt()
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:

@@ -63,8 +63,8 @@ class Camera(AnyCamera):
 
 def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) -> CapabilityT | None:
     """Return the camera of a kind that is on the hand; of `AnyCamera`, the first other one if none is."""
-    cameras = [each for each in capabilities if isinstance(each, kind)]
-    on_hand = next((each for each in cameras if getattr(each, "carrier", "") == HAND_LINK), None)
+    cameras = [capability for capability in capabilities if isinstance(capability, kind)]
+    on_hand = next((camera for camera in cameras if getattr(camera, "carrier", "") == HAND_LINK), None)
     return cameras[0] if on_hand is None and kind is AnyCamera else on_hand
 
 

@@ -58,7 +58,7 @@ def _read_joints(robot: RobotFile, urdf: str) -> set[str]:
 
 def _moved_joints(robot: RobotFile, urdf: str) -> set[str]:
     """Return the joints that a run moves: of arm, fingers and wheels, and those that follow them."""
-    names = [each.name for each in joints_of(urdf)]
+    names = [item.name for item in joints_of(urdf)]
     own = {*(robot.arm.joints if robot.arm else ()), *FINGER_LINKS, *driven_wheels(names).all}
     return own | {name for name, (leader, *_) in joint_leaders(urdf).items() if leader in own}
 

@@ -256,7 +256,7 @@ class RobotFile(SensorTable, OutlinedFile):
     def joint_units(self) -> JointUnits:
         """Units in which people read the arm's joints; empty if the robot has no arm."""
         names = () if self.arm is None else self.arm.joints
-        kinds = {each.name: each.kind for each in joints_of(self.urdf_text())} if names else {}
+        kinds = {item.name: item.kind for item in joints_of(self.urdf_text())} if names else {}
         of_arm = [kinds.get(name) for name in names]
         slides = tuple(kind == "prismatic" for kind in of_arm)
         return JointUnits(names, slides, tuple(kind == "continuous" for kind in of_arm))
@@ -279,7 +279,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     def _each(self, turning_deg: float, sliding_mm: float | None) -> FloatArray:
         turns, slides = math.radians(turning_deg), (sliding_mm or 0.0) / 1e3
-        return np.array([slides if each else turns for each in self.joint_units.slides])
+        return np.array([slides if slide else turns for slide in self.joint_units.slides])
 
     @cached_property
     def has_tray(self) -> bool:
@@ -313,7 +313,9 @@ class RobotFile(SensorTable, OutlinedFile):
         if self.arm is None:
             return None
         cameras, urdf = self.all_of(CameraSpec).values(), self.urdf_text()
-        return next((each for each in cameras if not joints_between(urdf, self.link_of(each), "hand")), None)
+        return next(
+            (camera for camera in cameras if not joints_between(urdf, self.link_of(camera), "hand")), None
+        )
 
     @cached_property
     def body_height(self) -> float:

@@ -118,7 +118,7 @@ def _arm_findings(
     robot: RobotFile, arm: ArmSpec, urdf: str, document: Document, only_joints: bool
 ) -> list[Finding]:
     """Return findings about the arm; `only_joints` if its first or last link is missing."""
-    facts = {each.name: each for each in joints_of(urdf)}
+    facts = {item.name: item for item in joints_of(urdf)}
     leaders = joint_leaders(urdf)
     key = ("arm", "joints")
     found = [document.finding(key, wrong) for wrong in _joint_faults(arm.joints, list(facts), leaders)]

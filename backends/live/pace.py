@@ -78,7 +78,7 @@ class Pace:
         """Return the lateness of periods [ms] and the number of missed ones."""
         if not self._lateness:
             return {"periods": 0, "missed": 0}
-        p50, p99 = (1e3 * float(each) for each in np.percentile(self._lateness, (50, 99)))
+        p50, p99 = (1e3 * float(item) for item in np.percentile(self._lateness, (50, 99)))
         return {
             "periods": len(self._lateness),
             "missed": self.late,

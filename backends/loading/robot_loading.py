@@ -61,5 +61,5 @@ def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:
         if old in content and new not in content:
             key, words = content[old], f"the key is called {new!r} now; {old!r} is still read"
             warnings.append(str(Finding(document.file, key.key_line, key.key_column, words)))
-            content = {new if name == old else name: each for name, each in content.items()}
+            content = {new if name == old else name: item for name, item in content.items()}
     return replace(document, root=replace(document.root, content=content)), tuple(warnings)

@@ -135,7 +135,7 @@ class PhysicsBackend(SimulatedBackend):
             terrain = Terrain(engine, world.ground, seed)
         self._world = WorldBodies(engine, self.scene, terrain)
         self._body = self._load_robot(robot)
-        self.remarks = [robot.whole.remark("link", *each) for each in self._body.repairs]
+        self.remarks = [robot.whole.remark("link", *repair) for repair in self._body.repairs]
         if terrain is not None:
             self.scene.ground_height = terrain.height_at
             under = terrain.height(*self.scene.base.apply(CAR_WHEELS_M).T)
@@ -177,8 +177,8 @@ class PhysicsBackend(SimulatedBackend):
         self._world.keep_time()
         self._world.reach(self.scene.base.x, self.scene.base.y)
         self._world.keep_things()
-        for each in self._bodies.values():
-            each.step()
+        for body in self._bodies.values():
+            body.step()
         self._run_period()
 
     def _run_period(self) -> None:
@@ -197,8 +197,8 @@ class PhysicsBackend(SimulatedBackend):
         looks, looked = chunks * len(parts), 0
         touched: set[tuple[str, str]] = set()
         for chunk in range(chunks):
-            for each in self._bodies.values():
-                each.act()
+            for body in self._bodies.values():
+                body.act()
             self._base.act()
             if self._springs is not None:
                 self._springs.act()
@@ -213,8 +213,8 @@ class PhysicsBackend(SimulatedBackend):
                 looked += 1
                 if self._arm is not None and looked > looks - _FELT:
                     felt += self._touch.force(held) / min(_FELT, looks)
-        for each in self._bodies.values():
-            each.end()
+        for body in self._bodies.values():
+            body.end()
         self._end_period(felt, touched)
 
     def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:
@@ -254,12 +254,12 @@ class PhysicsBackend(SimulatedBackend):
         body = self._touch.gripped()
         if body is not None and self._gripper.closed_on_something():
             self._grip.take(body)
-        elif body is None and not any(each.keeps_grip for each in self._bodies.values()):
+        elif body is None and not any(item.keeps_grip for item in self._bodies.values()):
             self._grip.let_go()
         body = self._grip.holds
         if body is None:
             return None
-        return next(each for each in self.scene.things() if self._world.bodies[each.name] == body)
+        return next(thing for thing in self.scene.things() if self._world.bodies[thing.name] == body)
 
     def _load(self) -> tuple[float, np.ndarray]:
         if self._held is None:
@@ -269,7 +269,7 @@ class PhysicsBackend(SimulatedBackend):
 
     def _riding(self) -> list[int]:
         """Return the bodies on the robot."""
-        return [self._world.bodies[each.name] for each in self.scene.riding()]
+        return [self._world.bodies[thing.name] for thing in self.scene.riding()]
 
     @override
     def state(self) -> dict[str, Any]:
@@ -295,7 +295,7 @@ class PhysicsBackend(SimulatedBackend):
         self._held = self.scene.thing_named(name)
 
     def _own_parts(self) -> Mapping[str, ChangingPart | None]:
-        bodies = {f"body {name}": each for name, each in self._bodies.items()}
+        bodies = {f"body {name}": body for name, body in self._bodies.items()}
         return {"drives": self._base.drives, **bodies, "made": self._world}
 
     @override

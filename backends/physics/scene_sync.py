@@ -35,7 +35,7 @@ class SceneSync:
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
         bodies, moved = self._world.bodies, self._world.moved()
         self._old.update(bodies.values() if moved is None else moved)
-        self._old.update(bodies[each.name] for each in (scene.held, held) if each is not None)
+        self._old.update(bodies[item.name] for item in (scene.held, held) if item is not None)
         for props in scene.props.values():
             for thing in props.awake(world_T_hand[:3, 3]) if self._old else ():
                 if bodies.get(thing.name) in self._old:

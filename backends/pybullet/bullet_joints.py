@@ -24,7 +24,7 @@ class BulletJoints(JointGroup):
     @override
     def states(self) -> tuple[FloatArray, FloatArray]:
         read = self._p.getJointStates(self._body, self._joints, physicsClientId=self._client)
-        return np.array([each[0] for each in read]), np.array([each[1] for each in read])
+        return np.array([item[0] for item in read]), np.array([item[1] for item in read])
 
     @override
     def turn(self, speeds: FloatArray, most: FloatArray) -> None:

@@ -103,8 +103,8 @@ def known_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
 def correction(found: CalibratedCamera) -> Transform:
     """Return the pose (4, 4) of the calibrated camera in the camera's frame of the URDF."""
     return transform(
-        [each / 1e3 for each in found.xyz_mm],
-        [math.radians(each) for each in found.rpy_deg],
+        [value / 1e3 for value in found.xyz_mm],
+        [math.radians(value) for value in found.rpy_deg],
     )
 
 

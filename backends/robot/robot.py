@@ -159,11 +159,11 @@ class Robot:
             MissingSensor: the robot's file has no such sensor, or the backend does not provide it.
         """
         lidars = (self.lidar, *self.other_lidars)
-        read = (each for each in lidars if each is not None and each.sensor_name == name)
+        read = (lidar for lidar in lidars if lidar is not None and lidar.sensor_name == name)
         found: Capability | None = next(read, None) or self.backend.sensor(name)
         if found is None and name in self.spec.sensors:
             kind = capability_of(self.spec.sensors[name].kind)
-            alone = sum(capability_of(each.kind) is kind for each in self.spec.sensors.values()) == 1
+            alone = sum(capability_of(item.kind) is kind for item in self.spec.sensors.values()) == 1
             found = self.get(kind) if alone and self.backend.get(kind) is not None else None
         if found is None:
             raise MissingSensor(name, self.spec)
@@ -261,7 +261,7 @@ class Robot:
             return NO_STANDS
         points = steady_points(self._averaged.take(self.lidar.scan()))
         if self.other_lidars:
-            points = np.vstack([points, *(steady_points(each.scan()) for each in self.other_lidars)])
+            points = np.vstack([points, *(steady_points(lidar.scan()) for lidar in self.other_lidars)])
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:

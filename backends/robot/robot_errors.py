@@ -23,7 +23,7 @@ class MissingCapability(HandcartError, ValueError):
     exit_status = 2
 
     def __init__(self, kind: type[Capability], robot: Backend) -> None:
-        have = ", ".join(sorted(_name(type(each)) for each in robot.capabilities()))
+        have = ", ".join(sorted(_name(type(capability)) for capability in robot.capabilities()))
         super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
 
 
@@ -62,4 +62,4 @@ class StaleReading(HandcartError, RuntimeError):
 
 
 def _name(kind: type) -> str:
-    return next(each.__name__ for each in kind.__mro__ if Capability in each.__bases__)
+    return next(item.__name__ for item in kind.__mro__ if Capability in item.__bases__)

@@ -39,7 +39,7 @@ class SeenPeople:
         """
         self._at, self._tracks = time, list(tracks)
         bodies = [*tracks, *suspects]
-        discs = [(*each.position, max(each.radius, MIN_BODY_M) + BODY_MARGIN_M) for each in bodies]
+        discs = [(*body.position, max(body.radius, MIN_BODY_M) + BODY_MARGIN_M) for body in bodies]
         localization.crowd.put(np.array(discs).reshape(-1, 3))
 
     def now(self, time: float) -> Sequence[BodyTrack]:

@@ -19,9 +19,9 @@ class FrameOdometry(OdometryTopic):
     @override
     def heard(self, message: Any) -> None:
         child, frame = plain(self._limits.child_frame), self.source.frame
-        for each in message.transforms:
-            is_wanted = plain(each.child_frame_id) == child
-            if is_wanted and (frame is None or plain(each.header.frame_id) == plain(frame)):
-                place, turn = each.transform.translation, each.transform.rotation
+        for transform in message.transforms:
+            is_wanted = plain(transform.child_frame_id) == child
+            if is_wanted and (frame is None or plain(transform.header.frame_id) == plain(frame)):
+                place, turn = transform.transform.translation, transform.transform.rotation
                 pose = SimpleNamespace(pose=SimpleNamespace(position=place, orientation=turn))
-                self._arrived.append(SimpleNamespace(header=each.header, pose=pose))
+                self._arrived.append(SimpleNamespace(header=transform.header, pose=pose))

@@ -65,24 +65,24 @@ class GoalStream:
 
     def send(self, goal: Any) -> None:
         """Send a goal in place of the one before."""
-        for each in self._watched:
-            each.was_replaced = True
+        for watched in self._watched:
+            watched.was_replaced = True
         self._watched.append(_Watched(self.sender.send(goal), self._clock()))
 
     def cancel(self) -> None:
         """Cancel what is not over."""
-        for each in self._watched:
-            if not each.was_replaced:
-                each.goal.cancel()
-            each.was_cancelled = True
+        for watched in self._watched:
+            if not watched.was_replaced:
+                watched.goal.cancel()
+            watched.was_cancelled = True
 
     def advance(self) -> None:
         """Look what has become of each goal."""
-        for each in self._watched:
-            self.trouble = self.trouble or self._wrong(each)
+        for watched in self._watched:
+            self.trouble = self.trouble or self._wrong(watched)
         self.trouble = self.trouble or self.rival
         self._watched = [
-            each for each in self._watched if each.goal.state in (GoalStage.SENT, GoalStage.RUNNING)
+            watched for watched in self._watched if watched.goal.state in (GoalStage.SENT, GoalStage.RUNNING)
         ]
 
     @property
@@ -123,7 +123,7 @@ class GoalStream:
 
 def _why(result: Any) -> str:
     """Return the error of a result, as words after a colon."""
-    words = [each for each in (_error_name(result), getattr(result, "error_string", "")) if each]
+    words = [item for item in (_error_name(result), getattr(result, "error_string", "")) if item]
     return f": {', '.join(words)}" if words else ""
 
 

@@ -93,7 +93,7 @@ class JointStates(TopicSensor):
     def positions_at(self, names: Sequence[str], stamp: float) -> FloatArray:
         """Return positions (n,) in [rad] or [m] nearest to a stamp in [s]; raises `StaleSensor`."""
         self.check_fresh()
-        _, nearest = min(self._history, key=lambda each: abs(each[0] - stamp))
+        _, nearest = min(self._history, key=lambda item: abs(item[0] - stamp))
         return np.array([nearest.get(name, self._positions[name]) for name in names])
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
@@ -121,7 +121,7 @@ class JointStates(TopicSensor):
         if len(message.position) != count:
             return f"it names {count} joints and has {len(message.position)} positions"
         known = [
-            each for each, name in zip(message.position, message.name, strict=True) if name in self._signs
+            item for item, name in zip(message.position, message.name, strict=True) if name in self._signs
         ]
         return "" if all(map(math.isfinite, known)) else "a joint's position is not finite"
 

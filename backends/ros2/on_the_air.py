@@ -55,11 +55,11 @@ def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
         if len(nodes) > 1:
             names = ", ".join(sorted(nodes))
             yield f"{topic}: {len(nodes)} nodes publish it ({names}); allowed: this one alone"
-    yield from (each.rival for each in topics.streams if each.rival)
+    yield from (stream.rival for stream in topics.streams if stream.rival)
 
 
 def _silent(topics: RosTopics) -> list[TopicSensor]:
-    return [each for each in topics.sensors if each.age is None]
+    return [sensor for sensor in topics.sensors if sensor.age is None]
 
 
 def _deaf(topics: RosTopics, link: Link) -> list[str]:
@@ -86,9 +86,9 @@ def unheard(topics: RosTopics, link: Link) -> list[str]:
     deaf = [
         topic
         for topic, kind in topics.commands.items()
-        if not any(f"({kind})" in each for each in link.listeners(topic))
+        if not any(f"({kind})" in listener for listener in link.listeners(topic))
     ]
-    return deaf + [each.name for each in topics.streams if not each.sender.is_ready()]
+    return deaf + [stream.name for stream in topics.streams if not stream.sender.is_ready()]
 
 
 def deafness(topics: RosTopics, link: Link, topic: str) -> str:
@@ -115,10 +115,10 @@ def silence(sensor: TopicSensor, link: Link) -> str:
     if sensor.rejected:
         return f"{sensor.name}: {sensor.rejected} messages were no good; of the last one, {sensor.doubt}"
     nodes = link.publishers(topic)
-    if nodes and not any(f"({kind})" in each for each in nodes):
+    if nodes and not any(f"({kind})" in node for node in nodes):
         return f"{sensor.name}: its type is not {kind}: {', '.join(nodes)}"
     if nodes:
         return f"{sensor.name}: {', '.join(nodes)} publishes it, but no message arrives"
-    others = [each for each in link.topics_of(kind) if link.publishers(each)]
+    others = [text for text in link.topics_of(kind) if link.publishers(text)]
     hint = f"; there are {', '.join(others)}" if others else f"; no topic has the type {kind}"
     return f"{sensor.name}: nobody publishes it{hint}"

@@ -135,7 +135,7 @@ class RosBackend(Backend):
     def capabilities(self) -> tuple[Capability, ...]:
         own = self._topics.capabilities()
         others = () if self.inner is None else self.inner.capabilities()
-        return (*own, *(each for each in others if not _stands_for(each, own)))
+        return (*own, *(other for other in others if not _stands_for(other, own)))
 
     @property
     @override
@@ -230,7 +230,9 @@ class RosBackend(Backend):
 
     @override
     def figures(self) -> Mapping[str, Any]:
-        rejected = {each.source.topic: each.rejected for each in self._topics.sensors if each.rejected}
+        rejected = {
+            sensor.source.topic: sensor.rejected for sensor in self._topics.sensors if sensor.rejected
+        }
         loop = {} if self._pace is None else {"loop": self._pace.figures()}
         compiled = {"compiled_in_loop": self._compiled} if self._compiled else {}
         return {**loop, **compiled, **({"rejected_messages": rejected} if rejected else {})}
@@ -257,7 +259,7 @@ class RosBackend(Backend):
             raise RosFault(topics.odometry.jumped)
         if topics.states is not None and topics.states.jumped:
             raise RosFault(topics.states.jumped)
-        if trouble := next((each.trouble for each in topics.streams if each.trouble), ""):
+        if trouble := next((stream.trouble for stream in topics.streams if stream.trouble), ""):
             raise RosFault(trouble)
         topics.odometry.check_fresh()
         if topics.states is not None:
@@ -282,7 +284,7 @@ class RosBackend(Backend):
 
 def _stands_for(part: Capability, own: tuple[Capability, ...]) -> bool:
     """Return whether one of `own` is the same part: the sensor of that name, or the only one of its kind."""
-    kinds = {kind for each in own for kind in type(each).__mro__ if Capability in kind.__bases__}
+    kinds = {kind for capability in own for kind in type(capability).__mro__ if Capability in kind.__bases__}
     if not isinstance(part, tuple(kinds)):
         return False
-    return not part.sensor_name or any(each.sensor_name == part.sensor_name for each in own)
+    return not part.sensor_name or any(capability.sensor_name == part.sensor_name for capability in own)

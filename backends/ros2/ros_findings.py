@@ -54,7 +54,7 @@ def _joint_faults(robot: RobotFile, spec: RosSpec) -> Iterator[tuple[KeyPath, st
     if not driven:  # all joints by the default topic
         return
     for joint in joints:
-        paths = [path for path, each in driven if each == joint]
+        paths = [path for path, item in driven if item == joint]
         if not paths:
             yield ("arm",), f"no controller has the joint {joint!r}; needed: one", True
         for path in paths[1:]:

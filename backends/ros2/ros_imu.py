@@ -39,9 +39,9 @@ class RosImu(TopicSensor, Imu):
 
     @override
     def _read(self, messages: list[Any]) -> None:
-        self._mean = np.mean([_numbers(each) for each in messages], axis=0)
+        self._mean = np.mean([_numbers(message) for message in messages], axis=0)
 
 
 def _numbers(message: Any) -> list[float]:
     both = message.angular_velocity, message.linear_acceleration
-    return [float(getattr(each, axis)) for each in both for axis in ("x", "y", "z")]
+    return [float(getattr(item, axis)) for item in both for axis in ("x", "y", "z")]

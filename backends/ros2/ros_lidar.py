@@ -60,4 +60,4 @@ class RosLidar(TopicSensor, RangeSensor):
 
 
 def _degrees(ends: tuple[float, float]) -> str:
-    return " to ".join(f"{math.degrees(each):.1f}" for each in ends)
+    return " to ".join(f"{math.degrees(end):.1f}" for end in ends)

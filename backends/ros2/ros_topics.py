@@ -84,19 +84,19 @@ class RosTopics:
 
     def capabilities(self) -> tuple[Capability, ...]:
         """Return what the robot has."""
-        actuators = (each for each in (self.base, self.arm, self.gripper) if each is not None)
+        actuators = (item for item in (self.base, self.arm, self.gripper) if item is not None)
         return (*actuators, *self._sensors)
 
     def begin(self) -> None:
         """Take what is measured as the command, once each topic has had its first message."""
-        for each in (self.arm, self.gripper):
-            if each is not None:
-                each.begin()
+        for item in (self.arm, self.gripper):
+            if item is not None:
+                item.begin()
 
     def advance(self) -> None:
         """Read what has arrived in a period."""
-        for each in self.sensors:
-            each.advance()
+        for sensor in self.sensors:
+            sensor.advance()
         for stream in self.streams:
             stream.advance()
         states = self.states
@@ -129,8 +129,8 @@ class RosTopics:
     def forget(self) -> None:
         """Forget all messages."""
         self._link.receive()
-        for each in self.sensors:
-            each.forget()
+        for sensor in self.sensors:
+            sensor.forget()
         for stream in self.streams:
             stream.forget()
 
@@ -143,9 +143,9 @@ class RosTopics:
         self.base.taken()
         for controller in self._controllers.values():
             controller.cancel()
-        for each in (self.arm, self.gripper):
-            if each is not None:
-                each.halt()
+        for item in (self.arm, self.gripper):
+            if item is not None:
+                item.halt()
 
     def stop_base(self) -> None:
         """Publish a speed of zero now, between two periods."""
@@ -165,8 +165,8 @@ class RosTopics:
         """Send each controller the positions of its joints, by their names in the robot's file."""
         seconds = self._robot.period_s + self._spec.arm.latency_ms / 1e3
         for joints, controller in self._controllers.items():
-            names = [self._spec.name_of(each) for each in joints]
-            values = [self._spec.sign_of(each) * positions[each] for each in joints]
+            names = [self._spec.name_of(joint) for joint in joints]
+            values = [self._spec.sign_of(joint) * positions[joint] for joint in joints]
             controller.send(names, values, seconds)
 
     def _joint_states(self) -> JointStates | None:
@@ -192,7 +192,7 @@ class RosTopics:
         for action, joints in actions.items():
             stream = self._stream(TRAJECTORY_ACTION, action)
             self._controllers[joints] = TrajectoryController(self._link, stream)
-        names, model = [self._spec.name_of(each) for each in spec.joints], self._robot.arm_model()
+        names, model = [self._spec.name_of(joint) for joint in spec.joints], self._robot.arm_model()
         speeds = np.maximum(model.velocity, self._robot.joint_speeds())
         self.states.limit(names, np.where(self._robot.joint_units.endless, math.inf, speeds))
         return RosArm(model, names, self.states, wrench, self._robot.period_s)

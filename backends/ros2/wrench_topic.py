@@ -30,7 +30,7 @@ class WrenchTopic(TopicSensor):
 
     @override
     def _read(self, messages: list[Any]) -> None:
-        self._mean = np.mean([_force(each) for each in messages], axis=0)
+        self._mean = np.mean([_force(message) for message in messages], axis=0)
 
 
 def _force(message: Any) -> tuple[float, float, float]:

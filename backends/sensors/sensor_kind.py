@@ -54,7 +54,7 @@ def sensor_kinds() -> Mapping[str, SensorKind]:
     """
     return {
         name: sensor_kind(name)
-        for name in (*SHIPPED_KINDS, *(each.name for each in entry_points_of(ENTRY_POINT_GROUP)))
+        for name in (*SHIPPED_KINDS, *(point.name for point in entry_points_of(ENTRY_POINT_GROUP)))
     }
 
 
@@ -66,7 +66,7 @@ def sensor_kind(name: str) -> SensorKind:
         KeyError: the kind is unknown.
         BrokenPlugin: as `sensor_kinds`.
     """
-    points = [each for each in entry_points_of(ENTRY_POINT_GROUP) if each.name == name]
+    points = [point for point in entry_points_of(ENTRY_POINT_GROUP) if point.name == name]
     if name in SHIPPED_KINDS and not points:
         found: SensorKind = imported(f"handcart.backends.sensors.kinds.{name}:KIND")
         return found

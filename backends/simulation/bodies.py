@@ -13,9 +13,9 @@ class Bodies:
     def __init__(self) -> None:
         """Collect the classes that all domains declare."""
         self._by_class: dict[type, Any] = {}
-        for each in domain.domains():
-            if each.physics is not None:
-                self._by_class |= domain.imported(each.physics)
+        for domain_ in domain.domains():
+            if domain_.physics is not None:
+                self._by_class |= domain.imported(domain_.physics)
 
     def of(self, what: object, default: Any) -> Any:
         """Return the class for a thing or props, or for the nearest class that it is derived from."""

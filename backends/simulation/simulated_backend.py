@@ -152,7 +152,7 @@ class SimulatedBackend(Backend):
 
     @override
     def capabilities(self) -> tuple[Capability, ...]:
-        sensors = (each for each in self._sensors.values() if isinstance(each, Capability))
+        sensors = (sensor for sensor in self._sensors.values() if isinstance(sensor, Capability))
         parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
@@ -219,11 +219,11 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     }
     room = [*room_of(world), *([THE_GROUND] if world.ground is not None else [])]
     solids = {name: kind.solids(world) for name, kind in kinds.items()}
-    boxes = (each for name, kind in kinds.items() if not kind.PAINTS_SOLIDS for each in solids[name])
+    boxes = (item for name, kind in kinds.items() if not kind.PAINTS_SOLIDS for item in solids[name])
     arm = None if robot.arm is None else robot.arm_model()
     joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
-    every = (*room, *(solid for each in solids.values() for solid in each))
+    every = (*room, *(solid for item in solids.values() for solid in item))
     scene = Scene(robot, arm, every, _start(robot, world, seed), joints, width, (*room, *boxes))
     scene.start = scene.base
     scene.open_ground = world.ground is not None

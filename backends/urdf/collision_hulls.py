@@ -115,5 +115,5 @@ def _hull(file: str, scale: str, link: str) -> HullMesh:
     x, y, z = map(float, scale.split())
     hull: Any = hull_of_mesh(read_mesh(file, (x, y, z)), link)
     triangles = (hull.polygons(number) for number in range(hull.num_polygons))
-    faces = np.array([[each[0], each[1], each[2]] for each in triangles], dtype=np.int64)
+    faces = np.array([[triangle[0], triangle[1], triangle[2]] for triangle in triangles], dtype=np.int64)
     return HullMesh(np.array(hull.points()), faces)

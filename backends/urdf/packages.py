@@ -57,7 +57,7 @@ def package_of(file: Path) -> str | None:
     """
     file = file.resolve()
     for folder in file.parents:
-        if any(each.resolve() == folder for each in package_folders(folder.name)):
+        if any(package_folder.resolve() == folder for package_folder in package_folders(folder.name)):
             return f"{PACKAGE_PREFIX}{folder.name}/{file.relative_to(folder).as_posix()}"
     return None
 
@@ -68,7 +68,7 @@ def _candidates(name: str) -> Iterator[Path]:
         yield entry / "share" / name
     for entry in _entries("ROS_PACKAGE_PATH"):
         yield entry / name  # as other readers of URDFs take it, also without a package.xml
-        yield from (each for each in _ros_packages(entry) if each.name == name)
+        yield from (package for package in _ros_packages(entry) if package.name == name)
     for prefix in (sys.prefix, *sys.path):
         for share in _SHARES:
             yield Path(prefix or ".") / share / name
@@ -86,7 +86,7 @@ def _python_package(name: str) -> Iterator[Path]:
 
 
 def _entries(variable: str) -> list[Path]:
-    return [Path(each) for each in os.environ.get(variable, "").split(os.pathsep) if each]
+    return [Path(part) for part in os.environ.get(variable, "").split(os.pathsep) if part]
 
 
 @lru_cache(maxsize=32)
@@ -110,6 +110,6 @@ def _ros_packages(entry: Path) -> Sequence[Path]:
 
 def _folders_in(folder: Path) -> list[Path]:
     try:
-        return sorted(each for each in folder.iterdir() if each.is_dir() and not each.name.startswith("."))
+        return sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
     except OSError:
         return []

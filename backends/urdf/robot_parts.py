@@ -110,9 +110,9 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
     robot = read_urdf(text)
     prune(robot, without)
     places = {
-        (str(each.tag), each.get("name", "")): (each.line, each.column)
-        for each in robot
-        if isinstance(each, UrdfElement) and each.tag in ("link", "joint")
+        (str(item.tag), item.get("name", "")): (item.line, item.column)
+        for item in robot
+        if isinstance(item, UrdfElement) and item.tag in ("link", "joint")
     }
     if robot.find(".//mesh") is not None:
         files = _mesh_files(robot, path, root, shown)
@@ -242,7 +242,7 @@ def read_urdf_file(path: Path, shown: str | None = None, without: Sequence[str] 
         UnknownJoint: the URDF has no such joint.
     """
     text = read_xml_text(path)
-    faults = [(_finding(shown or str(path), *each), each.mild) for each in urdf_faults(text, without)]
+    faults = [(_finding(shown or str(path), *fault), fault.mild) for fault in urdf_faults(text, without)]
     if grave := [finding for finding, mild in faults if not mild]:
         raise FileError(grave)
     return UrdfText(text, [finding for finding, _ in faults])

@@ -75,10 +75,10 @@ def body_height(urdf_text: str) -> float:
     Makers often have a frame on the floor as `base`; then the bodies fixed next to it count.
     """
     bodies, joints, links = bodies_of(urdf_text), link_joints(urdf_text), {"base"}
-    moving = {each.name for each in joints_of(urdf_text)}
+    moving = {item.name for item in joints_of(urdf_text)}
     while links:
-        if found := [each for each in bodies if each.name in links]:
-            return max(_top_on(base_T_frame(urdf_text, each.name), each) for each in found)
+        if found := [body for body in bodies if body.name in links]:
+            return max(_top_on(base_T_frame(urdf_text, item.name), item) for item in found)
         links = {child for name, parent, child in joints if parent in links and name not in moving}
     return 0.0
 
@@ -104,10 +104,10 @@ def finger_shape(arm: ArmModel) -> FingerShape:
 
 
 def _box(shapes: Sequence[Shape], link: str) -> Box:
-    boxes = [each for each in shapes if isinstance(each, Box) and each.name == link]
+    boxes = [shape for shape in shapes if isinstance(shape, Box) and shape.name == link]
     if not boxes:
         raise MissingShape(f"the link {link!r} has no collision box; needed: one that defines its size")
-    return max(boxes, key=lambda each: float(np.prod(each.size)))
+    return max(boxes, key=lambda box: float(np.prod(box.size)))
 
 
 def _along(pose: Transform) -> bool:

@@ -124,7 +124,7 @@ def _with_still(text: str, still: Mapping[str, float]) -> str:
     """Return the URDF with joints fixed at positions in [deg] or [mm]."""
     if not still:
         return text
-    facts = {each.name: each for each in joints_of(text)}
+    facts = {item.name: item for item in joints_of(text)}
     positions: dict[str, float] = {}
     for name, value in still.items():
         if name not in facts:
@@ -148,7 +148,7 @@ def _pairs(spec: PartSpec, folder: Path) -> list[Pair]:
     try:
         pairs = disabled_pairs(read_srdf(spec.srdf, folder))
     except UrdfFaults as wrong:
-        findings = [Finding(spec.srdf, each.line, each.column, each.message) for each in wrong.faults]
+        findings = [Finding(spec.srdf, fault.line, fault.column, fault.message) for fault in wrong.faults]
         raise FileError(findings) from wrong
     except FileError:
         raise
@@ -166,7 +166,7 @@ def _mapped(
     links = [(key, ("links", role), role) for role, key in roles.items()]
     joints = [(joint, key, name) for key, joint, name in named]
     for kind, asked in (("link", links), ("joint", joints)):
-        known = [name for each, name in places if each == kind]
+        known = [name for item, name in places if item == kind]
         for old, key, _ in asked:
             if old not in known:
                 wrong = f"the URDF has no {kind} {old!r}{suggest(old, known)}"

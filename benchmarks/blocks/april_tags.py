@@ -172,7 +172,7 @@ def main() -> None:
         for seed in track(seeds, kind, console=Console(stderr=True)):
             picture = draw(seed)
             counts = {name: counts[name].plus(picture, read(picture.image)) for name, read in readers.items()}
-        cells = (f"{f'{each.read} of {each.there}':>20}{each.false:>11}" for each in counts.values())
+        cells = (f"{f'{count.read} of {count.there}':>20}{count.false:>11}" for count in counts.values())
         print(f"{kind:18}" + "".join(cells), flush=True)
         own = counts["handcart"]
         few = kind == "one damaged bit" and own.read < chosen.least / 100.0 * own.there

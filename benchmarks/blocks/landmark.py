@@ -102,8 +102,8 @@ def plain(image: ByteArray) -> FloatArray | None:
     """
     _, dark = cv2.threshold(image, 0, 255, cv2.THRESH_BINARY_INV | cv2.THRESH_OTSU)
     outlines, _ = cv2.findContours(dark, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
-    squares = [cv2.approxPolyDP(each, 0.03 * cv2.arcLength(each, True), True) for each in outlines]
-    squares = [each for each in squares if len(each) == 4 and 5e3 < cv2.contourArea(each) < 1e5]
+    squares = [cv2.approxPolyDP(outline, 0.03 * cv2.arcLength(outline, True), True) for outline in outlines]
+    squares = [square for square in squares if len(square) == 4 and 5e3 < cv2.contourArea(square) < 1e5]
     if not squares:
         return None
     corners = min(squares, key=cv2.contourArea).astype(np.float32)
@@ -164,7 +164,7 @@ def main() -> None:
             if not centres:
                 print(f"{name:38}{'never found':>12}")
                 continue
-            rms = [math.sqrt(float(np.mean(np.square(each)))) for each in (centres, angles)]
+            rms = [math.sqrt(float(np.mean(np.square(item)))) for item in (centres, angles)]
             print(f"{name:38}{rms[0]:12.4f}{max(centres):9.4f}{rms[1]:11.3f}{max(angles):10.3f}{missed:6}")
 
 

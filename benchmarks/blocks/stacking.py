@@ -67,7 +67,7 @@ def main() -> None:
     wanted = words.parse_args()
     plots, count = wanted.plots, wanted.experiments
     chosen = {
-        name: row for name, row in TABLE_ROWS.items() if any(each in name for each in wanted.row or [""])
+        name: row for name, row in TABLE_ROWS.items() if any(item in name for item in wanted.row or [""])
     }
     head = f"{'|E| in mm, experiments: ' + str(count):42}{'mean':>7}{'max':>7}{'processed':>11}"
     print(head + f"{'E_x, E_y grow':>15}{'frames':>8}{'s':>6}{'lost':>6}")

@@ -123,7 +123,7 @@ def main() -> None:
             took = time.perf_counter() - began
             summary, _ = run_task(place / "task.yaml", place / "run", RunOptions(seed=seed))
             metrics = summary["metrics"]
-            off = np.array([math.hypot(each["x"], each["y"]) for each in metrics.get("blocks", [])])
+            off = np.array([math.hypot(item["x"], item["y"]) for item in metrics.get("blocks", [])])
             stops = len(plan.fetching) + len(plan.laying)
             unmeant = int(metrics.get("contacts_unmeant", 0))
             rows = len(plan.drawing.rows)

@@ -88,7 +88,7 @@ def trial(plan: Plan, fault: Fault, seed: int, folder: Path) -> str:
     off = Pose2(*rng.normal(0.0, POSE_SIGMA).tolist())
     wanted, other = rng.choice(len(plan.places), 2, replace=False).tolist()
     gone = {"one covered": other, "it is covered": wanted}.get(fault)
-    there = [tuple(each) for i, each in enumerate(plan.places.tolist()) if i != gone]
+    there = [tuple(place) for i, place in enumerate(plan.places.tolist()) if i != gone]
     there += [plan.next] if fault == "one too many" else []
     files = _written(plan.places.tolist(), there, folder)
     with build_rig(files, robot=ROBOT_NAME, seed=seed) as rig:

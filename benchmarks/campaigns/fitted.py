@@ -67,7 +67,7 @@ def compare(name: str, folder: Path, trials: int) -> None:
     print(
         f"{name:<16} P(goal) predicted {found.success:.3f}, in {count} others {second.success.mean():.3f} "
         f"({low:.3f} to {high:.3f}); mean time {found.time_s:.1f} s, {mean:.1f} ({mean - half:.1f} to "
-        f"{mean + half:.1f}): {' and '.join('inside' if each else 'OUTSIDE' for each in inside)}",
+        f"{mean + half:.1f}): {' and '.join('inside' if item else 'OUTSIDE' for item in inside)}",
         flush=True,
     )
     share_walked("walks as learned", WalkedTrials(task, LearnedOdds(task, seen)))

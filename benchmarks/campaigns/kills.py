@@ -38,7 +38,7 @@ def children(process: int) -> list[int]:
         found = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="utf-8")
     except OSError:
         return []
-    return [int(each) for each in found.split()]
+    return [int(part) for part in found.split()]
 
 
 def disturbed(words: list[str], chance: random.Random, most: int, lasts: float) -> Counter[str]:

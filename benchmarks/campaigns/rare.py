@@ -55,17 +55,17 @@ def report_walks(words: str, path: Path, event: RareEvent, count: int) -> bool:
     began = time.process_time()
     found = estimates(network_trials(path, {}), event, count)
     took = time.process_time() - began
-    values = np.array([each.probability for each in found])
+    values = np.array([estimate.probability for estimate in found])
     mean, sigma = float(values.mean()), float(values.std(ddof=1))
     off = (mean - exact) / (sigma / math.sqrt(count))
-    inside = sum(each.agrees(exact) for each in found)
+    inside = sum(estimate.agrees(exact) for estimate in found)
     wide = sum(
-        each.low is not None and each.low <= exact <= each.high + each.unseen
-        for each in found
-        if each.high is not None
+        estimate.low is not None and estimate.low <= exact <= estimate.high + estimate.unseen
+        for estimate in found
+        if estimate.high is not None
     )
     low, high = wilson(inside, count)
-    cost = sum(each.cost for each in found) / count
+    cost = sum(estimate.cost for estimate in found) / count
     print(f"{words} ({event.importance}): exact {exact:.4g}, mean of {count} estimates {mean:.4g}")
     print(f"  {off:+.1f} sigma off; one estimate is off by {100 * sigma / exact:.0f} %")
     print(f"  intervals that hold it: {100 * inside / count:.1f} % ({100 * low:.1f} to {100 * high:.1f});")

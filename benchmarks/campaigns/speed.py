@@ -130,7 +130,7 @@ def dask(*words: str) -> Iterator[None]:
 
 def tell(what: str, shares: tuple[float, float]) -> None:
     """Print an overhead."""
-    whole, running = (100.0 * each for each in shares)
+    whole, running = (100.0 * share for share in shares)
     print(
         f"{SLEEPER_COUNT} trials of 50 ms on 2 workers, {what}: "
         f"{whole:.2f} % more than ideal, start included,"

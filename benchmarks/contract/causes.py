@@ -30,7 +30,7 @@ ROBOT_NAMES = "librarian,cart,toyama,el_verde"
 def is_derived(trial: FaultTrial) -> bool:
     """Return whether the code of the primitive names the cause, or any attempt may have it."""
     kind = Reach if trial.primitive == Reach.label() else primitive_class(trial.primitive)
-    return trial.ending.cause in {each.name for each in possible_causes(kind)}
+    return trial.ending.cause in {cause.name for cause in possible_causes(kind)}
 
 
 def seeded(batch: Batch, seed: int) -> Batch:
@@ -52,7 +52,7 @@ def main() -> None:
     words.add_argument("--actions", default="", help="numbers of actions (default: all)")
     words.add_argument("--seed", type=int, default=0)
     given = words.parse_args()
-    chosen = {int(each) for each in given.actions.split(",") if each}
+    chosen = {int(part) for part in given.actions.split(",") if part}
     judged: Counter[str] = Counter()
     right: Counter[str] = Counter()
     lacking = 0

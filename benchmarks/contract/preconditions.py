@@ -57,7 +57,7 @@ class Tried:
     @property
     def faults(self) -> list[str]:
         """What is wrong with it, in words."""
-        found = [f"{each} ({self.reason})" for each in self.wrong]
+        found = [f"{item} ({self.reason})" for item in self.wrong]
         if self.refused and self.outcome != "Fail":
             found.append(f"{self.outcome} although the hand holds {self.held or 'nothing'}")
         if self.refused and self.moved > STILL_M:
@@ -79,11 +79,11 @@ def candidates(rehearsal: Rehearsal, underway: Underway) -> Iterator[ActionPrimi
             made = action.binding.make(underway.model)
         except NotBound:
             continue
-        for each in (made, *_with_another(made, known)):
-            key = f"{each.label()} {each.model_dump_json()}"
-            if key not in given and sum(name.startswith(each.label() + " ") for name in given) < MOST_ALIKE:
+        for item in (made, *_with_another(made, known)):
+            key = f"{item.label()} {item.model_dump_json()}"
+            if key not in given and sum(name.startswith(item.label() + " ") for name in given) < MOST_ALIKE:
                 given.add(key)
-                yield each
+                yield item
 
 
 MOST_ALIKE = 3
@@ -163,21 +163,21 @@ def main() -> int:
             print(f"{task.parent.name}/{task.name}, seed {seed}", flush=True)
             for stage, tried, late in stages(rehearsal, wanted.seconds):
                 every += tried
-                names |= {each.name for each in tried}
+                names |= {item.name for item in tried}
                 cut += late
-                refused = [each for each in tried if each.refused]
+                refused = [item for item in tried if item.refused]
                 print(f"  {stage}: {len(tried)} tried, {len(refused)} to be refused, {late} cut", flush=True)
-                for each in tried:
-                    for fault in each.faults:
-                        print(f"    WRONG {each.name} ({each.outcome}, hand {each.held or 'empty'}): {fault}")
+                for item in tried:
+                    for fault in item.faults:
+                        print(f"    WRONG {item.name} ({item.outcome}, hand {item.held or 'empty'}): {fault}")
     return _sum_up(every, names, cut, time.monotonic() - began)
 
 
 def _sum_up(every: list[Tried], names: set[str], cut: int, seconds: float) -> int:
-    refused = [each for each in every if each.refused]
-    right = sum(not each.faults for each in refused)
-    false = sum(bool(each.wrong) for each in every)
-    shares = {word: sum(each.outcome == word for each in every) for word in ("Success", "Fail", "GiveUp")}
+    refused = [tried for tried in every if tried.refused]
+    right = sum(not tried.faults for tried in refused)
+    false = sum(bool(tried.wrong) for tried in every)
+    shares = {word: sum(tried.outcome == word for tried in every) for word in ("Success", "Fail", "GiveUp")}
     print(f"{len(names)} primitives ({', '.join(sorted(names))}), {len(every)} starts: {shares}, {cut} cut")
     print(f"refused before anything moved, with the true reason: {right} of {len(refused)}")
     print(f"false outcomes: {false}; {seconds:.0f} s")

@@ -74,19 +74,23 @@ class Asked:
     @property
     def started(self) -> int:
         """Number of actions started since the request."""
-        return sum(isinstance(each, Started) for each in self.events)
+        return sum(isinstance(event, Started) for event in self.events)
 
     def outcome(self) -> Any:
         """Outcome of the action that was named; None while it runs."""
         return next(
-            (each.outcome for each in self.events if isinstance(each, Ended) and each.number == self.meant),
+            (
+                event.outcome
+                for event in self.events
+                if isinstance(event, Ended) and event.number == self.meant
+            ),
             None,
         )
 
     def others_failed(self) -> bool:
         """Return whether another action did not succeed."""
-        ended = [each for each in self.events if isinstance(each, Ended) and each.number != self.meant]
-        return any(not isinstance(each.outcome, Success) for each in ended)
+        ended = [event for event in self.events if isinstance(event, Ended) and event.number != self.meant]
+        return any(not isinstance(event.outcome, Success) for event in ended)
 
     def look(self, robot: Any, end: RunEnd | None) -> None:
         """Update after a period, or after the end of the run."""

@@ -55,7 +55,7 @@ def main() -> None:
     words.add_argument("--short", action="store_true", help="as short as the conformance kit runs them")
     given = words.parse_args()
     equal, total, short = 0, 0, declared() if given.short else {}
-    chosen = dict(each.split("=", 1) for each in given.set)
+    chosen = dict(item.split("=", 1) for item in given.set)
     for name, task in named_tasks().items():
         for backend in given.backends.split(","):
             if given.tasks in name:

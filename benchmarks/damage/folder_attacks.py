@@ -48,7 +48,7 @@ class Scene:
 
     def other(self, name: str) -> Path | None:
         """Return a file of that name of another original."""
-        found = [each.folder / name for each in self.originals if (each.folder / name).is_file()]
+        found = [original.folder / name for original in self.originals if (original.folder / name).is_file()]
         return self.rng.choice(found) if found else None
 
     def bytes_of(self, name: str) -> bytearray:

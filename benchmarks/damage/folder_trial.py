@@ -72,9 +72,9 @@ class Watch:
         elif event in _CHANGES:
             if len(words) > 1 and isinstance(words[-1], int) and words[-1] >= 0:
                 return  # relative to an open folder, whose opening was seen
-            for each in words[:2]:
-                if isinstance(each, str | bytes | os.PathLike) and not _cache(each):
-                    self._opened(Path(os.fsdecode(each)).parent, True)
+            for word in words[:2]:
+                if isinstance(word, str | bytes | os.PathLike) and not _cache(word):
+                    self._opened(Path(os.fsdecode(word)).parent, True)
 
     def _opened(self, path: Any, writes: bool, refuses_links: bool = False) -> None:
         named = Path(os.fsdecode(path))
@@ -85,7 +85,7 @@ class Watch:
         )
         if real.is_relative_to(self.forbidden):
             self.seen.append(f"{real} was opened")
-        elif writes and not (any(real.is_relative_to(each) for each in self.allowed) or _cache(real)):
+        elif writes and not (any(real.is_relative_to(item) for item in self.allowed) or _cache(real)):
             self.seen.append(f"{real} was written")
 
 
@@ -136,7 +136,7 @@ class Trials:
     def run(self, number: int) -> Verdict:
         """Attack a folder, read it, look."""
         rng = random.Random(self._seed * 1_000_003 + number)
-        original = rng.choices(self._originals, [each.weight for each in self._originals])[0]
+        original = rng.choices(self._originals, [item.weight for item in self._originals])[0]
         attack: Attack = rng.choice(FOLDER_ACCIDENTS if rng.random() < 0.5 else FOLDER_ATTACKS)
         folder = self._set_out(original)
         canary = self._work / "run" / "canary"
@@ -146,7 +146,7 @@ class Trials:
         tried = _Tried(self, folder, original, attack, rng, number)
         with self._watched():
             wrong = tried.all()
-        wrong += [each for each in self._watch.seen if not _harmless(each)]
+        wrong += [item for item in self._watch.seen if not _harmless(item)]
         if canary.exists():
             wrong.append("code ran")
         if _contents(self._outside) != before:
@@ -163,8 +163,8 @@ class Trials:
 
     def forget(self) -> None:
         """Close the robots, so that new ones are built: one of them was put into an odd state."""
-        for each in self._made.values():
-            each.backend.close()
+        for item in self._made.values():
+            item.backend.close()
         self._made.clear()
 
     def close(self) -> None:
@@ -172,8 +172,8 @@ class Trials:
         self.forget()
 
     def _set_out(self, original: Original) -> Path:
-        for each in (self._work / "run", self._outside):
-            shutil.rmtree(each, ignore_errors=True)
+        for item in (self._work / "run", self._outside):
+            shutil.rmtree(item, ignore_errors=True)
         folder = self._work / "run" / original.folder.name
         shutil.copytree(original.folder, folder)
         (self._outside / "folder").mkdir(parents=True)
@@ -228,14 +228,14 @@ class _Tried:
         except Exception:
             last = traceback.format_exc().splitlines()
             self._wrong.append(
-                f"{face}: {last[-1][:200]} ({'; '.join(each.strip() for each in last[-5:-1])})"
+                f"{face}: {last[-1][:200]} ({'; '.join(item.strip() for item in last[-5:-1])})"
             )
             return "traceback"
         return str(ended)[:40]
 
     def _explain(self) -> None:
         run = read_run(self._folder)
-        numbers = [each.number for each in run.actions]
+        numbers = [action.number for action in run.actions]
         explanation = explain(run, self._rng.choice([None, *numbers]))
         in_words(explanation, None)
         as_json(explanation, None)

@@ -36,7 +36,7 @@ _ARRAYS: tuple[Callable[[np.ndarray], Any], ...] = (
 
 def reseal(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> None:
     """Change a journal's records, and recompute their checksums."""
-    records = [dict(each) for each in read_journal(folder / JOURNAL_FILE).records]
+    records = [dict(item) for item in read_journal(folder / JOURNAL_FILE).records]
     change(records)
     lines, last = [], FIRST_CHECKSUM
     for number, record in enumerate(records):

@@ -106,7 +106,7 @@ def _doubled(content: bytes, rng: random.Random) -> bytes:
 
 def _renumbered(content: bytes, rng: random.Random) -> bytes:
     """Replace a number in a text by another one."""
-    found = [each.span() for each in re.finditer(rb"-?[0-9][0-9.]*", content[:20_000])]
+    found = [match.span() for match in re.finditer(rb"-?[0-9][0-9.]*", content[:20_000])]
     if not found:
         return content
     start, end = rng.choice(found)

@@ -116,7 +116,7 @@ def why_not(folder: Path, path: Path, check: Callable[[Path], object]) -> str:
 @contextmanager
 def _at_most(seconds: int, memory: int) -> Iterator[None]:
     """Raise TimeoutError after that CPU time or `MAX_CHECK_WALL_S`, MemoryError beyond those bytes."""
-    handlers = {each: signal.signal(each, _too_long) for each in (signal.SIGALRM, signal.SIGPROF)}
+    handlers = {item: signal.signal(item, _too_long) for item in (signal.SIGALRM, signal.SIGPROF)}
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (taken + memory, hard))

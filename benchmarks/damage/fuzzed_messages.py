@@ -43,7 +43,7 @@ def _value(rng: random.Random, depth: int = 0) -> Any:
     plain = (None, True, False, 0, 1, -1, 2**63, -(2**63), 0.5, -1e308, "", "stop\x00", "é\u2028", *_WORDS)
     if depth < 3 and rng.random() < 0.4:
         inner = [_value(rng, depth + 1) for _ in range(rng.randrange(4))]
-        return inner if rng.random() < 0.5 else {rng.choice(_KEYS): each for each in inner}
+        return inner if rng.random() < 0.5 else {rng.choice(_KEYS): item for item in inner}
     return rng.choice(plain)
 
 

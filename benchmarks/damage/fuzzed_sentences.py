@@ -96,7 +96,7 @@ def _times_of(fix: Fix, given: list[bytes], receiver: NmeaGps) -> list[float]:
             north_south, east_west = fields[3], fields[5]
         except (ValueError, IndexError):
             continue
-        north, east = (each // 100 + each % 100 / 60 for each in (lat, lon))
+        north, east = (item // 100 + item % 100 / 60 for item in (lat, lon))
         place = receiver._plane.transform(
             east if east_west == b"E" else -east, north if north_south == b"N" else -north
         )

@@ -69,7 +69,7 @@ def mutated_bag(folder: Path, seed: int) -> tuple[Path, str]:
         drive, stamp, topics, words = _content_fault(rng)
         return write_bag(path, drive, storage, stamp, topics), f"{storage}, {words}"
     write_bag(path, small_drive(duration=30.0), storage)
-    file = path if storage == "ROS1" else next(each for each in path.iterdir() if each.suffix != ".yaml")
+    file = path if storage == "ROS1" else next(item for item in path.iterdir() if item.suffix != ".yaml")
     if storage != "ROS1" and rng.random() < 0.3:
         return path, f"{storage}, {_break_metadata(path / 'metadata.yaml', rng)}"
     words = rng.choice(_BYTES)(file, rng)

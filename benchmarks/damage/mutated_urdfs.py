@@ -65,7 +65,7 @@ def _rename(robot: ElementTree.Element, rng: random.Random) -> str:
 
 
 def _drop_attribute(robot: ElementTree.Element, rng: random.Random) -> str:
-    named = [each for each in robot.iter() if each.attrib]
+    named = [item for item in robot.iter() if item.attrib]
     if not named:
         return ""
     each = rng.choice(named)
@@ -75,7 +75,7 @@ def _drop_attribute(robot: ElementTree.Element, rng: random.Random) -> str:
 
 
 def _break_number(robot: ElementTree.Element, rng: random.Random) -> str:
-    found = [(each, key) for each in robot.iter() for key in each.attrib if key in _NUMBERS]
+    found = [(item, key) for item in robot.iter() for key in item.attrib if key in _NUMBERS]
     if not found:
         return ""
     each, key = rng.choice(found)
@@ -108,7 +108,7 @@ def _mimic(robot: ElementTree.Element, rng: random.Random) -> str:
     if not joints:
         return ""
     joint = rng.choice(joints)
-    led = rng.choice([each.get("name", "") for each in joints] + ["nobody"])
+    led = rng.choice([item.get("name", "") for item in joints] + ["nobody"])
     ElementTree.SubElement(joint, "mimic", {"joint": led, "multiplier": rng.choice(("-1", "0", "1e9", "x"))})
     return f"joint {joint.get('name')!r} mimics {led!r}"
 
@@ -132,7 +132,7 @@ def _solid(robot: ElementTree.Element, rng: random.Random) -> str:
 
 
 def _any(robot: ElementTree.Element, rng: random.Random, *tags: str) -> ElementTree.Element | None:
-    found = [each for each in robot.iter() if each.tag in tags]
+    found = [item for item in robot.iter() if item.tag in tags]
     return rng.choice(found) if found else None
 
 

@@ -107,12 +107,12 @@ def make(recipe: Recipe, tasks: Path, where: Path) -> list[Original]:
         (whole,) = (where / "runs").glob("*")
         _copy(whole, copies / OVER)
     shutil.rmtree(where / "runs")
-    left = [copies / f"{each}" for each in recipe.after if (copies / f"{each}").is_dir()]
+    left = [copies / f"{item}" for item in recipe.after if (copies / f"{item}").is_dir()]
     gave_up = copies / "gave-up"
     _copy(left[0], gave_up)
     _give_up(gave_up)
     share = recipe.weight / (len(left) + 1)
-    found = [Original(each, recipe.name, LEFT, share) for each in left]
+    found = [Original(item, recipe.name, LEFT, share) for item in left]
     if (copies / OVER).is_dir():
         found.append(Original(copies / OVER, recipe.name, OVER, share / 2))
     found.append(Original(gave_up, recipe.name, GAVE_UP, share / 2))
@@ -126,8 +126,8 @@ def _copy(folder: Path, to: Path) -> None:
 def _give_up(folder: Path) -> None:
     """Append records as if the next action had given up."""
     contents = read_run_journal(folder)
-    done = sum(each["kind"] == "START" for each in contents.records)
-    plan = next(each for each in contents.records if each["kind"] == "PLAN")
+    done = sum(record["kind"] == "START" for record in contents.records)
+    plan = next(record for record in contents.records if record["kind"] == "PLAN")
     rows = contents.records[0]["plan_on"]["actions"]
     index = plan["way"][done]
     do, source, target, *_ = rows[index]

@@ -100,14 +100,14 @@ def run_all(name: str, file: str, seeds: range, faults: Path, folder: Path, jobs
 
 def compare(name: str, before: Sequence[Trial], after: Sequence[Trial]) -> str:
     """Print one task's line, and return its verdict."""
-    done = [[each.success for each in trials] for trials in (before, after)]
-    prices = [[_price(each) for each in trials] for trials in (before, after)]
+    done = [[trial.success for trial in trials] for trials in (before, after)]
+    prices = [[_price(trial) for trial in trials] for trials in (before, after)]
     share, price = share_difference(done[0], done[1]), mean_difference(prices[0], prices[1])
     found = verdict(share, price)
-    untrue = sum(bool(each.summary["metrics"].get("untrue")) for each in (*before, *after))
+    untrue = sum(bool(item.summary["metrics"].get("untrue")) for item in (*before, *after))
     print(f"{name}: {found} ({len(before)} seeds each; runs with false outcomes: {untrue})")
     for words, trials in (("paper", before), ("choices", after)):
-        times = [each.summary["sim_time_s"] for each in trials if each.success]
+        times = [trial.summary["sim_time_s"] for trial in trials if trial.success]
         mean = f"{np.mean(times):.1f} s" if times else "-"
         count = len(times)
         print(f"  {words:<8} P(Success) {count / len(trials):.3f} ({count}), mean time of Successes {mean}")
@@ -137,7 +137,7 @@ def main() -> None:
                 for file in ("paper.yaml", "task.yaml")
             ]
             verdicts.append(compare(name, *both))
-    better, worse = verdicts.count("better"), sum("worse" in each for each in verdicts)
+    better, worse = verdicts.count("better"), sum("worse" in item for item in verdicts)
     print(f"better in {better} of {len(verdicts)} tasks, worse in {worse}")
 
 

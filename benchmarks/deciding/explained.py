@@ -89,7 +89,7 @@ def decisions(network: ActionNetwork, seed: int) -> Iterator[tuple[RunDecisions,
 def is_threshold_right(route: RunDecisions, plan: Plan, action: Action) -> bool:
     """Return whether the rule chooses an action just below its threshold, and not just above."""
     search, fails = PlanSearch(route.network), route.planner.fails(action)
-    others = [each for each in route.network.actions if each.source == action.source]
+    others = [item for item in route.network.actions if item.source == action.source]
     rest = route.planner.plan(action.target, without=others)
     if isinstance(rest, NoWay) or plan.actions[0] is action or plan.hopes or rest.hopes:
         return True

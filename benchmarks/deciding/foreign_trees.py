@@ -4,7 +4,7 @@ from __future__ import annotations
 
 PLAN_NODE = '<PlanRoute goal="{goal}" route="{route}"/>'
 DRIVE_NODE = '<DriveRoute route="{route}" speed="0.4"/>'
-CLEAR_NODES = "\n".join(f'<ClearMap name="Clear{each}" layer="{each}"/>' for each in ("Near", "Far"))
+CLEAR_NODES = "\n".join(f'<ClearMap name="Clear{item}" layer="{item}"/>' for item in ("Near", "Far"))
 RECOVER_SUBTREE = f"""<ReactiveFallback name="recover">
 <GoalChanged/>
 <RoundRobin name="one of these">

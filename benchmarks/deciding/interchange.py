@@ -58,8 +58,8 @@ ATTACK_FILES = {
 def tried(path: Path) -> tuple[bool, set[tuple[int, str]]]:
     """Return whether a file was imported or refused in words, and the lost constructs by line."""
     try:
-        return True, {(each.line, each.construct) for each in import_file(path).lost} | {
-            (each.line, each.meaning) for each in import_file(path).lost
+        return True, {(item.line, item.construct) for item in import_file(path).lost} | {
+            (item.line, item.meaning) for item in import_file(path).lost
         }
     except InputError:
         return True, set()

@@ -52,7 +52,7 @@ def compared(task: Drawn, attempts: int, seed: int) -> Compared | None:
     verdict = judge_switch(task.network, counts, person_s=PERSON_S)
     if not verdict.is_sure:
         return Compared(cost, cost, least, False)
-    chosen = BestPolicy(task.network, [each and each.chance for each in counts], "expected_cost", PERSON_S)
+    chosen = BestPolicy(task.network, [count and count.chance for count in counts], "expected_cost", PERSON_S)
     chosen.decision(State(task.network.start, ()))
     learned = best_figures(process, chosen.policy(), "learned", walks=False).price_s[0]
     return Compared(cost, learned, least, True)
@@ -86,10 +86,10 @@ def main() -> None:
 
 def _print_row(found: list[Compared]) -> None:
     count = len(found)
-    worse = sum(each.learned > each.rule * (1.0 + 1e-6) for each in found)
-    switched = sum(each.switched for each in found)
-    over_rule = sum(each.rule / each.best - 1.0 for each in found) / count
-    over = sum(each.learned / each.best - 1.0 for each in found) / count
+    worse = sum(compared_.learned > compared_.rule * (1.0 + 1e-6) for compared_ in found)
+    switched = sum(compared_.switched for compared_ in found)
+    over_rule = sum(compared_.rule / compared_.best - 1.0 for compared_ in found) / count
+    over = sum(compared_.learned / compared_.best - 1.0 for compared_ in found) / count
     costs = f"cost over the best: rule {over_rule:.1%}, learned {over:.1%}"
     share = f"{worse} ({worse / count:.1%})"
     print(f"  {count} networks: {costs}; left the rule in {switched}, worse than it in {share}", flush=True)

@@ -22,7 +22,7 @@ def lost_in_tree(text: str) -> Iterator[tuple[int, str]]:
     plain = COMMENT_PATTERN.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     top = next(iter(re.findall(r"<BehaviorTree[^>]*>\s*<(\w+)", plain)), "")
     subtrees = re.findall(r"<SubTree[^>]*>", plain)
-    passed = {name for each in subtrees for name in re.findall(r'(\w+)="[^{"]', each)}
+    passed = {name for subtree in subtrees for name in re.findall(r'(\w+)="[^{"]', subtree)}
     for tag in TAG_PATTERN.finditer(plain):
         line, name = plain.count("\n", 0, tag.start()) + 1, tag[1]
         is_rounds = name == top == "KeepRunningUntilFailure"  # the whole tree, again and again

@@ -54,9 +54,9 @@ def _pairs(network: ActionNetwork) -> list[tuple[float, float]]:
     if not isinstance(plan, Plan):
         return []
     graph: nx.DiGraph[str] = nx.DiGraph()
-    for each in network.actions:
-        known = graph.get_edge_data(each.source, each.target, {"weight": each.cost_s})["weight"]
-        graph.add_edge(each.source, each.target, weight=min(known, each.cost_s))
+    for item in network.actions:
+        known = graph.get_edge_data(item.source, item.target, {"weight": item.cost_s})["weight"]
+        graph.add_edge(item.source, item.target, weight=min(known, item.cost_s))
     return [_timed(planner, graph, action) for action in plan.actions[:MAX_FAILS]]
 
 

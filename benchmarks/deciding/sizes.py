@@ -62,9 +62,9 @@ def _measure(path: Path, count: int) -> None:
     found = json.loads(said.stdout)["policies"]
     limit = f" (allowed: {LIMITS_S[count]:g} s)" if count in LIMITS_S else ""
     print(f"  {cpu:.1f} s CPU{limit}")
-    for each in (found["rule"], found["best"]):
-        goal = f"P(goal) [{each['p_goal']:.5f}, {each['p_goal_high']:.5f}]"
-        print(f"  {each['policy']}: {goal}, price [{each['price_s']:.1f}, {each['price_high_s']:.1f}] s")
+    for item in (found["rule"], found["best"]):
+        goal = f"P(goal) [{item['p_goal']:.5f}, {item['p_goal_high']:.5f}]"
+        print(f"  {item['policy']}: {goal}, price [{item['price_s']:.1f}, {item['price_high_s']:.1f}] s")
     print(f"  no policy costs less than {found['least_price_low_s']:.1f} s", flush=True)
 
 

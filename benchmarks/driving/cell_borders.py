@@ -183,15 +183,18 @@ def main() -> None:
             every.append(arrival)
             if arrival.false or chosen.verbose:
                 print(f"\r{json.dumps(case._asdict())}\n  {arrival}", flush=True)
-    false, off = sum(each.false for each in every), np.array([each.pose_off_mm for each in every])
-    sigmas = np.array([each.pose_sigmas for each in every])
+    false, off = (
+        sum(arrival_.false for arrival_ in every),
+        np.array([arrival_.pose_off_mm for arrival_ in every]),
+    )
+    sigmas = np.array([arrival_.pose_sigmas for arrival_ in every])
     ends = ", ".join(f"{count} {end}" for end, count in Counter(e.outcome for e in every).most_common())
     print(f"\r{chosen.runs} runs, {ends}: {false} false Success or Fail")
     print(
         f"pose error: median {np.median(off):.0f} mm, most {off.max():.0f} mm; "
         f"most {sigmas.max():.1f} sigma, beyond 3 sigma {int((sigmas > 3.0).sum())} of {len(every)}"
     )
-    arrived = np.array([each.off_mm for each in every if each.outcome == "Success"])
+    arrived = np.array([arrival_.off_mm for arrival_ in every if arrival_.outcome == "Success"])
     if len(arrived):
         print(f"off its place: median {np.median(arrived):.0f} mm, most {arrived.max():.0f} mm")
     raise SystemExit(1 if false else 0)

@@ -182,17 +182,17 @@ def _mapped(world: World, shown: str) -> list[Box]:
 
 def report(results: list[Trial], speed: float) -> str:
     """Return the table of all worlds as text."""
-    reached = [each for each in results if each.reached]
-    ends = Counter(each.outcome for each in results)
-    false, contacts = sum(len(each.false) for each in results), sum(each.contacts for each in results)
+    reached = [result for result in results if result.reached]
+    ends = Counter(result.outcome for result in results)
+    false, contacts = sum(len(result.false) for result in results), sum(result.contacts for result in results)
     lines = [
         f"{len(results)} worlds: {len(reached)} reached without a Fail "
         f"({100.0 * len(reached) / max(1, len(results)):.1f} %); false outcomes {false}; contacts {contacts}",
         f"ends: {', '.join(f'{count} {end}' for end, count in ends.most_common())}; "
-        f"Fails on the way {sum(each.fails for each in results)}",
+        f"Fails on the way {sum(result.fails for result in results)}",
     ]
     if reached:
-        ratios = np.array([each.seconds * speed / each.best_m for each in reached])
+        ratios = np.array([trial.seconds * speed / trial.best_m for trial in reached])
         low, middle, high = np.percentile(ratios, [5, 50, 95])
         lines.append(
             f"time over (best way / top speed): median {middle:.2f} (5 % {low:.2f}, 95 % {high:.2f})"
@@ -201,16 +201,16 @@ def report(results: list[Trial], speed: float) -> str:
     lines.append(
         f"pose error at the end: median {np.median(off):.0f} mm, most {off.max():.0f} mm; "
         f"beyond 3 sigma in {int((sigmas > 3.0).sum())} worlds; median sigma "
-        f"{np.median([each.sigma_mm for each in results]):.0f} mm"
+        f"{np.median([result.sigma_mm for result in results]):.0f} mm"
     )
-    lines.append(f"nearest to anything: {min(each.nearest_mm for each in results):.1f} mm")
-    taken = np.concatenate([each.periods_ms for each in results])
+    lines.append(f"nearest to anything: {min(result.nearest_mm for result in results):.1f} mm")
+    taken = np.concatenate([result.periods_ms for result in results])
     lines.append(
         f"CPU of a period: mean {taken.mean():.2f} ms, 99 % {np.percentile(taken, 99):.2f} ms, "
         f"above {SLOW_MS:g} ms {100.0 * float((taken > SLOW_MS).mean()):.2f} %"
     )
-    for density in sorted({each.density for each in results}):
-        part = [each for each in results if each.density == density]
+    for density in sorted({result.density for result in results}):
+        part = [result for result in results if result.density == density]
         lines.append(f"  density {density:g}: {sum(e.reached for e in part)} of {len(part)} reached")
     return "\n".join(lines)
 
@@ -288,13 +288,13 @@ def main() -> None:
                 f"{result.seconds:.1f} s for {result.best_m:.1f} m, {result.contacts} contacts, nearest "
                 f"{result.nearest_mm:.0f} mm, off {result.off_mm:.0f} mm ({result.off_sigmas:.1f} sigma)"
                 + ("" if result.reached else f"; {result.reason}")
-                + "".join(f"\n  FALSE: {each}" for each in result.false),
+                + "".join(f"\n  FALSE: {item}" for item in result.false),
                 flush=True,
             )
             if chosen.pictures:
                 draw(world, result, chosen.shape_of_robot, chosen.pictures / f"world_{result.seed}.png")
     print(report(results, chosen.speed))
-    raise SystemExit(int(any(each.contacts or each.false for each in results)))
+    raise SystemExit(int(any(item.contacts or item.false for item in results)))
 
 
 if __name__ == "__main__":

@@ -217,14 +217,14 @@ def main() -> None:
             print(f"\rrun {seed}, {case.length_m:.0f} m ...", end="", file=sys.stderr, flush=True)
             ended = drive(case)
             done += 1
-            for each in ended:
-                counts[each.outcome] = counts.get(each.outcome, 0) + 1
-                false += each.false
-                if each.false or chosen.verbose:
-                    print(f"\r{json.dumps(case._asdict())}\n  {each}")
+            for item in ended:
+                counts[item.outcome] = counts.get(item.outcome, 0) + 1
+                false += item.false
+                if item.false or chosen.verbose:
+                    print(f"\r{json.dumps(case._asdict())}\n  {item}")
             if not case.pallet:
                 free += 1
-                free_success += all(each.outcome == "Success" for each in ended)
+                free_success += all(item.outcome == "Success" for item in ended)
     seconds = time.process_time() - begun
     print(f"\r{done} runs, {counts}: {false} false Success or Fail; {seconds:.0f} CPU s")
     print(f"without a pallet: {free_success} of {free} runs reached both places")

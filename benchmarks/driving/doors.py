@@ -117,17 +117,17 @@ def main() -> None:
                 + ("" if result.reached else f"; {result.reason}"),
                 flush=True,
             )
-    reached, contacts = sum(each.reached for each in results), sum(each.contacts for each in results)
-    false = sum(len(each.false) for each in results)
-    seconds = np.nanmedian([each.seconds for each in results])
+    reached, contacts = sum(item.reached for item in results), sum(item.contacts for item in results)
+    false = sum(len(item.false) for item in results)
+    seconds = np.nanmedian([item.seconds for item in results])
     print(
         f"{len(results)} doors: {reached} reached without a Fail "
         f"({100.0 * reached / max(1, len(results)):.1f} %); "
         f"false outcomes {false}; contacts {contacts}; worlds touched "
-        f"{sum(each.contacts > 0 for each in results)}; nearest "
-        f"{min(each.nearest_mm for each in results):.1f} mm; median {seconds:.1f} s"
+        f"{sum(item.contacts > 0 for item in results)}; nearest "
+        f"{min(item.nearest_mm for item in results):.1f} mm; median {seconds:.1f} s"
     )
-    raise SystemExit(int(any(each.contacts or each.false for each in results)))
+    raise SystemExit(int(any(item.contacts or item.false for item in results)))
 
 
 if __name__ == "__main__":

@@ -59,9 +59,9 @@ def tour(robot: str, backend: str, seed: int, task: Path = TASK) -> Tour:
 
 def line(kind: str, backend: str, tours: list[Tour]) -> str:
     """Return what was found for one kind of drive."""
-    right = sum(each.counts for each in tours)
-    contacts, false = sum(each.contacts for each in tours), sum(each.false for each in tours)
-    off, took = max(each.arrival_mm for each in tours), np.median([each.seconds for each in tours])
+    right = sum(tour_.counts for tour_ in tours)
+    contacts, false = sum(tour_.contacts for tour_ in tours), sum(tour_.false for tour_ in tours)
+    off, took = max(tour_.arrival_mm for tour_ in tours), np.median([tour_.seconds for tour_ in tours])
     return (
         f"{kind:11} {backend:10} {right} of {len(tours)} Success ({100.0 * right / len(tours):.0f} %); "
         f"contacts {contacts}; false outcomes {false}; arrival at most {off:.1f} mm off; median {took:.1f} s"

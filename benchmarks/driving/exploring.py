@@ -113,11 +113,11 @@ def main() -> None:
         size = SIZES[seed % len(SIZES)]
         results.append(explore(seed, size, asked.robot, asked.backend, asked.pictures))
         print(_line(seed, size, results[-1]), flush=True)
-    walls = np.concatenate([each.walls_mm for each in results])
+    walls = np.concatenate([result.walls_mm for result in results])
     median, high = float(np.median(walls)), float(np.quantile(walls, 0.95))
-    reached = sum(each.outcome == "Success" for each in results)
-    contacts, false = sum(each.contacts for each in results), sum(len(each.false) for each in results)
-    mapped = min(each.mapped_percent for each in results)
+    reached = sum(result.outcome == "Success" for result in results)
+    contacts, false = sum(result.contacts for result in results), sum(len(result.false) for result in results)
+    mapped = min(result.mapped_percent for result in results)
     print(
         f"all: {reached} of {len(results)} Success; walls {median / 10:.1f} / {high / 10:.1f} cm "
         f"(must: 3 / 8); floor mapped at least {mapped:.1f} %; contacts {contacts}; false outcomes {false}"

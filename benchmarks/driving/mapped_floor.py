@@ -124,12 +124,12 @@ def _way(
     used, at, last, total = dict[frozenset[Corner], int](), (0, 0), (-1, -1), 0.0
     way = [(xs[0], ys[0])]
     while total < length or at != (0, 0):
-        near = [each for each in graph.neighbors(at) if each != last] or [last]
+        near = [neighbor for neighbor in graph.neighbors(at) if neighbor != last] or [last]
         if total >= length:
             path = nx.shortest_path(graph, at, (0, 0))
             near = [path[1]]
-        counts = [used.get(frozenset((at, each)), 0) for each in near]
-        best = [each for each, count in zip(near, counts, strict=True) if count == min(counts)]
+        counts = [used.get(frozenset((at, item)), 0) for item in near]
+        best = [item for item, count in zip(near, counts, strict=True) if count == min(counts)]
         chosen = best[int(rng.integers(len(best)))]
         used[frozenset((at, chosen))] = used.get(frozenset((at, chosen)), 0) + 1
         last, at = at, chosen
@@ -180,7 +180,7 @@ def _record(backend: KinematicBackend, spec: RobotFile, way: list[tuple[float, f
         travel = base.wheel_travel()
         odometry, last = _moved(odometry, last, travel, spec), travel
     assert first is not None
-    times, odometries, truths, ranges = (np.array(each) for each in zip(*rows, strict=True))
+    times, odometries, truths, ranges = (np.array(item) for item in zip(*rows, strict=True))
     log = ScanLog(times, odometries, first.angles, ranges, first.base_T_sensor, spec.range_sensor.reach_m)
     return Drive(log, truths)
 

@@ -93,7 +93,7 @@ def main() -> None:
     print("seed blocks   way   odometry off at the end, loops, rejected, wall error median / 95 %, missing,")
     print("     largest pose error, squared error in sigmas (2 if exact), CPU", flush=True)
     found = [_row(number, asked.seed + number, asked.resolution) for number in range(asked.worlds)]
-    walls = np.concatenate([each.walls for each in found])
+    walls = np.concatenate([item.walls for item in found])
     print(f"all: wall error {_words(walls)} (must: 3 / 8 cm)")
     is_good = np.median(walls) <= MAX_MEDIAN_M and np.quantile(walls, 0.95) <= MAX_95_M
     raise SystemExit(0 if is_good else 1)

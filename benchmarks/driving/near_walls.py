@@ -134,17 +134,17 @@ def _places(room: Room, folder: Path, settings: dict[str, str], result: Trial) -
     write_places(folder, wanted, tolerance_mm)
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
     checked = check(TASK_FILE, settings=settings)
-    found = {each.name: each for each in checked.places}
-    refused_names = {re.findall(r"place '(\w+)'", each.message)[0] for each in checked.errors}
-    for each in wanted:
-        way = found[each].way
-        if way.fits == each.startswith("too_near") or (way.route is None) != (each in refused_names):
-            result.wrongly.append(f"{each}: {found[each].words()}")
-    kept = [each for each in wanted if found[each].way.route is not None]
-    write_places(folder, {each: wanted[each] for each in kept}, tolerance_mm)
+    found = {place.name: place for place in checked.places}
+    refused_names = {re.findall(r"place '(\w+)'", error.message)[0] for error in checked.errors}
+    for text in wanted:
+        way = found[text].way
+        if way.fits == text.startswith("too_near") or (way.route is None) != (text in refused_names):
+            result.wrongly.append(f"{text}: {found[text].words()}")
+    kept = [text for text in wanted if found[text].way.route is not None]
+    write_places(folder, {text: wanted[text] for text in kept}, tolerance_mm)
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
     result.allowed = len(kept)
-    return _tour(own_place, {each: wanted[each] for each in kept})
+    return _tour(own_place, {text: wanted[text] for text in kept})
 
 
 def _tour(at: tuple[float, float], places: dict[str, tuple[float, float, float]]) -> list[str]:
@@ -173,7 +173,7 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], result: Tria
         spot = next(room.beside(share * room.least - 0.001))
         places[f"too_near_{number}"] = (*spot, room.rng.uniform(-180.0, 180.0))
     write_places(folder, places)
-    world, chart, places_file = (folder / f"{each}.yaml" for each in ("world", "map", "places"))
+    world, chart, places_file = (folder / f"{text}.yaml" for text in ("world", "map", "places"))
     files = RigFiles(world, chart, places_file, {})
     with build_rig(files, settings["robot"], seed=result.seed) as rig:
         scene = rig.backend.scene  # type: ignore[attr-defined]
@@ -195,24 +195,24 @@ def _home(folder: Path) -> tuple[float, float, float]:
 
 def report(results: list[Trial], nearer: bool) -> str:
     """Return a report on all worlds."""
-    results = sorted(results, key=lambda each: each.seed)
+    results = sorted(results, key=lambda result: result.seed)
     lines = [f"{len(results)} worlds"]
     for surprised in (False, True):
-        chosen = [each for each in results if each.surprised == surprised]
-        last = {(each.seed, s.name): s for each in chosen for s in each.stood}
+        chosen = [result for result in results if result.surprised == surprised]
+        last = {(trial.seed, s.name): s for trial in chosen for s in trial.stood}
         unreached = [(seed, s) for (seed, _), s in last.items() if not s.reached]
         kind = "with boxes that aren't on the map" if surprised else "without surprises"
         lines.append(
             f"{kind}: {len(chosen)} worlds, {len(last)} places driven to, {len(unreached)} not reached, "
-            f"{sum(len(each.contacts) for each in chosen)} contacts"
+            f"{sum(len(trial.contacts) for trial in chosen)} contacts"
         )
         if not surprised and not nearer:
             lines += [f"  world {seed}, {s.name}: {s.reason}" for seed, s in unreached]
         elif nearer:
             reasons = Counter(s.reason.split(":")[0].rsplit(" ", 1)[0] for _, s in unreached)
             lines += [f"  {count} x {reason}" for reason, count in reasons.most_common(5)]
-        lines += [f"  world {each.seed}: contact at {words}" for each in chosen for words in each.contacts]
-    reached = [s for each in results for s in each.stood if s.reached]
+        lines += [f"  world {trial.seed}: contact at {words}" for trial in chosen for words in trial.contacts]
+    reached = [s for result in results for s in result.stood if s.reached]
     if reached:
         off, lost = (np.array([getattr(s, key) for s in reached]) for key in ("off_mm", "lost_mm"))
         lines.append(f"arrival: rms {_rms(off):.1f} mm, most {off.max():.1f} mm")
@@ -222,7 +222,7 @@ def report(results: list[Trial], nearer: bool) -> str:
         )
     lines.append(f"places beside things: {sum(e.places for e in results)}, reachable by `check`:")
     lines[-1] += f" {sum(e.allowed for e in results)}"
-    wrongly = [f"  world {each.seed}: {words}" for each in results for words in each.wrongly]
+    wrongly = [f"  world {result.seed}: {words}" for result in results for words in result.wrongly]
     lines.append(f"of which `check` is wrong by distances worked out cell by cell: {len(wrongly)}")
     lines += wrongly
     lines.append(f"{sum(e.seconds for e in results) / max(1, len(results)):.2f} CPU s a world")
@@ -242,8 +242,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the first world")
     parser.add_argument("--nearer", action="store_true", help="try places that `check` refuses")
     chosen = parser.parse_args()
-    for each in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(each, signal.default_int_handler)
+    for item in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(item, signal.default_int_handler)
     seeds = range(chosen.seed, chosen.seed + chosen.worlds)
     results = []
     with (

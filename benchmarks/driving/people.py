@@ -70,33 +70,36 @@ def try_people(world: PeopleWorld, chosen: argparse.Namespace) -> PeopleTrial:
 def _count(judge: Judge, scene: Any, result: PeopleTrial) -> None:
     survey = judge.surveys.of(ContactSurvey)
     assert survey is not None
-    of_people = [each for each in survey.contacts if each.other in scene.passers.names]
-    result.while_standing = sum(each.ran_into_it for each in of_people)
+    of_people = [contact for contact in survey.contacts if contact.other in scene.passers.names]
+    result.while_standing = sum(person.ran_into_it for person in of_people)
     result.by_robot = len(of_people) - result.while_standing
-    result.others = [f"{each.body} touched {each.other}" for each in survey.contacts if each not in of_people]
-    moving = (each for each in of_people if not each.ran_into_it)
-    result.others += [f"at {each.speed_m_s} m/s, {each.from_s} s" for each in moving]
+    result.others = [
+        f"{contact.body} touched {contact.other}" for contact in survey.contacts if contact not in of_people
+    ]
+    moving = (person for person in of_people if not person.ran_into_it)
+    result.others += [f"at {item.speed_m_s} m/s, {item.from_s} s" for item in moving]
 
 
 def people_report(results: list[PeopleTrial], speed: float) -> str:
     """Return the summary of all runs as text."""
-    arrived = [each for each in results if each.arrived]
-    touched = sum(len(each.others) - each.by_robot for each in results)
+    arrived = [result for result in results if result.arrived]
+    touched = sum(len(result.others) - result.by_robot for result in results)
     lines = [
-        f"{len(results)} runs: contacts by the robot {sum(each.by_robot for each in results)}; goal reached "
+        f"{len(results)} runs: contacts by the robot {sum(result.by_robot for result in results)}; "
+        "goal reached "
         f"{len(arrived)} ({100.0 * len(arrived) / max(1, len(results)):.1f} %), without a Fail "
-        f"{sum(each.reached for each in results)}; was run into while standing "
-        f"{sum(each.while_standing for each in results)} times; other contacts {touched}; "
-        f"false outcomes {sum(len(each.false) for each in results)}"
+        f"{sum(result.reached for result in results)}; was run into while standing "
+        f"{sum(result.while_standing for result in results)} times; other contacts {touched}; "
+        f"false outcomes {sum(len(result.false) for result in results)}"
     ]
-    ends = Counter(f"{each.kind}: {each.outcome}" for each in results)
+    ends = Counter(f"{result.kind}: {result.outcome}" for result in results)
     lines.append(", ".join(f"{count} {end}" for end, count in sorted(ends.items())))
     if arrived:
-        ratios = np.array([each.seconds * speed / each.best_m for each in arrived])
+        ratios = np.array([trial.seconds * speed / trial.best_m for trial in arrived])
         low, middle, high = np.percentile(ratios, [5, 50, 95])
         spread = f"(5 % {low:.2f}, 95 % {high:.2f})"
         lines.append(f"time over (best way / top speed): median {middle:.2f} {spread}")
-    taken = np.concatenate([each.periods_ms for each in results])
+    taken = np.concatenate([result.periods_ms for result in results])
     lines.append(
         f"CPU of a period: mean {taken.mean():.2f} ms, 99 % {np.percentile(taken, 99):.2f} ms, "
         f"above {SLOW_MS:g} ms {100.0 * float((taken > SLOW_MS).mean()):.2f} %"
@@ -131,12 +134,12 @@ def main() -> None:
                 f"run {seed} ({result.kind}): {result.outcome}, {result.fails} Fails, {seconds} s for "
                 f"{result.best_m:.1f} m, by robot {result.by_robot}, while standing {result.while_standing}"
                 + ("" if result.reached else f"; {result.reason}")
-                + "".join(f"\n  {each}" for each in result.others)
-                + "".join(f"\n  FALSE: {each}" for each in result.false),
+                + "".join(f"\n  {other}" for other in result.others)
+                + "".join(f"\n  FALSE: {item}" for item in result.false),
                 flush=True,
             )
     print(people_report(results, chosen.speed))
-    raise SystemExit(int(any(each.by_robot or each.false for each in results)))
+    raise SystemExit(int(any(item.by_robot or item.false for item in results)))
 
 
 if __name__ == "__main__":

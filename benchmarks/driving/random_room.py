@@ -53,7 +53,7 @@ class Room:
         self.boxes = [*self._walls(), *self._things()]
         size = (self.width + 0.6, self.depth + 0.6)
         offset = -0.3 - self.cell * self.rng.random(2)
-        flat = [each[:5] for each in self.boxes]
+        flat = [box[:5] for box in self.boxes]
         self.grid: GridMap = from_boxes(flat, self.cell, (float(offset[0]), float(offset[1])), size)
         rows, columns = np.nonzero(self.grid.occupied)
         self._low = np.column_stack([columns, rows]) * self.cell + offset
@@ -106,7 +106,7 @@ class Room:
             (at, begin / 2, 0.0, WALL_M, begin),
             (at, (begin + door + d) / 2, 0.0, WALL_M, d - begin - door),
         ]
-        return [(*each, 2.0) for each in middle]
+        return [(*item, 2.0) for item in middle]
 
     def _things(self) -> list[Box]:
         return [self._thing() for _ in range(int(self.rng.integers(2, 6)))]

@@ -209,7 +209,7 @@ def main() -> None:
     exactness(options.samples, options.seed)
     print("\nroute / shortest 8-connected; / any-angle shortest; mean clearance / that one's; CPU ms a query")
     print("map             radius median 95 %   most    any-angle room    ms  missing nearer")
-    rows = [compare(*each, options.pairs) for each in maps(options.maps)]
+    rows = [compare(*map_, options.pairs) for map_ in maps(options.maps)]
     middle, high, most = np.quantile(np.concatenate(rows), [0.5, 0.95, 1.0])
     worst = max(float(np.median(row)) for row in rows)
     print(f"{'all':<22} {middle:.3f}  {high:.3f}  {most:.3f}   largest median of a map {worst:.3f}")

@@ -124,7 +124,7 @@ def write_world(seed: int, folder: Path) -> int:
 def _walls(width: float, depth: float) -> list[Box]:
     flat = [(width / 2, y, 0.0, width + WALL_M, WALL_M) for y in (0.0, depth)]
     flat += [(x, depth / 2, 0.0, WALL_M, depth) for x in (0.0, width)]
-    return [(*each, 2.0, 0.0) for each in flat]
+    return [(*item, 2.0, 0.0) for item in flat]
 
 
 def _box(
@@ -157,7 +157,7 @@ def _places(
     while len(found) < PLACE_COUNT + 1:
         x, y = rng.uniform([0.8, 0.8], [width - 0.8, depth - 0.8]).tolist()
         clear = all(math.dist((x, y), box[:2]) > 0.9 + 0.5 * math.hypot(*box[3:5]) for box in seen[4:])
-        if clear and all(math.dist((x, y), each[:2]) > 2.0 for each in found[-2:]):
+        if clear and all(math.dist((x, y), entry[:2]) > 2.0 for entry in found[-2:]):
             found.append((x, y, float(rng.uniform(-180.0, 180.0))))
     return found
 
@@ -169,7 +169,7 @@ def _write(
     unseen: list[Box],
     places: list[tuple[float, float, float]],
 ) -> None:
-    grid = from_boxes([each[:5] for each in seen], CELL_M, (-0.3, -0.3), (size[0] + 0.6, size[1] + 0.6))
+    grid = from_boxes([box[:5] for box in seen], CELL_M, (-0.3, -0.3), (size[0] + 0.6, size[1] + 0.6))
     cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
     (folder / "map.yaml").write_text(
         f"image: map.png\nresolution: {CELL_M}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
@@ -198,12 +198,12 @@ def _listed(key: str, name: str, boxes: list[Box]) -> str:
 
 def report(results: list[Trial], backend: str) -> tuple[str, bool]:
     """Return a report on all worlds, and True if all requirements are met."""
-    boxes, touched = sum(each.boxes for each in results), Counter[int]()
-    for each in results:
-        touched.update(each.touched.values())
+    boxes, touched = sum(result.boxes for result in results), Counter[int]()
+    for result in results:
+        touched.update(result.touched.values())
     again = sum((count - 1) * number for count, number in touched.items())
-    pushed = max((each.pushed for each in results), default=0.0)
-    ends = Counter(each.outcome for each in results)
+    pushed = max((result.pushed for result in results), default=0.0)
+    ends = Counter(result.outcome for result in results)
     lines = [
         f"{len(results)} worlds with {boxes} low and hanging boxes, backend {backend}: "
         f"{sum(touched.values())} boxes run into; contacts after the first: {again} (allowed: 0); "
@@ -235,7 +235,7 @@ def main() -> None:
                 f"world {seed}: {last.outcome}, touched {dict(last.touched)}, {last.pushed:.2f} s", flush=True
             )
             if chosen.verbose:
-                print("\n".join(f"  {each}" for each in last.reasons), flush=True)
+                print("\n".join(f"  {reason}" for reason in last.reasons), flush=True)
     text, good = report(results, chosen.backend)
     print(text)
     raise SystemExit(0 if good else 1)

@@ -112,22 +112,22 @@ def _prepared(task: Path, seed: int, times: float, backend: str, folder: Path) -
 
 def report(runs: list[WorseRun]) -> Iterator[str]:
     """Yield a line for each task, then one for each false outcome, then the sum."""
-    for name in sorted({each.task for each in runs}):
-        own = [each for each in runs if each.task == name]
-        counts = Counter(each.outcome for each in own).most_common()
+    for name in sorted({run.task for run in runs}):
+        own = [run for run in runs if run.task == name]
+        counts = Counter(run.outcome for run in own).most_common()
         ends = ", ".join(f"{count} {end}" for end, count in counts)
-        false, cpu = sum(bool(each.false) for each in own), sum(each.cpu_s for each in own) / len(own)
+        false, cpu = sum(bool(run.false) for run in own), sum(run.cpu_s for run in own) / len(own)
         yield f"{name:<32} {len(own):>3} runs: {ends}; {false} with false outcomes; {cpu:.1f} CPU s a run"
-    for each in sorted(runs):
-        yield from (f"  {each.task}, seed {each.seed}: {words}" for words in each.false)
-    yield f"false outcomes: {sum(len(each.false) for each in runs)} in {len(runs)} runs"
+    for run in sorted(runs):
+        yield from (f"  {run.task}, seed {run.seed}: {words}" for words in run.false)
+    yield f"false outcomes: {sum(len(run.false) for run in runs)} in {len(runs)} runs"
 
 
 def main() -> int:
     """Print the report; 1 where an outcome is false."""
     chosen = _arguments()
-    for each in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(each, signal.default_int_handler)
+    for item in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(item, signal.default_int_handler)
     todo = [
         (name, seed)
         for seed in range(chosen.seed, chosen.seed + chosen.seeds)
@@ -141,7 +141,7 @@ def main() -> int:
         bar = progress.add_task("runs", total=len(todo))
         try:
             for done in as_completed(
-                [pool.submit(run_worse, *each, chosen.times, chosen.backend) for each in todo]
+                [pool.submit(run_worse, *item, chosen.times, chosen.backend) for item in todo]
             ):
                 runs.append(done.result())
                 progress.advance(bar)
@@ -150,7 +150,7 @@ def main() -> int:
         except KeyboardInterrupt:
             pool.shutdown(wait=False, cancel_futures=True)
     print("\n".join(report(runs)))
-    return int(any(each.false for each in runs))
+    return int(any(run.false for run in runs))
 
 
 def _arguments() -> argparse.Namespace:

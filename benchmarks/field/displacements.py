@@ -73,7 +73,7 @@ def _way(log: FieldLog, localizer: GpsFilter, begun: int, pose: FloatArray, row:
 
 def true_way(log: FieldLog, begun: int, row: int) -> FloatArray:
     """Return (3,) x ahead, y left in [m], turn in [rad], from one row to a later one."""
-    begin, end = (Pose2(*log.drive.poses[each].tolist()) for each in (begun, row))
+    begin, end = (Pose2(*log.drive.poses[item].tolist()) for item in (begun, row))
     return np.array(end.relative_to(begin))
 
 

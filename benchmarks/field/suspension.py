@@ -91,9 +91,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name, robot in (("rockers", "el_verde"), ("rigid", rigid(Path(folder)))):
             drives = [drive(robot, asked.backend, seed, asked.metres) for seed in range(asked.seeds)]
-            tilts = np.concatenate([each.tilts for each in drives])
-            sides = np.concatenate([each.sides for each in drives])
-            hanging = np.concatenate([each.hanging for each in drives])
+            tilts = np.concatenate([item.tilts for item in drives])
+            sides = np.concatenate([item.sides for item in drives])
+            hanging = np.concatenate([item.hanging for item in drives])
             most, four = math.degrees(tilts.max()), 100.0 * float(np.mean(hanging == 0))
             print(f"{name:10}{_rms(tilts):8.2f} deg{most:6.1f} deg{_rms(sides):10.2f} deg{four:17.1f} %")
 

@@ -116,9 +116,9 @@ def rows(log: Path, since: float) -> list[tuple[float, list[float], list[float]]
     for line in lines:
         stamp, _, *drives = line.split(",")
         if float(stamp) >= since:
-            fields = [each.split(":") for each in drives]
+            fields = [drive.split(":") for drive in drives]
             read.append(
-                (float(stamp), [float(each[1]) for each in fields], [float(each[2]) for each in fields])
+                (float(stamp), [float(field[1]) for field in fields], [float(field[2]) for field in fields])
             )
     return read
 
@@ -183,16 +183,16 @@ def run(kills: int, tell: Callable[[str], None], seed: int = 0) -> list[Kill]:
 
 def figures(results: list[Kill]) -> dict[str, float | int]:
     """Return the figures that are reported."""
-    stood = np.array([each.stood_after for each in results])
-    margin = np.array([each.allowed - each.stood_after for each in results])
+    stood = np.array([result.stood_after for result in results])
+    margin = np.array([result.allowed - result.stood_after for result in results])
     return {
         "kills": len(results),
-        "too_late": sum(not each.held for each in results),
+        "too_late": sum(not result.held for result in results),
         "stood_p50_ms": round(1e3 * float(np.percentile(stood, 50)), 1),
         "stood_p99_ms": round(1e3 * float(np.percentile(stood, 99)), 1),
         "stood_max_ms": round(1e3 * float(stood.max()), 1),
         "beyond_heartbeat_and_ramp_max_ms": round(1e3 * (WATCH_STEP_S - float(margin.min())), 1),
-        "distance_max_mm": round(1e3 * max(each.distance for each in results), 1),
+        "distance_max_mm": round(1e3 * max(result.distance for result in results), 1),
     }
 
 
@@ -210,7 +210,7 @@ def main(
     results = run(kills, lambda words: print(words, file=sys.stderr, flush=True), seed)
     found = figures(results)
     if as_json:
-        print(json.dumps({**found, "trials": [asdict(each) for each in results]}))
+        print(json.dumps({**found, "trials": [asdict(result) for result in results]}))
     else:
         for name, value in found.items():
             print(f"{name:<34} {value}")

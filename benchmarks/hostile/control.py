@@ -108,10 +108,10 @@ def _stopped(runs: Path) -> float:
         time.sleep(0.01)
     over = threading.Event()
     others = [
-        threading.Thread(target=_bother, args=(run.folder, over, each)) for each in range(OTHER_CLIENTS)
+        threading.Thread(target=_bother, args=(run.folder, over, index)) for index in range(OTHER_CLIENTS)
     ]
-    for each in others:
-        each.start()
+    for other in others:
+        other.start()
     time.sleep(1.0)
     asked = time.monotonic()
     tell_to_stop(run.folder)
@@ -119,8 +119,8 @@ def _stopped(runs: Path) -> float:
         time.sleep(0.002)
     took = time.monotonic() - asked
     over.set()
-    for each in others:
-        each.join()
+    for other in others:
+        other.join()
     run.process.wait(60.0)
     end = read_journal(run.folder / "journal.jsonl").records[-1]
     assert end["outcome"] == "Cancelled", end

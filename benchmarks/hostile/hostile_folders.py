@@ -33,7 +33,7 @@ FOLDERS_PER_PROCESS = 2000  # folders for one process
 def worker(first: int, last: int, seed: int, originals: Path, work: Path) -> None:
     """Attack folders `first` to `last`, a line of JSON for each."""
     known = [
-        Original(**{**each, "folder": Path(each["folder"])}) for each in json.loads(originals.read_text())
+        Original(**{**load, "folder": Path(load["folder"])}) for load in json.loads(originals.read_text())
     ]
     out = sys.stdout
     sys.stdout = sys.stderr
@@ -49,7 +49,7 @@ def originals(names: Sequence[str], where: Path) -> list[Original]:
         if recipe.name not in names:
             continue
         began = time.monotonic()
-        found += [replace(each, state=true_state(each, where)) for each in make(recipe, TASKS_FOLDER, where)]
+        found += [replace(item, state=true_state(item, where)) for item in make(recipe, TASKS_FOLDER, where)]
         print(f"{recipe.name}: {len(found)} folders so far, {time.monotonic() - began:.0f} s", flush=True)
     return found
 
@@ -73,7 +73,7 @@ def verdicts(count: int, seed: int, known: Path, scratch: Path) -> Iterator[dict
             ]
             with (scratch / "stderr").open("ab") as errors:
                 process = subprocess.Popen(
-                    [str(each) for each in words], stdout=subprocess.PIPE, stderr=errors
+                    [str(word) for word in words], stdout=subprocess.PIPE, stderr=errors
                 )
             assert process.stdout is not None
             try:
@@ -102,21 +102,24 @@ def main() -> None:
     parser.add_argument("--folders", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
-        "--of", nargs="*", default=[each.name for each in RUN_RECIPES], help="names of recipes"
+        "--of", nargs="*", default=[recipe.name for recipe in RUN_RECIPES], help="names of recipes"
     )
     given = parser.parse_args()
     attacks, ends, wrong = Counter[str](), Counter[tuple[str, str]](), 0
     with tempfile.TemporaryDirectory() as scratch:
         known = Path(scratch) / "originals.json"
         made = originals(given.of, Path(scratch) / "originals")
-        known.write_text(json.dumps([{**asdict(each), "folder": str(each.folder)} for each in made]))
-        for done, each in enumerate(verdicts(given.folders, given.seed, known, Path(scratch)), start=1):
-            attacks[each["attack"]] += 1
-            ends[each["attack"], each["ended"]] += 1
-            if each["wrong"]:
+        known.write_text(
+            json.dumps([{**asdict(original), "folder": str(original.folder)} for original in made])
+        )
+        for done, verdict in enumerate(verdicts(given.folders, given.seed, known, Path(scratch)), start=1):
+            attacks[verdict["attack"]] += 1
+            ends[verdict["attack"], verdict["ended"]] += 1
+            if verdict["wrong"]:
                 wrong += 1
                 print(
-                    f"\n{each['number']} {each['attack']} on {each['original']}: {each['wrong']}", flush=True
+                    f"\n{verdict['number']} {verdict['attack']} on {verdict['original']}: {verdict['wrong']}",
+                    flush=True,
                 )
             if done % 50 == 0:
                 print(f"\r{done} of {given.folders}, {wrong} violations", end="", flush=True)

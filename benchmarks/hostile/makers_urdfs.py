@@ -82,11 +82,11 @@ def main() -> None:
     parser.add_argument("--build", default="kinematic", help="backends that robots are built on, or none")
     given = parser.parse_args()
     folders = given.folders or [ROBOTS_FOLDER, *_package_folders("pybullet_data")]
-    backends = tuple(each for each in given.build.split(",") if each not in ("", "none"))
+    backends = tuple(part for part in given.build.split(",") if part not in ("", "none"))
     with tempfile.TemporaryDirectory(prefix="urdfs-", dir=os.environ.get("TMPDIR")) as scratch:
-        copies = [_linked(each, Path(scratch) / str(n)) for n, each in enumerate(folders)]
+        copies = [_linked(folder, Path(scratch) / str(n)) for n, folder in enumerate(folders)]
         cases = [
-            each._replace(backends=backends) for each in _cases(copies, given.mutants, given.most, given.seed)
+            case._replace(backends=backends) for case in _cases(copies, given.mutants, given.most, given.seed)
         ]
         sys.exit(_look(cases, given.jobs, given.limit_s))
 
@@ -94,7 +94,9 @@ def main() -> None:
 def _package_folders(name: str) -> list[Path]:
     """Return the folders of an installed package; none where it is not installed."""
     spec = find_spec(name)
-    return [Path(each) for each in (spec.submodule_search_locations or ())] if spec is not None else []
+    return (
+        [Path(location) for location in (spec.submodule_search_locations or ())] if spec is not None else []
+    )
 
 
 def _linked(folder: Path, target: Path) -> Path:
@@ -136,10 +138,10 @@ def _look(cases: list[Case], jobs: int, limit: int) -> int:
     for number, (case, seen) in enumerate(_all(cases, jobs, limit), start=1):
         statuses[seen.statuses] += 1
         slowest = max(slowest, (seen.seconds, str(case.path)))
-        crashed += any(CRASH_WORDS.search(each) for each in seen.violations)
-        for each in seen.violations:
+        crashed += any(CRASH_WORDS.search(violation) for violation in seen.violations)
+        for violation in seen.violations:
             bad += 1
-            print(f"\r{case.path}, {case.what}: {each}")
+            print(f"\r{case.path}, {case.what}: {violation}")
         print(f"\r{number} of {len(cases)}, {bad} violations", end="", flush=True)
     print(f"\n{len(cases)} URDFs: {bad} violations; slowest {slowest[0]:.1f} s, {slowest[1]}")
     print(f"of these {sum(case.text is not None for case in cases)} mutated; status 5: {crashed}")
@@ -173,13 +175,13 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
             process.start()
             theirs.close()
             running.append((case, process, mine, time.monotonic()))
-        for each in list(running):
-            case, process, mine, begun = each
+        for entry in list(running):
+            case, process, mine, begun = entry
             passed = time.monotonic() - begun
             ready = mine.poll(0.02)
             if not ready and process.is_alive() and passed < WALL_TIME_RATIO * limit:
                 continue
-            running.remove(each)
+            running.remove(entry)
             yield case, _result(mine, process, passed, limit)
 
 
@@ -232,11 +234,11 @@ def _checked(path: Path, draft: Path, people: bool = True, backends: tuple[str, 
             with draft.open("a", encoding="utf-8") as file:  # as a person has to
                 file.write(DRIVE_TEXT)
         status, more = _check(draft, path.name, people=people)
-        violations += [f"as a robot: {each}" for each in more]
+        violations += [f"as a robot: {item}" for item in more]
         statuses.append(status)
         if status == 0 and people:
             status, more = _check(draft, path.name, "--allow", json_too=False)
-            violations += [f"with --allow: {each}" for each in more]
+            violations += [f"with --allow: {item}" for item in more]
             statuses.append(status)
         if statuses[1] == 0:
             violations += [wrong for backend in backends for wrong in _built(draft, backend)]
@@ -310,11 +312,11 @@ def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
         findings = report.get("findings", [])
         if report.get("ok") or not findings:
             yield "status 2 without a finding"
-        for each in findings:
-            if each["line"] < 1 or not str(each["file"]).endswith((urdf, ".yaml")):
-                yield f"no place: {each}"
-            elif not NAMED_CAUSE.search(each["message"]):
-                yield f"names no link or joint: {each['message']}"
+        for finding in findings:
+            if finding["line"] < 1 or not str(finding["file"]).endswith((urdf, ".yaml")):
+                yield f"no place: {finding}"
+            elif not NAMED_CAUSE.search(finding["message"]):
+                yield f"names no link or joint: {finding['message']}"
 
 
 def _said(*words: str) -> tuple[int, str, str]:

@@ -131,7 +131,7 @@ def _count(row: Row, seed: int, summary: dict[str, Any]) -> None:
     row.ends[summary["outcome"]] += 1
     row.bddl += bool(metrics["activity_bddl"])
     row.ours += bool(metrics["activity_ours"])
-    row.false += [f"seed {seed}: {each}" for each in metrics["untrue"]]
+    row.false += [f"seed {seed}: {item}" for item in metrics["untrue"]]
     if not metrics.get("activity_agreed", False):
         ours, theirs = metrics["activity_ours_wrong"], metrics["activity_bddl_wrong"]
         row.differ.append(f"seed {seed}: ours: {ours or 'done'}; bddl: {theirs or 'done'}")

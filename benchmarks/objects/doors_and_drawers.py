@@ -87,12 +87,12 @@ def main() -> None:
 
 def print_row(backend: str, case: str, found: list[dict[str, Any]]) -> int:
     """Print the row; return 1 if an outcome was false, otherwise 0."""
-    metrics = [each["metrics"] for each in found]
-    false = [wrong for each in metrics for wrong in each["untrue"]]
-    ends = Counter(each["outcome"] for each in found)
+    metrics = [entry["metrics"] for entry in found]
+    false = [wrong for metric in metrics for wrong in metric["untrue"]]
+    ends = Counter(entry["outcome"] for entry in found)
     within = sum(
-        each["outcome"] == "Success" and _is_within(numbers)
-        for each, numbers in zip(found, metrics, strict=True)
+        entry["outcome"] == "Success" and _is_within(numbers)
+        for entry, numbers in zip(found, metrics, strict=True)
     )
     print(f"{backend}, {case}: {dict(ends)}; false {len(false)}; within all limits {within} of {len(found)}")
     for key, words in (
@@ -101,7 +101,7 @@ def print_row(backend: str, case: str, found: list[dict[str, Any]]) -> int:
         ("radius_off_mm", "radius off [mm]"),
         ("door_force_n", f"greatest force [N], limit {FORCE_LIMIT_N:g}"),
     ):
-        values = [each[key] for each in metrics if key in each]
+        values = [metric[key] for metric in metrics if key in metric]
         if values:
             middle, high = np.percentile(values, [50.0, 95.0])
             print(f"  {words}: median {middle:.2f}, 95 % {high:.2f}, most {max(values):.2f}")

@@ -126,7 +126,7 @@ def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) 
         found.cpu_s += time.process_time() - begun
         found.simulated_s += summary["sim_time_s"]
         found.ends[summary["outcome"] if not summary["reason"] else summary["reason"][:80]] += 1
-        found.false += [f"seed {seed}: {each}" for each in metrics["untrue"]]
+        found.false += [f"seed {seed}: {item}" for item in metrics["untrue"]]
         if "placed_off_mm" in metrics:
             found.placed_mm.append(metrics["placed_off_mm"])
         if "placed_seen_off_mm" in metrics:
@@ -183,14 +183,14 @@ def _with_moved_tables(text: str, moved: TableMove, rng: np.random.Generator) ->
         now = Pose2(before.x + step[0], before.y + step[1], float(side * moved.turn))
         half = np.array(table["size_m"][:2]) / 2
         on_it = [
-            each
-            for each in world["objects"]
-            if (np.abs((each["x_m"] - before.x, each["y_m"] - before.y)) < half).all()
+            object_
+            for object_ in world["objects"]
+            if (np.abs((object_["x_m"] - before.x, object_["y_m"] - before.y)) < half).all()
         ]
-        for each in (table, *on_it):
-            heading = math.radians(each.get("heading_deg", 0.0))
-            pose = now.compose(Pose2(each["x_m"], each["y_m"], heading).relative_to(before))
-            each |= {"x_m": pose.x, "y_m": pose.y, "heading_deg": math.degrees(pose.theta)}
+        for item in (table, *on_it):
+            heading = math.radians(item.get("heading_deg", 0.0))
+            pose = now.compose(Pose2(item["x_m"], item["y_m"], heading).relative_to(before))
+            item |= {"x_m": pose.x, "y_m": pose.y, "heading_deg": math.degrees(pose.theta)}
     return str(yaml.safe_dump(world, sort_keys=False))
 
 

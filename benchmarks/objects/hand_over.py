@@ -55,14 +55,14 @@ def main() -> None:
             if not isinstance(outcome, Success):
                 ends[outcome.cause.name] += 1
             wrong += bool(untrue)
-            false += [f"{person}, seed {seed}: {type(outcome).__name__}, but {each}" for each in untrue]
+            false += [f"{person}, seed {seed}: {type(outcome).__name__}, but {item}" for item in untrue]
         causes = ", ".join(f"{name} {count}" for name, count in sorted(ends.items()) if name.islower())
         row = "".join(f"{ends[name]:>{wide}}" for name, wide in (("Success", 8), ("Fail", 6), ("GiveUp", 8)))
         print(
             f"{person:<10}{row}{wrong:>7}  {causes}  ({time.process_time() - began:.0f} s of CPU)", flush=True
         )
-    for each in false:
-        print(each)
+    for text in false:
+        print(text)
     sys.exit(bool(false))
 
 

@@ -26,10 +26,10 @@ def world_with(folder: Path, pulls: Sequence[Mapping[str, Any]], friction: float
     import yaml
 
     data = yaml.safe_load((TASK_FOLDER / "world.yaml").read_text(encoding="utf-8"))
-    for each in data["objects"]:
-        each["friction"] = friction
+    for object_ in data["objects"]:
+        object_["friction"] = friction
     path = folder / "world.yaml"
-    path.write_text(yaml.safe_dump({**data, "pulls": [dict(each) for each in pulls]}), encoding="utf-8")
+    path.write_text(yaml.safe_dump({**data, "pulls": [dict(pull) for pull in pulls]}), encoding="utf-8")
     return path
 
 

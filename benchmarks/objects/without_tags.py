@@ -85,7 +85,7 @@ def write_robot(folder: Path, robot: str = ROBOT_NAME, times: float = 1.0) -> Pa
     copy = folder / robot
     shutil.copytree(SHIPPED_FOLDER / robot, copy)
     with (copy / "robot.yaml").open("a", encoding="utf-8") as file:
-        file.write(DEPTH_CAMERA_YAML % tuple(times * each for each in sigmas))
+        file.write(DEPTH_CAMERA_YAML % tuple(times * sigma for sigma in sigmas))
     return copy / "robot.yaml"
 
 
@@ -108,8 +108,8 @@ def write_objects(folder: Path, wanted: str, other: str) -> Path:
     text = (TASK_FOLDER / "objects.yaml").read_text(encoding="utf-8")
     surfaces = text[text.index("surfaces:") : text.index("objects:\n")]
     kinds = "".join(
-        f"  {name}: {{shape: {each.shape}, size_mm: {each.size_mm}, mass_kg: 0.3}}\n"
-        for name, each in OBJECT_SHAPES.items()
+        f"  {name}: {{shape: {shape.shape}, size_mm: {shape.size_mm}, mass_kg: 0.3}}\n"
+        for name, shape in OBJECT_SHAPES.items()
     )
     objects = (
         f"objects:\n  wanted: {{kind: {wanted}, on: table_a, x_m: 1.9, y_m: 3.65, heading_deg: 20}}\n"

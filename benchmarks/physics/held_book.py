@@ -56,7 +56,7 @@ class HeldBook:
         self.book = book
 
     def _part(self, kind: type[Any]) -> Any:
-        return next(each for each in self.backend.capabilities() if isinstance(each, kind))
+        return next(capability for capability in self.backend.capabilities() if isinstance(capability, kind))
 
     def take(self) -> None:
         """Grip the book on the tray by its spine, lift it, and let it come to rest."""

@@ -35,8 +35,8 @@ def outcomes(task: Path, backend: str, seed: int) -> tuple[Outcomes, list[str], 
         spent = time.process_time() - began
         path = next(Path(folder).glob("*/journal.jsonl"))
         records = read_journal(path).records
-    names = {each["n"]: each["action"]["do"] for each in records if each["kind"] == "START"}
-    ended = [(names[each["n"]], each["outcome"]) for each in records if each["kind"] == "RESULT"]
+    names = {record["n"]: record["action"]["do"] for record in records if record["kind"] == "START"}
+    ended = [(names[record["n"]], record["outcome"]) for record in records if record["kind"] == "RESULT"]
     return ended, summary["metrics"].get("untrue", []), spent
 
 

@@ -34,7 +34,7 @@ def write_room(folder: Path) -> dict[str, str]:
     picture = np.full((rows, columns), 254, np.uint8)
     picture[:2], picture[-2:], picture[:, :2], picture[:, -2:] = 0, 0, 0, 0
     for x0, y0, x1, y1 in WALL_BOXES_M:
-        c0, r0, c1, r1 = (round(each / CELL_M) for each in (x0, y0, x1, y1))
+        c0, r0, c1, r1 = (round(item / CELL_M) for item in (x0, y0, x1, y1))
         picture[r0:r1, c0:c1] = 0
     cv2.imwrite(str(folder / "map.png"), picture[::-1])
     (folder / "map.yaml").write_text(

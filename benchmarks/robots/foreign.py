@@ -131,10 +131,10 @@ def tried(robot: ForeignRobot, packages: Path, chosen: argparse.Namespace, say: 
 
 
 def _row(robot: ForeignRobot, backend: str, runs: Sequence[Driven], warnings: int, cpu: float) -> list[str]:
-    reached, asked = sum(each.reached for each in runs), len(PLACE_POSES) * len(runs)
+    reached, asked = sum(driven.reached for driven in runs), len(PLACE_POSES) * len(runs)
     words = f"{reached} of {asked} places, {sum(e.contacts for e in runs)} contacts"
     words += f", {sum(e.false for e in runs)} false outcomes"
-    why = sorted({each for run in runs for each in run.why})
+    why = sorted({item for run in runs for item in run.why})
     return [
         robot.name,
         backend,
@@ -146,7 +146,7 @@ def _row(robot: ForeignRobot, backend: str, runs: Sequence[Driven], warnings: in
 def main() -> None:
     """Print a table; status 1 where something went wrong."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    names = [each.name for each in FOREIGN_ROBOTS]
+    names = [foreign_robot.name for foreign_robot in FOREIGN_ROBOTS]
     words.add_argument("packages", type=Path, help="folder with installed packages")
     words.add_argument("--robots", nargs="+", default=names, choices=names, metavar="NAME")
     words.add_argument("--backends", nargs="+", default=["kinematic", "mujoco"], metavar="NAME")

@@ -105,7 +105,7 @@ class MimicRobot:
         rng.shuffle(names)
         self.joints: list[Joint] = []
         for name in names:
-            parent = str(rng.choice(["base", *(each.name for each in self.joints)]))
+            parent = str(rng.choice(["base", *(joint.name for joint in self.joints)]))
             leader = str(rng.choice(self.leaders))
             factor, offset = float(rng.uniform(*MULTIPLIER_RANGE)), float(rng.uniform(-0.3, 0.3))
             mimic = None if name in self.leaders else Mimic(leader, round(factor, 3), round(offset, 3))
@@ -115,23 +115,23 @@ class MimicRobot:
             axis = rng.standard_normal(3)
             kind = str(rng.choice(JOINT_KINDS))
             self.joints.append(Joint(name, kind, parent, origin, axis / np.linalg.norm(axis), mimic))
-        self.kinds = {each.name: each.kind for each in self.joints}
+        self.kinds = {joint.name: joint.kind for joint in self.joints}
         self.mimics = mimics
 
     def values(self, posture: FloatArray) -> dict[str, float]:
         """Positions of all joints for those of the leaders (n,)."""
         led = dict(zip(self.leaders, posture.tolist(), strict=True))
-        for each in self.joints:
-            if each.mimic is not None:
-                leader, factor, offset = each.mimic
-                led[each.name] = factor * led[leader] + offset
+        for joint in self.joints:
+            if joint.mimic is not None:
+                leader, factor, offset = joint.mimic
+                led[joint.name] = factor * led[leader] + offset
         return led
 
     def link_poses(self, posture: FloatArray) -> dict[str, FloatArray]:
         """base_T_link (4, 4) of all links, by multiplying out the tree."""
         values, poses = self.values(posture), {"base": np.eye(4)}
-        for each in self.joints:
-            poses[each.name] = poses[each.parent] @ each.pose(values[each.name])
+        for joint in self.joints:
+            poses[joint.name] = poses[joint.parent] @ joint.pose(values[joint.name])
         return poses
 
     def goal(self, seed: int) -> FloatArray:
@@ -142,7 +142,7 @@ class MimicRobot:
 
     def write(self, folder: Path) -> Path:
         """Write URDF and robot's file; return the latter."""
-        joints = "".join(self._still(each) if not self.mimics else each.xml(60.0) for each in self.joints)
+        joints = "".join(self._still(joint) if not self.mimics else joint.xml(60.0) for joint in self.joints)
         (folder / "robot.urdf").write_text(f'<robot name="r">{_base()}{joints}</robot>', encoding="utf-8")
         words = {"joints": ", ".join(self.leaders), "zeros": ", ".join(["0"] * LEADER_COUNT)}
         (folder / "robot.yaml").write_text(

@@ -106,7 +106,7 @@ def main() -> None:
             if far or late:
                 what = f"{with_mimics.worst} is off by {with_mimics.off:.2g}, lag {with_mimics.lag:.2g}"
                 say.print(f"{name}, robot {seed}: {what} (without followers {without.lag:.2g})")
-        off, lag, least = (max(each) for each in zip(*((a.off, a.lag, b.lag) for a, b in rows), strict=True))
+        off, lag, least = (max(item) for item in zip(*((a.off, a.lag, b.lag) for a, b in rows), strict=True))
         table.add_row(name, str(len(rows)), f"{off:.2g}", f"{lag:.2g}", f"{least:.2g}")
     Console().print(table)
     sys.exit(1 if wrong else 0)

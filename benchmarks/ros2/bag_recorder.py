@@ -79,9 +79,9 @@ class BagRecorder:
             return _base(words[0], value)
         (inner, name), size = words
         if inner is Nodetype.NAME:
-            return [self._made(name, each) for each in value or ()]
+            return [self._made(name, item) for item in value or ()]
         if name[0] == "string":
-            return [str(each) for each in value or ()]
+            return [str(item) for item in value or ()]
         if value is None:
             return np.zeros(size, np.dtype(name[0]))
         if name[0] == "uint8":

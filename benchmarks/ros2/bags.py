@@ -86,8 +86,8 @@ def main() -> None:
             f" spoiled: {tried - len(missed)} of {tried} named",
             flush=True,
         )
-        for each in missed:
-            print(f"    {each}", flush=True)
+        for item in missed:
+            print(f"    {item}", flush=True)
     sys.exit(1 if wrong else 0)
 
 
@@ -188,8 +188,8 @@ def play_foreign(path: Path, name: str) -> int:
     except InputError as error:
         print(error)
         return 1
-    for each in report.topics:
-        print(f"{each.topic:<24}{each.kind:<26}{each.messages} messages, {each.rate_hz:.1f} Hz")
+    for topic in report.topics:
+        print(f"{topic.topic:<24}{topic.kind:<26}{topic.messages} messages, {topic.rate_hz:.1f} Hz")
     for finding in (*report.faults, *report.remarks):
         print(f"    {finding.words}")
     return 1 if report.faults else 0

@@ -64,16 +64,18 @@ def main() -> None:
                     found.append(FAULT_TRIALS.get(kind, spoiled)(kind, topic))
                 trial += 1
             print(file=sys.stderr)
-            wrong = [each.wrong for each in found if each.wrong]
+            wrong = [noticed.wrong for noticed in found if noticed.wrong]
             missed += len(wrong)
-            after, rest = (np.max([getattr(each, name) for each in found]) for name in ("after_s", "rest_s"))
+            after, rest = (
+                np.max([getattr(noticed, name) for noticed in found]) for name in ("after_s", "rest_s")
+            )
             print(
                 f"{kind:<14}{topic:<9}noticed {len(found) - len(wrong)}/{len(found)}"
                 f"  at most {after:.2f} s after, at rest {rest:.2f} s later",
                 flush=True,
             )
-            for each in dict.fromkeys(wrong):
-                print(f"    {each}", flush=True)
+            for item in dict.fromkeys(wrong):
+                print(f"    {item}", flush=True)
     sys.exit(1 if missed else 0)
 
 
@@ -89,9 +91,9 @@ def spoiled(kind: str, topic: str) -> Noticed:
     except TimeoutError as error:
         return Noticed(str(error))
     finally:
-        for each in (driver, bench):
-            if each is not None:
-                each.kill()
+        for item in (driver, bench):
+            if item is not None:
+                item.kill()
 
 
 def mastered(kind: str, topic: str) -> Noticed:
@@ -107,8 +109,8 @@ def mastered(kind: str, topic: str) -> Noticed:
     except TimeoutError as error:
         return Noticed(str(error))
     finally:
-        for each in (driver, bench, other):
-            each.kill()
+        for item in (driver, bench, other):
+            item.kill()
 
 
 def mistyped(kind: str, topic: str) -> Noticed:
@@ -122,8 +124,8 @@ def mistyped(kind: str, topic: str) -> Noticed:
     except TimeoutError as error:
         return Noticed(str(error))
     finally:
-        for each in (driver, other):
-            each.kill()
+        for item in (driver, other):
+            item.kill()
 
 
 def discovered_late(kind: str, topic: str) -> Noticed:
@@ -138,8 +140,8 @@ def discovered_late(kind: str, topic: str) -> Noticed:
     except TimeoutError as error:
         return Noticed(str(error))
     finally:
-        for each in (driver, bench):
-            each.kill()
+        for item in (driver, bench):
+            item.kill()
 
 
 def _judged(kind: str, topic: str, bench: Process, driver: Process, begun: float) -> Noticed:

@@ -76,17 +76,17 @@ def main() -> None:
                 found.append(tried(kind, rng.uniform(0.0, 0.5)))
             number += 1
         print(file=sys.stderr)
-        wrong = [each.wrong for each in found if each.wrong]
+        wrong = [trial.wrong for trial in found if trial.wrong]
         missed += len(wrong)
-        seconds = np.array([each.rest.seconds for each in found])
+        seconds = np.array([trial.rest.seconds for trial in found])
         print(
             f"{kind:<12}{'arm at rest' if kind == 'killed' else 'named, at rest'} {len(found) - len(wrong)}"
             f"/{len(found)}  median {np.median(seconds):.3f} s, at most {seconds.max():.3f} s"
-            f" and {max(each.rest.periods for each in found)} periods after the end",
+            f" and {max(trial.rest.periods for trial in found)} periods after the end",
             flush=True,
         )
-        for each in dict.fromkeys(wrong):
-            print(f"    {each}", flush=True)
+        for item in dict.fromkeys(wrong):
+            print(f"    {item}", flush=True)
     sys.exit(1 if missed else 0)
 
 
@@ -116,8 +116,8 @@ def tried(kind: str, after_s: float) -> Trial:
     except TimeoutError as error:
         return Trial(str(error))
     finally:
-        for each in (*others, bench):
-            each.kill()
+        for other in (*others, bench):
+            other.kill()
     wrong = "" if ARM in words else f"not named: {words}"
     # A rival's goal moves the arm on: it is not this program's.
     is_late = rest.periods > MAX_PERIODS and kind != RIVAL

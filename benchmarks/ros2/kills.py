@@ -57,8 +57,8 @@ def main() -> None:
             print(
                 f"    the base moved for at most {most_periods} periods of the bench afterwards", flush=True
             )
-        for each in dict.fromkeys(wrong):
-            print(f"    {each}", flush=True)
+        for item in dict.fromkeys(wrong):
+            print(f"    {item}", flush=True)
         failed += len(wrong)
     sys.exit(1 if failed else 0)
 
@@ -75,9 +75,9 @@ def driving_pair(after_s: float) -> Iterator[tuple[Process, Process]]:
         time.sleep(after_s)
         yield bench, driver
     finally:
-        for each in (driver, bench):
-            if each is not None:
-                each.kill()
+        for item in (driver, bench):
+            if item is not None:
+                item.kill()
 
 
 def kill_program(after_s: float) -> tuple[float, int, str]:

@@ -60,23 +60,23 @@ def main() -> None:
 
 def row_of(report: KitReport, parts: list[str]) -> str:
     """Return the row of a report."""
-    wrong = sum(not each.ok for each in report.checks)
+    wrong = sum(not check.ok for check in report.checks)
     found = {
         "checks": f"{len(report.checks)} checks, {wrong} wrong",
         "faults": f"{report.injected} faults, {len(report.violations)} violations",
         "mutants": f"{len(report.planted) - len(report.missed)} of {len(report.planted)} liars caught",
     }
     broken = [f"{len(report.broken)} parts broken"] if report.broken else []
-    return "kit through ROS 2: " + "; ".join([*(found[each] for each in parts), *broken])
+    return "kit through ROS 2: " + "; ".join([*(found[part] for part in parts), *broken])
 
 
 def findings_of(report: KitReport) -> list[str]:
     """Return what is wrong, in words."""
     return [
-        *(f"check {each.name}: {'; '.join(each.wrong)}" for each in report.checks if not each.ok),
-        *(f"{each.fault}: {'; '.join(each.ending.wrong)}" for each in report.violations),
-        *(f"{each.name} was missed" for each in report.missed),
-        *(f"{each.name}: {each.reason.strip().splitlines()[-1]}" for each in report.broken),
+        *(f"check {check.name}: {'; '.join(check.wrong)}" for check in report.checks if not check.ok),
+        *(f"{violation.fault}: {'; '.join(violation.ending.wrong)}" for violation in report.violations),
+        *(f"{item.name} was missed" for item in report.missed),
+        *(f"{item.name}: {item.reason.strip().splitlines()[-1]}" for item in report.broken),
     ]
 
 

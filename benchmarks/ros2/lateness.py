@@ -35,9 +35,9 @@ def main() -> None:
             ended = driver.answer(asked.seconds + 60.0)
             print("over ROS 2 ", ended.figures.get("loop"), ended.words, flush=True)
         finally:
-            for each in (driver, bench):
-                if each is not None:
-                    each.kill()
+            for item in (driver, bench):
+                if item is not None:
+                    item.kill()
 
 
 def pace_alone(pipe: Connection, seconds: float) -> None:

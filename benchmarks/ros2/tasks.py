@@ -56,7 +56,7 @@ def main() -> None:
         for task in asked.tasks:
             rows.append(measure(task, bench, range(asked.first, asked.first + count)))
             print(row_of(task, bench, rows[-1]), flush=True)
-    sys.exit(0 if all(each.is_good for each in rows) else 1)
+    sys.exit(0 if all(row.is_good for row in rows) else 1)
 
 
 def measure(task: str, bench: str, seeds: range) -> Figures:
@@ -71,7 +71,7 @@ def measure(task: str, bench: str, seeds: range) -> Figures:
         found.simulated_s += summary["sim_time_s"]
         success = summary["outcome"] == "Success"
         found.ends["Success" if success else f"{summary['outcome']}: {summary['reason'][:160]}"] += 1
-        found.false += [f"seed {seed}: {each}" for each in summary["metrics"]["untrue"]]
+        found.false += [f"seed {seed}: {item}" for item in summary["metrics"]["untrue"]]
         print(f"{summary['outcome']} {summary['reason']}", file=sys.stderr, flush=True)
     return found
 
@@ -89,7 +89,7 @@ def row_of(task: str, bench: str, found: Figures) -> str:
     head = f"{task:<16}{bench:<10} Success {found.ends['Success']}/{found.runs}  false {len(found.false)}"
     speed = found.simulated_s / max(found.cpu_s, 1e-9)
     others = [f"    {count} x {end}" for end, count in found.ends.items() if end != "Success"]
-    wrong = [f"    false: {each}" for each in found.false]
+    wrong = [f"    false: {item}" for item in found.false]
     return "\n".join([f"{head}  {found.cpu_s:.0f} CPU s, {speed:.1f} times real time", *others, *wrong])
 
 

@@ -81,7 +81,7 @@ def runs(name: str, task: Path, count: int, backend: str | None) -> tuple[Row, R
             figures = seam.figures()
             maxima.append(figures["tracking_error_mm_max"])
             rms.append(figures["tracking_error_mm_rms"])
-            use = max(use, *(float(each.speed.max()) for each in seam.uses()))
+            use = max(use, *(float(limit_use.speed.max()) for limit_use in seam.uses()))
             untrue += bool(wrong)
             last = _in_a_row(seam.errors())
     return Row(name, maxima, rms, use, untrue), last

@@ -73,7 +73,7 @@ def _world(room: Room) -> str:
     lines = ["format: handcart-world/1", f"start: {_pose(room.home)}", "walls:"]
     for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
         lines.append(f"  - {_flow({'from_m': list(begin), 'to_m': list(end)})}")
-    bodies = [each for piece in room.pieces for each in piece.parts()]
+    bodies = [item for piece in room.pieces for item in piece.parts()]
     lines += ["furniture:"] if bodies else []
     for piece in room.pieces:
         for part in piece.parts():
@@ -129,8 +129,8 @@ def _objects(room: Room) -> str:
     lines.append("surfaces:")
     for piece in room.pieces:
         levels = {level.name for level in piece.levels()}
-        at = [each.level for each in (*room.at_first.values(), *room.at_end.values())]
-        used = {each.relation for each in at if each.name in levels}
+        at = [item.level for item in (*room.at_first.values(), *room.at_end.values())]
+        used = {item.relation for item in at if item.name in levels}
         for level in piece.levels():
             spots = {
                 f"for_{room.names[term]}": {**_at(slot.pose)}
@@ -140,7 +140,7 @@ def _objects(room: Room) -> str:
             if level.relation not in used:
                 continue
             keys: dict[str, Any] = {**_at(piece.in_room(level.x, level.y)), "height_m": level.height}
-            keys["size_m"] = [round(each, 4) for each in level.size]
+            keys["size_m"] = [round(item, 4) for item in level.size]
             if level.thickness > 0.0 and (level.thickness < level.height or _is_part(piece, level)):
                 keys["thickness_m"] = round(min(level.thickness, level.height - LEGS_M), 4)
             if level.clearance is not None:
@@ -166,7 +166,7 @@ def _is_part(piece: Piece, level: FurnitureLevel) -> bool:
 def _kinds_on(room: Room, level: FurnitureLevel) -> list[str]:
     """Return the kinds of things that are on a level at first or at the end."""
     terms = [term for slots in (room.at_first, room.at_end) for term in slots if slots[term].level == level]
-    return list(dict.fromkeys(_kind(room, each) for each in terms))
+    return list(dict.fromkeys(_kind(room, item) for item in terms))
 
 
 def _kind(room: Room, term: str) -> str:
@@ -184,8 +184,8 @@ def _activity(definition: Definition, room: Room) -> str:
         f"activity: {definition.name}",
         f"definition: {definition.instance}",
     ]
-    lines.append("furniture:" if any(list(each.parts()) for each in room.pieces) else "furniture: {}")
-    bodies = {each.term: [part.name for part in each.parts()] for each in room.pieces}
+    lines.append("furniture:" if any(list(piece_.parts()) for piece_ in room.pieces) else "furniture: {}")
+    bodies = {piece_.term: [part.name for part in piece_.parts()] for piece_ in room.pieces}
     lines += [f"  {term}: {_flow(parts)}" for term, parts in bodies.items() if parts]
     lines.append("objects:")
     lines += [f"  {term}: {room.names[term]}" for term in room.at_first]
@@ -199,7 +199,11 @@ def _activity(definition: Definition, room: Room) -> str:
     pieces = {level.name: piece for piece in room.pieces for level in piece.levels()}
     for term, slot in room.at_end.items():
         levels = pieces[slot.level.name].levels()
-        allowed = [each.name for each in levels if each.relation == slot.level.relation]
+        allowed = [
+            furniture_level.name
+            for furniture_level in levels
+            if furniture_level.relation == slot.level.relation
+        ]
         lines.append(f"  {room.names[term]}: {_flow(allowed)}")
     return "\n".join(lines) + "\n"
 
@@ -244,7 +248,7 @@ def _flow(value: Any) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(_pairs(value)) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_flow(each) for each in value) + "]"
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
     if isinstance(value, float):
         return f"{value:g}"
     text = str(value)
@@ -252,5 +256,5 @@ def _flow(value: Any) -> str:
 
 
 def _pairs(mapping: Mapping[str, Any]) -> Iterator[str]:
-    for key, each in mapping.items():
-        yield f"{key}: {_flow(each)}"
+    for key, item in mapping.items():
+        yield f"{key}: {_flow(item)}"

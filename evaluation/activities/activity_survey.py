@@ -56,16 +56,16 @@ class ActivitySurvey(Survey):
         """Return a message for each verdict that the activity isn't done."""
         wrong, theirs = list(self.misplaced()), self._verdict()
         if isinstance(theirs, Verdict) and not theirs.holds:
-            wrong += [f"bddl: not so: {each}" for each in theirs.unsatisfied]
+            wrong += [f"bddl: not so: {text}" for text in theirs.unsatisfied]
         return wrong
 
     def misplaced(self) -> Iterator[str]:
         """Yield a message for each moved thing that is not on one of its surfaces."""
         file = _file(self.run)
-        things = {each.name: each for each in self.run.world.things()}
+        things = {item.name: item for item in self.run.world.things()}
         for name, surfaces in (file.goal if file else {}).items():
             thing = things.get(name_in_world(name))
-            if thing is None or not any(self._is_on(thing, each) for each in surfaces):
+            if thing is None or not any(self._is_on(thing, surface) for surface in surfaces):
                 yield f"{name} isn't on {' or '.join(surfaces)}"
         for name, term in (file.beside if file else {}).items():
             thing, parts = things.get(name_in_world(name)), self._bodies(term)
@@ -89,9 +89,9 @@ class ActivitySurvey(Survey):
         assert file is not None  # it applies
         if term in file.objects:
             name = name_in_world(file.objects[term])
-            return [each.box() for each in self.run.world.things() if each.name == name]
+            return [thing.box() for thing in self.run.world.things() if thing.name == name]
         parts = set(file.furniture.get(term, ()))
-        return [each.box for each in self.run.world.solids if each.box.name in parts]
+        return [solid.box for solid in self.run.world.solids if solid.box.name in parts]
 
     def _verdict(self) -> Verdict | str:
         """Return their verdict, or why there is none."""
@@ -113,9 +113,9 @@ def _are_near(one: Box, parts: Sequence[Box]) -> bool:
     """
     if not parts:
         return False
-    points = np.vstack([corners(each) for each in parts])
+    points = np.vstack([corners(part) for part in parts])
     mean = (sum(one.size) + float(np.ptp(points, axis=0).sum())) / 3
-    return min(polygon_gap(_outline(one), _outline(each)) for each in parts) <= mean / 6
+    return min(polygon_gap(_outline(one), _outline(part)) for part in parts) <= mean / 6
 
 
 def _outline(box: Box) -> FloatArray:

@@ -64,8 +64,8 @@ def task_text(definition: Definition, room: Room, robot: str) -> str:
     head = HEAD.format(
         name=definition.name, instance=definition.instance, title=title, robot=robot, goal=goal, more=more
     )
-    situations = "".join(SITUATIONS.format(**each) for each in steps)
-    actions = "".join(ACTIONS.format(**each) for each in steps)
+    situations = "".join(SITUATIONS.format(**step) for step in steps)
+    actions = "".join(ACTIONS.format(**step) for step in steps)
     return f"{head}{situations}  home_again: {{base: home}}\n\nactions:\n{actions}"
 
 

@@ -43,7 +43,7 @@ def judge_goal(definition: Definition, things: Mapping[str, TrueThing]) -> Verdi
     )
     holds, found = evaluate_goal_conditions(compiled)
     words = get_natural_goal_conditions(conditions)
-    return Verdict(bool(holds), tuple(" ".join(words[each].split()) for each in found["unsatisfied"]))
+    return Verdict(bool(holds), tuple(" ".join(words[item].split()) for item in found["unsatisfied"]))
 
 
 def judge_start(definition: Definition, things: Mapping[str, TrueThing]) -> Verdict:
@@ -51,14 +51,14 @@ def judge_start(definition: Definition, things: Mapping[str, TrueThing]) -> Verd
     from bddl.condition_evaluation import compile_state, evaluate_state
 
     compiled = compile_state(
-        [_nested(each) for each in definition.initial],
+        [_nested(item) for item in definition.initial],
         _backend(),
         scope=_scope(definition, things),
         object_map=definition.conditions.parsed_objects,
         generate_ground_options=False,
     )
     holds, found = evaluate_state(compiled)
-    return Verdict(bool(holds), tuple(" ".join(definition.initial[each]) for each in found["unsatisfied"]))
+    return Verdict(bool(holds), tuple(" ".join(definition.initial[item]) for item in found["unsatisfied"]))
 
 
 def _nested(literal: tuple[str, ...]) -> list[Any]:

@@ -49,7 +49,7 @@ class Definition:
 
     def finding(self, words: Iterable[str], message: str) -> Finding:
         """Return a problem at the first line where some words follow each other."""
-        pattern = r"[\s()?]+".join(re.escape(each) for each in words)
+        pattern = r"[\s()?]+".join(re.escape(word) for word in words)
         found = re.search(r"(?<![\w.])\??" + pattern + r"(?![\w.])", self.text, re.IGNORECASE)
         start = found.start() if found else 0
         line = self.text.count("\n", 0, start) + 1
@@ -57,7 +57,7 @@ class Definition:
 
     def goal_words(self) -> set[str]:
         """Return every word of the goal: predicates, terms and categories."""
-        return {each.lstrip("?") for each in _flat(self.conditions.parsed_goal_conditions)}
+        return {item.lstrip("?") for item in _flat(self.conditions.parsed_goal_conditions)}
 
 
 def load_definition(name: str, instance: int = 0) -> Definition:
@@ -78,13 +78,15 @@ def load_definition(name: str, instance: int = 0) -> Definition:
         raise FileError([Finding(name, 0, 0, f"no definition {instance}; allowed: {allowed}")])
     conditions = activity.Conditions(name, instance, DOMAIN)
     terms = {
-        category: tuple(each for each in every if not each.endswith(WILDCARD))
+        category: tuple(item for item in every if not item.endswith(WILDCARD))
         for category, every in conditions.parsed_objects.items()
     }
     conditions.parsed_objects = {category: list(every) for category, every in terms.items()}
-    initial = [_literal(each) for each in conditions.parsed_initial_conditions]
+    initial = [_literal(condition) for condition in conditions.parsed_initial_conditions]
     known = tuple(
-        each for each in initial if "inroom" not in each and not any(word.endswith(WILDCARD) for word in each)
+        literal
+        for literal in initial
+        if "inroom" not in literal and not any(word.endswith(WILDCARD) for word in literal)
     )
     return Definition(name, instance, path, path.read_text(encoding="utf-8"), terms, known, conditions)
 
@@ -113,5 +115,5 @@ def _flat(nested: Any) -> Iterator[str]:
     if isinstance(nested, str):
         yield nested
     else:
-        for each in nested:
-            yield from _flat(each)
+        for item in nested:
+            yield from _flat(item)

@@ -57,7 +57,7 @@ class GoalOption:
             place = self._places.get(barred.thing) or self._at_first(barred.thing)
             if place is not None and (place.kind, place.furniture) == (barred.kind, barred.furniture):
                 self._report(literal, f"{barred.thing} would have to be there and not there")
-        return [each for each in self._places.values() if each not in self._initial]
+        return [relation for relation in self._places.values() if relation not in self._initial]
 
     def _add_barred(self, literal: Literal) -> None:
         _, predicate, thing, *_ = literal
@@ -73,7 +73,7 @@ class GoalOption:
     def _add_beside(self, literal: Literal) -> None:
         """Note which thing has to be put next to something: the second one of two things."""
         _, one, other = literal
-        first, second = (entry_of(self._definition, each) for each in (one, other))
+        first, second = (entry_of(self._definition, item) for item in (one, other))
         if first is None or second is None:
             return  # reported as an unknown thing
         thing, target = (one, other) if isinstance(first, CarriedEntry) else (other, one)
@@ -105,7 +105,7 @@ class GoalOption:
             self._places[thing] = place._replace(beside=other)
 
     def _at_first(self, thing: str) -> ThingRelation | None:
-        return next((each for each in self._initial if each.thing == thing), None)
+        return next((item for item in self._initial if item.thing == thing), None)
 
     def _report(self, literal: Literal, words: str) -> None:
         allowed = "allowed: a way to the goal by moves of single things"

@@ -21,7 +21,7 @@ def ground_options(definition: Definition) -> Iterator[list[Literal]]:
     except AssertionError:  # its only report of a goal without any way
         return
     for option in options:
-        yield [_flat(each.body) for each in option]
+        yield [_flat(item.body) for item in option]
 
 
 def _names_backend() -> Any:
@@ -56,4 +56,4 @@ def _flat(body: Iterable[Any]) -> Literal:
     predicate, *rest = body
     if predicate == "not":
         return ("not", *_flat(rest[0]))
-    return (predicate, *(each.lstrip("?") for each in rest))
+    return (predicate, *(item.lstrip("?") for item in rest))

@@ -36,17 +36,19 @@ def list_activities(robot: str, scale: bool = False) -> Iterator[ListedActivity]
         try:
             _, room, _ = plan_activity(name, 0, robot, scale)
         except FileError as error:
-            yield ListedActivity(name, 0, tuple(each.message for each in error.findings))
+            yield ListedActivity(name, 0, tuple(finding.message for finding in error.findings))
         else:
             yield ListedActivity(name, len(room.at_end), ())
 
 
 def summary_lines(listed: list[ListedActivity]) -> Iterator[str]:
     """Yield the lines that a person reads: what can be made, then the reasons against the others."""
-    made = [each for each in listed if each.moves]
+    made = [activity for activity in listed if activity.moves]
     yield f"{len(made)} of {len(listed)} activities can be made:"
-    yield from (f"  {each.name:<44} {each.moves} to move" for each in made)
-    counts = Counter(kind for each in listed for kind in {_kind_of(reason) for reason in each.reasons})
+    yield from (f"  {activity.name:<44} {activity.moves} to move" for activity in made)
+    counts = Counter(
+        kind for activity in listed for kind in {_kind_of(reason) for reason in activity.reasons}
+    )
     yield "the others need, by the number of activities:"
     yield from (f"  {count:>4}  {kind}" for kind, count in counts.most_common(SHOWN_REASONS))
     if len(counts) > SHOWN_REASONS:

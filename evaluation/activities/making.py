@@ -33,7 +33,7 @@ class MadeActivity:
 
     def words(self) -> Iterator[str]:
         """Yield the lines that a person reads."""
-        count, pieces = len(self.room.at_end), ", ".join(each.name for each in self.room.pieces)
+        count, pieces = len(self.room.at_end), ", ".join(piece.name for piece in self.room.pieces)
         yield f"{self.definition.name}: {count} things to move, in a room with {pieces}; in {self.folder}"
         for term, factor in self.scaled.items():
             yield f"  made narrower for the fingers: {self.room.names[term]}, by {factor:.2f}"
@@ -99,26 +99,26 @@ def _sizes(
     sizes: dict[str, CarriedEntry] = {}
     scaled: dict[str, float] = {}
     findings = []
-    moved = {each.thing for each in relations.moves}
-    for each in relations.initial:
-        entry = entry_of(definition, each.thing)
+    moved = {move.thing for move in relations.moves}
+    for item in relations.initial:
+        entry = entry_of(definition, item.thing)
         assert isinstance(entry, CarriedEntry)  # by its relation
         narrowest = min(entry.size_mm[:2])
-        sizes[each.thing] = entry
-        if each.thing not in moved and min(entry.size_mm) > widest:
-            words = f"{each.thing} has no side narrow enough for the fingers: {min(entry.size_mm):g} mm"
-            findings.append(definition.finding([each.thing], f"{words}; allowed: at most {widest:g} mm"))
-        if each.thing not in moved or narrowest <= widest:
+        sizes[item.thing] = entry
+        if item.thing not in moved and min(entry.size_mm) > widest:
+            words = f"{item.thing} has no side narrow enough for the fingers: {min(entry.size_mm):g} mm"
+            findings.append(definition.finding([item.thing], f"{words}; allowed: at most {widest:g} mm"))
+        if item.thing not in moved or narrowest <= widest:
             continue
         if scale:
-            scaled[each.thing] = factor = widest / narrowest
+            scaled[item.thing] = factor = widest / narrowest
             x, y, z = entry.size_mm
             narrow = (round(x * factor, 1), round(y * factor, 1), z)
-            sizes[each.thing] = entry.model_copy(update={"size_mm": narrow})
+            sizes[item.thing] = entry.model_copy(update={"size_mm": narrow})
         else:
-            words = f"{each.thing} is too wide for the fingers: {narrowest:g} mm"
+            words = f"{item.thing} is too wide for the fingers: {narrowest:g} mm"
             findings.append(
-                definition.finding([each.thing], f"{words}; allowed: at most {widest:g} mm, or --scale")
+                definition.finding([item.thing], f"{words}; allowed: at most {widest:g} mm, or --scale")
             )
     if findings:
         raise FileError(findings)

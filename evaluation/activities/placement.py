@@ -54,9 +54,9 @@ class _Sizes:
         if entry.form != "floor":
             return entry
         here = [
-            each.thing
-            for each in (*self.relations.initial, *self.relations.moves)
-            if each.furniture == term and each.beside not in self.relations.terms()
+            item.thing
+            for item in (*self.relations.initial, *self.relations.moves)
+            if item.furniture == term and item.beside not in self.relations.terms()
         ]
         _, depth, height = entry.size_m
         return entry.model_copy(update={"size_m": (max(entry.size_m[0], self.row(here)), depth, height)})
@@ -65,7 +65,7 @@ class _Sizes:
         """Return the length of things in a row on the floor, in [m]."""
         if not things:
             return 0.0
-        widest = max(self.things[each].size_mm[0] for each in things) / 1e3
+        widest = max(self.things[thing].size_mm[0] for thing in things) / 1e3
         each_part = max(1, math.floor((SEGMENT_M - MIN_GAP_M) / (widest + MIN_GAP_M)))
         parts = math.ceil(len(things) / each_part)
         if parts > 1:
@@ -74,19 +74,19 @@ class _Sizes:
 
     def front(self, term: str) -> tuple[float, float] | None:
         """Return width and depth of the area before a piece for what is next to it, in [m]; None for none."""
-        here = [each.thing for each in self.relations.moves if each.beside == term]
+        here = [move.thing for move in self.relations.moves if move.beside == term]
         if not here:
             return None
         size = self.entry(term).size_m
-        things = [self.things[each] for each in here]
-        depth = max(each.size_mm[1] / 1e3 + before_gap(each, size) for each in things)
-        widest = max(self.things[each].size_mm[0] for each in here) / 1e3
+        things = [self.things[item] for item in here]
+        depth = max(thing.size_mm[1] / 1e3 + before_gap(thing, size) for thing in things)
+        widest = max(self.things[item].size_mm[0] for item in here) / 1e3
         each_part = FRONT_THINGS * (widest + MIN_GAP_M) + MIN_GAP_M + ROUNDING_M
         return max(size[0], self.fronts(term) * each_part), depth + FRONT_EDGE_M
 
     def fronts(self, term: str) -> int:
         """Return the number of parts of that area."""
-        count = sum(each.beside == term for each in self.relations.moves)
+        count = sum(move.beside == term for move in self.relations.moves)
         return max(1, math.ceil(count / FRONT_THINGS))
 
     def width(self, term: str) -> float:
@@ -97,19 +97,19 @@ class _Sizes:
     def standing(self, term: str) -> list[str]:
         """Return the terms of what is on a piece."""
         relations = self.relations
-        return [each for each in relations.terms() if relations.supports.get(each) == term]
+        return [text for text in relations.terms() if relations.supports.get(text) == term]
 
     def reserved(self, term: str) -> float:
         """Return the width of a table that what is on it takes, in [m]."""
         on_it = [] if is_floor(term) else self.standing(term)
-        widths = sum(self.entry(each).size_m[0] + STANDING_GAP_M for each in on_it)
+        widths = sum(self.entry(item).size_m[0] + STANDING_GAP_M for item in on_it)
         return widths + STANDING_GAP_M if on_it else 0.0
 
     def floor(self, term: str) -> str | None:
         """Return the floor that a piece belongs to; None if none is stated."""
         if is_floor(term):
             return term
-        moved = [each.furniture for each in self.relations.moves if each.beside == term]
+        moved = [move.furniture for move in self.relations.moves if move.beside == term]
         below = self.relations.supports.get(term)
         return moved[0] if moved else (below if below is not None and is_floor(below) else None)
 
@@ -132,18 +132,18 @@ def place_pieces(
         FileError: things are on more than two floors, or a table is too narrow for what is on it.
     """
     sizes = _Sizes(definition, relations, things)
-    terms = [each for each in relations.terms() if not relations.stands_on_furniture(each)]
-    used = [each for each in relations.terms() if is_floor(each)]
-    used += [sizes.floor(each) or "" for each in terms if sizes.front(each) is not None]
-    floors = list(dict.fromkeys(each for each in used if each))
+    terms = [text for text in relations.terms() if not relations.stands_on_furniture(text)]
+    used = [text for text in relations.terms() if is_floor(text)]
+    used += [sizes.floor(text) or "" for text in terms if sizes.front(text) is not None]
+    floors = list(dict.fromkeys(text for text in used if text))
     if len(floors) > 2:
         words = f"things are on {len(floors)} floors; allowed: two"
         raise FileError([definition.finding([floors[2]], words)])
     walls = _walls(sizes, terms, floors)
-    lengths = [sum(sizes.width(each) + AISLE_M for each in wall) + AISLE_M for wall in walls]
+    lengths = [sum(sizes.width(item) + AISLE_M for item in wall) + AISLE_M for wall in walls]
     pieces: list[Piece] = []
     for wall, north in zip(walls, (True, False), strict=True):
-        x = (max(lengths) - sum(sizes.width(each) + AISLE_M for each in wall) - AISLE_M) / 2 + AISLE_M
+        x = (max(lengths) - sum(sizes.width(item) + AISLE_M for item in wall) - AISLE_M) / 2 + AISLE_M
         for term in wall:
             pieces += _piece(sizes, names, term, x + sizes.width(term) / 2, north)
             x += sizes.width(term) + AISLE_M
@@ -183,8 +183,8 @@ def _piece(sizes: _Sizes, names: Mapping[str, str], term: str, x: float, north: 
     )
     yield piece
     right = entry.size_m[0] / 2 - STANDING_GAP_M
-    for each in [] if is_floor(term) else sizes.standing(term):
-        upper = sizes.entry(each)
+    for item in [] if is_floor(term) else sizes.standing(term):
+        upper = sizes.entry(item)
         middle = piece.in_room(right - upper.size_m[0] / 2, (upper.size_m[1] - entry.size_m[1]) / 2)
-        yield Piece(names[each], each, upper, middle, base=entry.size_m[2])
+        yield Piece(names[item], item, upper, middle, base=entry.size_m[2])
         right -= upper.size_m[0] + STANDING_GAP_M

@@ -27,12 +27,12 @@ class ActivityRelations:
 
     def terms(self) -> list[str]:
         """Return all furniture and floors that something is on, in or next to, in a fixed order."""
-        things = {each.thing for each in self.initial}
+        things = {item.thing for item in self.initial}
         found: dict[str, None] = {}
-        for each in (*self.initial, *self.moves):
-            beside = each.beside if each.beside not in things else None
+        for item in (*self.initial, *self.moves):
+            beside = item.beside if item.beside not in things else None
             if beside is None:
-                found[each.furniture] = None
+                found[item.furniture] = None
             else:
                 found[beside] = None
         for term, below in self.supports.items():
@@ -72,7 +72,7 @@ def relations_of(definition: Definition) -> ActivityRelations:
 def _unknown_things(definition: Definition) -> Iterator[Finding]:
     """Yield the categories of unknown size that occur in a condition."""
     table = thing_table()
-    used = definition.goal_words() | {word for each in definition.initial for word in each}
+    used = definition.goal_words() | {word for item in definition.initial for word in item}
     known = {**table.carried, **table.furniture}
     for category, terms in definition.terms.items():
         if category not in (AGENT, *known) and (category in used or used & set(terms)):

@@ -60,15 +60,15 @@ def furnish(definition: Definition, relations: ActivityRelations, sizes: Mapping
     wanted = [*relations.initial, *relations.moves]
     for piece in placed.pieces:
         for kind in ("ontop", "inside", "front"):
-            here = [each for each in wanted if _is_at(each, piece, kind, sizes)]
+            here = [item for item in wanted if _is_at(item, piece, kind, sizes)]
             found = slots_on(definition, piece, kind, here, sizes)
             slots |= found.slots
             findings += found.findings
     if findings:
         raise FileError(findings)
-    first = {each.thing: slots[each] for each in relations.initial}
-    end = {each.thing: slots[each] for each in relations.moves}
-    beside = {each.thing: each.beside for each in relations.moves if each.beside is not None}
+    first = {item.thing: slots[item] for item in relations.initial}
+    end = {move.thing: slots[move] for move in relations.moves}
+    beside = {move.thing: move.beside for move in relations.moves if move.beside is not None}
     return Room(placed.width, placed.pieces, names, sizes, first, end, beside, placed.floors)
 
 
@@ -82,7 +82,7 @@ def _is_at(relation: ThingRelation, piece: Piece, kind: str, things: Collection[
 
 def names_of(definition: Definition, terms: Sequence[str]) -> dict[str, str]:
     """Return short names of terms: `book_1` for `book.n.02_1`, or longer ones where two would be equal."""
-    short = {each: _short(each) for each in terms}
+    short = {text: _short(text) for text in terms}
     twice = {name for name in short.values() if list(short.values()).count(name) > 1}
     return {term: term.replace(".", "_") if name in twice else name for term, name in short.items()}
 

@@ -57,30 +57,30 @@ def slots_on(
     """
     slots: dict[ThingRelation, ThingSlot] = {}
     findings = list(_too_near(definition, piece, here, sizes))
-    levels = [each for each in piece.levels() if each.relation == kind]
+    levels = [furniture_level for furniture_level in piece.levels() if furniture_level.relation == kind]
     rows = [_whole(levels)] if piece.entry.form == "box" and levels else levels
     for level, groups in zip(rows, _shared(_grouped(here), len(rows)), strict=True):
-        gap = (level.size[0] - sum(_length(each, sizes) for each in groups)) / (len(groups) + 1)
+        gap = (level.size[0] - sum(_length(group, sizes) for group in groups)) / (len(groups) + 1)
         least = least_gap(piece)
         if gap < least:
             words = f"{piece.term} has no room for {len(here)} things; allowed: what fits with gaps of"
             findings.append(definition.finding([piece.term], f"{words} {least:g} m"))
         found = _in_row(piece, level, groups, sizes, gap)
-        slots |= {each: ThingSlot(_nearest(piece, levels, slot), slot.pose) for each, slot in found}
+        slots |= {item: ThingSlot(_nearest(piece, levels, slot), slot.pose) for item, slot in found}
     return FoundSlots(slots, findings)
 
 
 def _whole(parts: Sequence[FurnitureLevel]) -> FurnitureLevel:
     """Return parts side by side as one level: nothing divides them."""
-    first, width = parts[0], sum(each.size[0] for each in parts)
-    middle = sum(each.x * each.size[0] for each in parts) / width
+    first, width = parts[0], sum(part.size[0] for part in parts)
+    middle = sum(part.x * part.size[0] for part in parts) / width
     return first._replace(x=middle, size=(width, first.size[1]))
 
 
 def _nearest(piece: Piece, levels: Sequence[FurnitureLevel], slot: ThingSlot) -> FurnitureLevel:
     """Return the level that a slot is on."""
     along = slot.pose.relative_to(piece.pose).x
-    return min(levels, key=lambda each: abs(each.x - along))
+    return min(levels, key=lambda level: abs(level.x - along))
 
 
 def least_gap(piece: Piece) -> float:
@@ -111,18 +111,18 @@ def _too_near(
     sizes: Mapping[str, CarriedEntry],
 ) -> Iterator[Finding]:
     """Yield the things that count as next to each other only where the hand doesn't fit between them."""
-    for each in here:
-        if each.beside is None:
+    for relation in here:
+        if relation.beside is None:
             continue
-        if each.beside == piece.term:
-            gap, least = before_gap(sizes[each.thing], piece.entry.size_m), MIN_BEFORE_M
-        elif each.beside in sizes:
-            gap, least = _gap_between(each, sizes), MIN_NEXT_GAP_M
+        if relation.beside == piece.term:
+            gap, least = before_gap(sizes[relation.thing], piece.entry.size_m), MIN_BEFORE_M
+        elif relation.beside in sizes:
+            gap, least = _gap_between(relation, sizes), MIN_NEXT_GAP_M
         else:
             continue
         if gap < least:
-            words = f"{each.thing} is next to {each.beside} only with gaps up to {1e3 * gap:.0f} mm"
-            yield definition.finding([each.thing], f"{words}; allowed: at least {1e3 * least:.0f} mm")
+            words = f"{relation.thing} is next to {relation.beside} only with gaps up to {1e3 * gap:.0f} mm"
+            yield definition.finding([relation.thing], f"{words}; allowed: at least {1e3 * least:.0f} mm")
 
 
 def _gap_between(each: ThingRelation, sizes: Mapping[str, CarriedEntry]) -> float:
@@ -133,13 +133,15 @@ def _gap_between(each: ThingRelation, sizes: Mapping[str, CarriedEntry]) -> floa
 def _grouped(relations: Sequence[ThingRelation]) -> list[list[ThingRelation]]:
     """Return the relations, those of things that are next to each other together."""
     groups: list[list[ThingRelation]] = []
-    things = {each.thing for each in relations}
-    for each in sorted(relations, key=lambda each: each.beside in things):
-        own = next((group for group in groups if any(other.thing == each.beside for other in group)), None)
+    things = {relation.thing for relation in relations}
+    for relation in sorted(relations, key=lambda thing_relation: thing_relation.beside in things):
+        own = next(
+            (group for group in groups if any(other.thing == relation.beside for other in group)), None
+        )
         if own is None:
-            groups.append([each])
+            groups.append([relation])
         else:
-            own.append(each)
+            own.append(relation)
     return groups
 
 
@@ -151,8 +153,8 @@ def _shared(groups: Sequence[list[ThingRelation]], count: int) -> list[list[list
 
 def _length(group: Sequence[ThingRelation], sizes: Mapping[str, CarriedEntry]) -> float:
     """Return the length of a group in a row, in [m]."""
-    gaps = sum(_gap_between(each, sizes) for each in group[1:])
-    return gaps + sum(sizes[each.thing].size_mm[0] / 1e3 for each in group)
+    gaps = sum(_gap_between(relation, sizes) for relation in group[1:])
+    return gaps + sum(sizes[relation.thing].size_mm[0] / 1e3 for relation in group)
 
 
 def _in_row(
@@ -166,12 +168,12 @@ def _in_row(
     x = level.x - level.size[0] / 2
     for group in groups:
         x += gap
-        for number, each in enumerate(group):
-            entry = sizes[each.thing]
+        for number, item in enumerate(group):
+            entry = sizes[item.thing]
             width = entry.size_mm[0] / 1e3
-            x += _gap_between(each, sizes) if number else 0.0
+            x += _gap_between(item, sizes) if number else 0.0
             y = level.y + _inward(piece, level, entry)
-            yield each, ThingSlot(level, piece.in_room(x + width / 2, y))
+            yield item, ThingSlot(level, piece.in_room(x + width / 2, y))
             x += width
 
 

@@ -46,7 +46,7 @@ def is_support(definition: Definition, literal: Literal) -> bool:
     predicate, *terms = literal
     if predicate != "ontop" or len(terms) != 2:
         return False
-    upper, lower = (entry_of(definition, each) for each in terms)
+    upper, lower = (entry_of(definition, term) for term in terms)
     if not isinstance(upper, FurnitureEntry) or not isinstance(lower, FurnitureEntry):
         return False
     return lower.form == "floor" or (lower.form == "table" and upper.form in STANDING_FORMS)
@@ -58,7 +58,7 @@ def relation_of(definition: Definition, literal: Literal) -> ThingRelation | Fin
     if predicate not in FORMS_OF or len(terms) != 2:
         words = f"the condition {predicate!r} isn't simulated; allowed: {', '.join(FORMS_OF)}"
         return definition.finding(literal, words)
-    thing, other = (entry_of(definition, each) for each in terms)
+    thing, other = (entry_of(definition, term) for term in terms)
     if definition.category(terms[0]) == AGENT:
         return None
     if thing is None or other is None:

@@ -36,7 +36,7 @@ class TrueThing:
     @property
     def points(self) -> FloatArray:
         """Corners (n, 3) of all its solids."""
-        return np.vstack([corners(each) for each in self.solids])
+        return np.vstack([corners(solid) for solid in self.solids])
 
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
@@ -51,7 +51,7 @@ class TrueThing:
 
     def is_hit(self, start: FloatArray, direction: FloatArray) -> bool:
         """Return whether a ray of `RAY_M` from a point (3,) along a unit vector (3,) meets it."""
-        return any(_meets(each, start, direction) for each in self.solids)
+        return any(_meets(solid, start, direction) for solid in self.solids)
 
 
 def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
@@ -77,7 +77,7 @@ def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
     below, above = _vertical_starts(inner)
     between = [[_is_between(outer, middle, axis) for axis in axes] for axes in _level_axes()]
     if outer.is_hit(below, -UP) and outer.is_hit(above, UP):
-        return any(each for pair in between for each in pair)
+        return any(item for pair in between for item in pair)
     return any(all(pair) for pair in between)
 
 
@@ -99,7 +99,7 @@ def is_touching(one: TrueThing, other: TrueThing) -> bool:
 def _is_beside(one: TrueThing, other: TrueThing) -> bool:
     middle = one.middle
     angles = np.arange(NEAR_DIRECTIONS) * (2.0 * np.pi / NEAR_DIRECTIONS)
-    return any(other.is_hit(middle, np.array([np.cos(each), np.sin(each), 0.0])) for each in angles)
+    return any(other.is_hit(middle, np.array([np.cos(angle), np.sin(angle), 0.0])) for angle in angles)
 
 
 def _is_between(outer: TrueThing, point: FloatArray, axis: FloatArray) -> bool:
@@ -135,7 +135,7 @@ def _meets(box: Box, start: FloatArray, direction: FloatArray) -> bool:
 
 def _gap(one: Box, other: Box) -> float:
     """Return the distance of two upright boxes, in [m]; 0 where they overlap."""
-    (low, high), (other_low, other_high) = (TrueThing("", (each,)).extent for each in (one, other))
+    (low, high), (other_low, other_high) = (TrueThing("", (item,)).extent for item in (one, other))
     vertical = max(0.0, low[2] - other_high[2], other_low[2] - high[2])
     level = max(0.0, polygon_gap(_outline(one), _outline(other)))
     return float(np.hypot(vertical, level))

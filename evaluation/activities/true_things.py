@@ -23,11 +23,11 @@ FLOOR = Box(transform((0.0, 0.0, -0.5)), (1000.0, 1000.0, 1.0), "floor")
 
 def true_things(definition: Definition, file: ActivityFile, scene: Scene) -> Mapping[str, TrueThing]:
     """Return the true state of each thing that the world has."""
-    solids = {each.box.name: each.box for each in scene.solids}
-    bodies = {each.name: each.box() for each in scene.things()}
+    solids = {solid.box.name: solid.box for solid in scene.solids}
+    bodies = {thing.name: thing.box() for thing in scene.things()}
     found: dict[str, TrueThing] = {}
     for term, parts in file.furniture.items():
-        boxes = tuple(solids[each] for each in parts if each in solids)
+        boxes = tuple(solids[part] for part in parts if part in solids)
         if boxes:
             found[term] = TrueThing(term, boxes)
     for term, name in file.objects.items():

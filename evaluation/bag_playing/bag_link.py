@@ -41,7 +41,7 @@ class BagLink(Link):
         if (missing := lack("a ROS bag", "bags")) is not None:
             raise InputError(missing)
         try:
-            bag = read_bag(path, {each.replace("/", "/msg/") for each in READ_KINDS})
+            bag = read_bag(path, {read_kind.replace("/", "/msg/") for read_kind in READ_KINDS})
         except BagError as error:
             raise FileError([Finding(str(path), 0, 0, str(error))]) from None
         if not bag.messages:
@@ -50,7 +50,7 @@ class BagLink(Link):
         """What is wrong with the bag itself."""
         self._kinds = {topic: kind.replace("/msg/", "/") for topic, kind in bag.topics.items()}
         self._namespace = namespace
-        self._messages = sorted(bag.messages, key=lambda each: each.received)
+        self._messages = sorted(bag.messages, key=lambda message: message.received)
         self._next, self._time = 0, self._messages[0].received
         self._takes: dict[str, list[Take]] = {}
 
@@ -70,7 +70,9 @@ class BagLink(Link):
             return
         self._takes.setdefault(full, []).append(take)
         if latched:
-            self._hand_over([each for each in self._messages[: self._next] if each.topic == full][-1:])
+            self._hand_over(
+                [message for message in self._messages[: self._next] if message.topic == full][-1:]
+            )
 
     @override
     def receive(self) -> None:
@@ -80,9 +82,9 @@ class BagLink(Link):
         self._hand_over(self._messages[arrived : self._next])
 
     def _hand_over(self, messages: Iterable[BagMessage]) -> None:
-        for each in messages:
-            for take in self._takes.get(each.topic, ()):
-                take(each.content)
+        for message in messages:
+            for take in self._takes.get(message.topic, ()):
+                take(message.content)
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
@@ -115,7 +117,7 @@ class BagLink(Link):
 
     @override
     def topics_of(self, kind: str) -> list[str]:
-        return sorted(topic for topic, each in self._kinds.items() if each == kind)
+        return sorted(topic for topic, item in self._kinds.items() if item == kind)
 
     @override
     def joints_of(self, controller: str) -> list[str]:

@@ -30,5 +30,5 @@ def recorded_report(robot: RobotFile, spec: RosSpec, path: Path, seconds: float)
     """
     link = BagLink(path, spec.namespace)
     report = listen(robot, spec, link, lambda: link.pass_time(PASS_S), seconds, lambda: link.is_over)
-    notes = tuple(AirFinding(("ros2",), f"{path}: {each}", is_fault=False) for each in link.notes)
+    notes = tuple(AirFinding(("ros2",), f"{path}: {note}", is_fault=False) for note in link.notes)
     return report._replace(remarks=(*report.remarks, *notes))

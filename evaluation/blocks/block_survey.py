@@ -102,8 +102,8 @@ class BlockSurvey(Survey):
     @override
     def notes(self) -> BlockNotes:
         gripped, released = (
-            {name: tuple(shift.tolist()) for name, shift in each.items()}
-            for each in (self._gripped, self._released)
+            {name: tuple(shift.tolist()) for name, shift in item.items()}
+            for item in (self._gripped, self._released)
         )
         reference = None if self._reference is None else (self._reference.heading, self._reference.lean)
         return BlockNotes(reference, gripped, released, self._moved, self._frames, self._uncorrected)
@@ -205,7 +205,7 @@ class BlockSurvey(Survey):
             y + float(in_goal[1]),
             _on_scale(x),
             _on_scale(y),
-            *(1e3 * each for each in self._moved.get(block.name, (0.0, 0.0))),
+            *(1e3 * item for item in self._moved.get(block.name, (0.0, 0.0))),
         )
 
 

@@ -34,14 +34,16 @@ def draw_stacking_errors(
 
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     axes = figure.subplot_mosaic([["x", "above"], ["y", "above"]], width_ratios=[1.3, 1.0])
-    numbers = [each.number for each in errors]
-    reach = max(2.0 * PAPER_MM, *(1.2 * abs(value) for each in errors for value in (each.x, each.y)))
+    numbers = [error.number for error in errors]
+    reach = max(2.0 * PAPER_MM, *(1.2 * abs(value) for error in errors for value in (error.x, error.y)))
     limit = f"limit {limit_mm:g} mm{', beyond the picture' if limit_mm > reach else ''}"
     for name in "xy":
         axis = axes[name]
-        axis.plot(numbers, [getattr(each, name) for each in errors], "o", color=BLUE, label="where it stands")
+        axis.plot(
+            numbers, [getattr(error, name) for error in errors], "o", color=BLUE, label="where it stands"
+        )
         if processed:
-            values = [getattr(each, f"processed_{name}") for each in errors]
+            values = [getattr(error, f"processed_{name}") for error in errors]
             axis.plot(numbers, values, "s", mfc="none", color=ORANGE, label="processed (eq. 12)")
         for sign in (-1.0, 1.0):
             axis.axhline(sign * limit_mm, color=VERMILION, lw=1.2, label=limit if sign > 0 else None)
@@ -53,10 +55,10 @@ def draw_stacking_errors(
         axis.set_xticks(numbers[:: 1 + len(numbers) // 20])
     axes["y"].set_xlabel("number of the block")
     above = axes["above"]
-    above.plot([each.x for each in errors], [each.y for each in errors], "o", color=BLUE)
+    above.plot([error.x for error in errors], [error.y for error in errors], "o", color=BLUE)
     above.add_patch(Circle((0.0, 0.0), limit_mm, fill=False, color=VERMILION, lw=1.2))
     above.plot(0.0, 0.0, "+", color=BLACK, ms=10.0)
     above.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xlabel="x [mm]", ylabel="y [mm]")
-    above.set_title(f"from above: at most {max(each.size for each in errors):.2f} mm off", fontsize=10)
+    above.set_title(f"from above: at most {max(error.size for error in errors):.2f} mm off", fontsize=10)
     figure.legend(*axes["x"].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     save_figure(figure, target)

@@ -75,8 +75,8 @@ def _work(task: Task, plan: Building) -> Work:
             continue
         place = fixed.get("place") or plan.landmarks[name].place
         todo = found.setdefault((place, name), {})
-        for each in _until_driven(task, action.target):
-            todo |= _block(each, plan)
+        for action_ in _until_driven(task, action.target):
+            todo |= _block(action_, plan)
     return {key: todo for key, todo in found.items() if todo}
 
 

@@ -38,10 +38,10 @@ def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
             thing.pose[2, 3] - thing.size[2] / 2 - ZONE_MARGIN_M,
             thing.pose[2, 3] + thing.size[2] / 2 + ZONE_MARGIN_M,
         )
-        beside = [each for each in bodies if each[:, 2].min() < high and each[:, 2].max() > low]
+        beside = [body for body in bodies if body[:, 2].min() < high and body[:, 2].max() > low]
         if not beside:
             continue
-        reach = max(float(np.hypot(each[:, 0], each[:, 1]).max()) for each in beside)
+        reach = max(float(np.hypot(item[:, 0], item[:, 1]).max()) for item in beside)
         spare = max(0.0, spec.footprint_radius_m - reach)
         less = 2.0 * spare / math.sqrt(2.0)  # at a corner both sides count
         yaw = math.atan2(thing.pose[1, 0], thing.pose[0, 0])

@@ -59,7 +59,9 @@ def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Pat
 def _beside_tables(plan: WallPlan) -> GridMap:
     """Return the map without the tables, which are separate bodies in the simulated world."""
     grid = plan.grid
-    outlines = [(each.x_m, each.y_m, each.floor.theta, *each.size_m) for each in plan.drawing.tables.values()]
+    outlines = [
+        (table.x_m, table.y_m, table.floor.theta, *table.size_m) for table in plan.drawing.tables.values()
+    ]
     size = grid.occupied.shape[1] * grid.resolution, grid.occupied.shape[0] * grid.resolution
     tables = from_boxes(outlines, grid.resolution, (grid.origin_x, grid.origin_y), size)
     return grid._replace(occupied=grid.occupied & ~tables.occupied)
@@ -93,16 +95,16 @@ def _building(plan: WallPlan) -> str:
     for name, mark in drawing.landmarks.items():
         place = seen_from.get(name, stops[0].name)
         lines.append(f"  {name}: {{{_level(mark)}, side_mm: {mark.side_mm:g}, place: {place}}}")
-    lines += ["tables:", *(f"  {name}: {{{_table(each)}}}" for name, each in drawing.tables.items())]
-    lines += ["supply:", *(f"  - {{{_level(each)}}}" for each in drawing.supply)]
-    lines += ["carried:", *(f"  - {{{_level(each)}}}" for each in drawing.carried)]
-    lines += ["goals:", *(f"  - {{{_level(each.place)}}}   # {each.words}" for each in plan.blocks)]
+    lines += ["tables:", *(f"  {name}: {{{_table(table)}}}" for name, table in drawing.tables.items())]
+    lines += ["supply:", *(f"  - {{{_level(pose)}}}" for pose in drawing.supply)]
+    lines += ["carried:", *(f"  - {{{_level(item)}}}" for item in drawing.carried)]
+    lines += ["goals:", *(f"  - {{{_level(block.place)}}}   # {block.words}" for block in plan.blocks)]
     return "\n".join(lines) + "\n"
 
 
 def _places(plan: WallPlan) -> str:
     start = f"  start: {{{_pose(plan.drawing.start.pose)}}}"
-    stops = [f"  {each.name}: {{{_pose(each.pose)}}}" for each in (*plan.fetching, *plan.laying)]
+    stops = [f"  {item.name}: {{{_pose(item.pose)}}}" for item in (*plan.fetching, *plan.laying)]
     head = "# Places of the robot's base; made by `handcart wall`.\nformat: handcart-places/1\nplaces:"
     return "\n".join([head, start, *stops]) + "\n"
 
@@ -116,23 +118,27 @@ def _world(plan: WallPlan) -> str:
         f"start: {{{_pose(drawing.start.pose)}}}",
         "tables:",
     ]
-    highest = [min(each.height_m for each in drawing.tables.values())]
-    stones = {name: each for name, each in drawing.tables.items() if each.height_m > highest[0]}
-    for name, each in drawing.tables.items():
+    highest = [min(table.height_m for table in drawing.tables.values())]
+    stones = {name: table for name, table in drawing.tables.items() if table.height_m > highest[0]}
+    for name, table in drawing.tables.items():
         if name not in stones:
-            foot = ", ".join(f"{PEDESTAL_RATIO * side:.3f}" for side in each.size_m)
-            size = ", ".join(f"{side:g}" for side in (*each.size_m, each.height_m))
+            foot = ", ".join(f"{PEDESTAL_RATIO * side:.3f}" for side in table.size_m)
+            size = ", ".join(f"{side:g}" for side in (*table.size_m, table.height_m))
             lines.append(
-                f"  - {{name: {name}, {_pose(each.floor)}, size_m: [{size}], "
-                f"slab_m: {each.thickness_m:g}, foot_m: [{foot}]}}"
+                f"  - {{name: {name}, {_pose(table.floor)}, size_m: [{size}], "
+                f"slab_m: {table.thickness_m:g}, foot_m: [{foot}]}}"
             )
-    lines += ["marks:", *(f"  - {{{_level(each)}}}" for each in drawing.landmarks.values()), "blocks:"]
+    lines += [
+        "marks:",
+        *(f"  - {{{_level(landmark)}}}" for landmark in drawing.landmarks.values()),
+        "blocks:",
+    ]
     for number, place in enumerate(drawing.supply, start=1):
         grey = _tone(plan, number)
         lines.append(f'  - {{name: "{number}", {_level(place)}, grey: {grey}}}')
-    for name, each in stones.items():
-        size = ", ".join(f"{1e3 * side:g}" for side in (*each.size_m, each.thickness_m))
-        foot = f"{_pose(each.floor)}, height_m: {each.height_m - each.thickness_m:g}"
+    for name, stone in stones.items():
+        size = ", ".join(f"{1e3 * side:g}" for side in (*stone.size_m, stone.thickness_m))
+        foot = f"{_pose(stone.floor)}, height_m: {stone.height_m - stone.thickness_m:g}"
         lines.append(f"  - {{name: {name}, {foot}, size_mm: [{size}], grey: {STONE_GREY}}}")
     return "\n".join(lines) + "\n"
 

@@ -55,8 +55,8 @@ def _searched(survey: Survey, _: Claim) -> list[str]:
     middle = 0.5 * (slot.left + slot.right)
     sides = _gap_at(props, scene.held, slot.shelf, middle)
     wrong = at_most("the slot's middle is {:.1f} mm off", 1e3 * abs(middle - 0.5 * sum(sides)), SLOT_MM)
-    at = sum(each.lateral > middle for each in row)
-    calls = [each.book.spec.call for each in row]
+    at = sum(book.lateral > middle for book in row)
+    calls = [book.book.spec.call for book in row]
     fits = _in_order(calls[:at], calls[at:], books.book.call)
     return wrong if fits else [*wrong, "the slot is not where the book belongs"]
 
@@ -113,8 +113,8 @@ def _gap_at(books: BookProps, held: object, shelf: str, y: float) -> tuple[float
     """Left and right side, y in S in [m], of the gap between the books' middles about `y`."""
     half = books.shelves[shelf].half_width
     sides = [(right, left) for right, left, _ in books.shelves[shelf].fixed_intervals()]
-    row = [each for each in books.shelf_books(shelf) if each.book is not held]
-    half_books = [(each.lateral, each.book.thickness / 2) for each in row]
+    row = [book for book in books.shelf_books(shelf) if book.book is not held]
+    half_books = [(book.lateral, book.book.thickness / 2) for book in row]
     sides += [(middle - half, middle + half) for middle, half in half_books]
     left = min((right for right, left in sides if 0.5 * (right + left) > y), default=half)
     right = max((left for right, left in sides if 0.5 * (right + left) <= y), default=-half)

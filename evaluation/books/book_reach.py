@@ -50,7 +50,7 @@ def book_facts(robot: RobotFile, reach: HandReach | None) -> DomainFacts:
     ]
     heading = "upright, pointing ahead and holding a book on a board, its finger tips get to"
     columns = ("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead")
-    figures = {"grasps": [asdict(each) for each in grasps]}
+    figures = {"grasps": [asdict(grasp) for grasp in grasps]}
     return DomainFacts(remarks, figures, (FactTable(heading, columns, rows),))
 
 
@@ -90,10 +90,10 @@ def _longest(values: FloatArray, good: Sequence[bool]) -> Span:
     """Return the longest stretch of good values."""
     best: Span = None
     start: int | None = None
-    for index, each in enumerate([*good, False]):
-        if each and start is None:
+    for index, item in enumerate([*good, False]):
+        if item and start is None:
             start = index
-        elif not each and start is not None:
+        elif not item and start is not None:
             span = (float(values[start]), float(values[index - 1]))
             if best is None or span[1] - span[0] > best[1] - best[0]:
                 best = span

@@ -46,7 +46,7 @@ class BookSurvey(Survey):
         self._books = run.world.of(BookProps)
         first = self._books.tray_book()
         if RELEASE in run.does and first is not None:
-            others = [each.accession for each in self._books.to_come]
+            others = [item.accession for item in self._books.to_come]
             self._shelving = shelving(self._books, (first.accession, *others))
 
     @classmethod

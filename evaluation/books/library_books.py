@@ -54,7 +54,7 @@ def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
         whole = first + int(rng.integers(0, 100))
         decimals = ["", f".{rng.integers(1, 10)}", f".{rng.integers(10, 99)}"][int(rng.integers(0, 3))]
         made.add(f"{whole}{decimals} {''.join(rng.choice(list(LABEL_LETTERS), 3))}")
-    ordered = sorted(((number, call) for call in made if (number := parse(call))), key=lambda each: each[0])
+    ordered = sorted(((number, call) for call in made if (number := parse(call))), key=lambda item: item[0])
     return [call for _, call in ordered]
 
 
@@ -107,8 +107,8 @@ def _misplace(
     beside = int(rng.choice(list(gaps))) + int(rng.integers(0, 2))
     far = [
         i
-        for i, each in enumerate(standing)
-        if isinstance(each, GeneratedBook) and abs(i - beside) > FEWEST_BETWEEN
+        for i, item in enumerate(standing)
+        if isinstance(item, GeneratedBook) and abs(i - beside) > FEWEST_BETWEEN
     ]
     taken = int(rng.choice(far))
     row = [*standing]

@@ -75,15 +75,15 @@ def _world(library: Library) -> str:
         "furniture:",
     ]
     lines += [
-        f"  - {{name: {each.name}, x_m: {each.x}, y_m: {each.y}, "
-        f"size_m: [{each.length}, {each.width}, {each.height}]}}"
-        for each in ROOM_FURNITURE
+        f"  - {{name: {item.name}, x_m: {item.x}, y_m: {item.y}, "
+        f"size_m: [{item.length}, {item.width}, {item.height}]}}"
+        for item in ROOM_FURNITURE
     ]
     if library.surprises:
         lines.append("surprises: # missing on the map")
         lines += [
-            f"  - {{name: box_{i + 1}, {_pose(each.pose)[1:-1]}, size_m: {list(each.size)}}}"
-            for i, each in enumerate(library.surprises)
+            f"  - {{name: box_{i + 1}, {_pose(surprise.pose)[1:-1]}, size_m: {list(surprise.size)}}}"
+            for i, surprise in enumerate(library.surprises)
         ]
     lines.append("shelves:")
     for row, shelf in zip(library.rows, SHELF_POSES, strict=True):
@@ -95,15 +95,15 @@ def _world(library: Library) -> str:
             "    books: # from left to right",
         ]
         lines += [
-            f"      - {{gap_mm: {each:g}}}" if isinstance(each, float) else f"      - {_book(each)}"
-            for each in row.standing
+            f"      - {{gap_mm: {item:g}}}" if isinstance(item, float) else f"      - {_book(item)}"
+            for item in row.standing
         ]
     tag = {"readable": "readable", "unknown": "readable", "smeared": "smeared"}[library.tag]
     first, *others = library.wanted
     accession = UNLISTED_TAG if library.tag == "unknown" else first.accession
     lines.append(f"tray: {_book(first, accession)[:-1]}, tag: {tag}}}")
     if others:
-        lines += ["handed_over: # when the robot is home again", *(f"  - {_book(each)}" for each in others)]
+        lines += ["handed_over: # when the robot is home again", *(f"  - {_book(other)}" for other in others)]
     return "\n".join(lines) + "\n"
 
 
@@ -120,8 +120,8 @@ def _unusual(row: ShelfRow) -> list[str]:
     """Return the lines of unusual properties of a shelf."""
     lines = [f"    light: {row.light:g}"] if row.light != ShelfRow.light else []
     if row.objects:
-        pairs = [", ".join(f"{key}: {value:g}" for key, value in each.items()) for each in row.objects]
-        lines += ["    objects:", *(f"      - {{{each}}}" for each in pairs)]
+        pairs = [", ".join(f"{key}: {value:g}" for key, value in object_.items()) for object_ in row.objects]
+        lines += ["    objects:", *(f"      - {{{pair}}}" for pair in pairs)]
     return lines
 
 
@@ -155,12 +155,12 @@ def _places(library: Library) -> str:
 def _catalogue(library: Library) -> str:
     lines = [_made(library, "All books that the library owns") + "format: handcart-catalogue/1", "books:"]
     for row in library.rows:
-        standing = [each for each in row.standing if isinstance(each, GeneratedBook)]
+        standing = [item for item in row.standing if isinstance(item, GeneratedBook)]
         lines += [
             f'  - {{accession: {book.accession}, call: "{book.call}", title: "Volume {book.accession}", '
             f"shelf: {book.shelf}, thickness_mm: {book.thickness_mm:g}, height_mm: {book.height_mm}, "
             f"depth_mm: {book.depth_mm}}}"
-            for book in sorted([*standing, *row.lent], key=lambda each: each.accession)
+            for book in sorted([*standing, *row.lent], key=lambda item: item.accession)
         ]
     return "\n".join(lines) + "\n"
 

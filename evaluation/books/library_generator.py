@@ -100,8 +100,8 @@ def make_library(
     )
     if not 1 <= books <= len(rows):
         raise NoSuchLibrary(f"no library with {books} books to return; allowed: 1 to {len(rows)}")
-    shelves = [int(each) for each in rng.permutation(len(rows))[:books]]
-    wanted = tuple(rows[each].lent[int(rng.integers(0, 2))] for each in shelves)
+    shelves = [int(item) for item in rng.permutation(len(rows))[:books]]
+    wanted = tuple(rows[shelf].lent[int(rng.integers(0, 2))] for shelf in shelves)
     rows, wanted, spoilt = _unfriendly(rows, wanted, factors, level, seed)
     chosen = shelves[0]
     if not gap:
@@ -150,7 +150,7 @@ def place_before(shelf: Pose2) -> Pose2:
 
 def _closed(row: ShelfRow, wanted: GeneratedBook) -> ShelfRow:
     """Return the row without the gap of a lent book: its number is missing, and its neighbours touch."""
-    gaps = [i for i, each in enumerate(row.standing) if isinstance(each, float)]
+    gaps = [i for i, item in enumerate(row.standing) if isinstance(item, float)]
     at = gaps[row.lent.index(wanted)]
     return replace(row, standing=row.standing[:at] + row.standing[at + 1 :])
 
@@ -180,7 +180,7 @@ def _map(walls: tuple[tuple[float, float, float, float], ...]) -> GridMap:
         )
         for x0, y0, x1, y1 in walls
     ]
-    boxes += [FloorBox(each.x, each.y, 0.0, each.length, each.width) for each in ROOM_FURNITURE]
+    boxes += [FloorBox(item.x, item.y, 0.0, item.length, item.width) for item in ROOM_FURNITURE]
     for shelf in SHELF_POSES:
         middle = shelf.compose(Pose2(SHELF_DEPTH / 2, 0.0, 0.0))
         boxes.append(FloorBox(middle.x, middle.y, shelf.theta, SHELF_DEPTH, OUTER_WIDTH_M))

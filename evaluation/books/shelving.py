@@ -70,26 +70,26 @@ class Shelving:
         if book is None or book.shelf is None:
             return ShelvedBooks(False, math.nan, math.nan, pushed)
         row = books.shelf_books(book.shelf)
-        at = next(i for i, each in enumerate(row) if each.book.accession == accession)
+        at = next(i for i, standing_book in enumerate(row) if standing_book.book.accession == accession)
         beside = [row[i].front for i in (at - 1, at + 1) if 0 <= i < len(row)]
         proud = 1e3 * (sum(beside) / len(beside) - row[at].front) if beside else math.nan
         tilt = math.degrees(max(abs(row[at].tilt), abs(row[at].yaw)))
         return ShelvedBooks(_in_order(row, at), proud, tilt, pushed)
 
     def _pushed(self, books: BookProps) -> float:
-        now = {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
+        now = {book.book.accession: book.front for name in books.shelves for book in books.shelf_books(name)}
         return 1e3 * max((now[number] - front for number, front in self.fronts.items()), default=0.0)
 
 
 def shelving(books: BookProps, accessions: tuple[int, ...]) -> Shelving:
     """Record the initial state of the shelves."""
-    fronts = {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
+    fronts = {book.book.accession: book.front for name in books.shelves for book in books.shelf_books(name)}
     return Shelving(accessions, fronts)
 
 
 def _in_order(row: Sequence[Any], at: int) -> bool:
     """Return whether the book at `at` is between its correct neighbours, among those that are in order."""
-    numbers = [parse(each.book.spec.call) for each in row]
+    numbers = [parse(item.book.spec.call) for item in row]
     wanted = numbers[at]
     others = [i for i in range(len(row)) if i != at and numbers[i] is not None]
     ordered = [others[i] for i in longest_rising([_known(numbers[i]) for i in others])]

@@ -48,8 +48,16 @@ def _slot(scene: Scene, shelf: str) -> dict[str, float]:
         return {}
     edge = inverse(books.shelves[shelf].pose) @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
     row = books.shelf_books(shelf)
-    left = [each.lateral - each.book.thickness / 2 for each in row if each.lateral > edge[1]]
-    right = [each.lateral + each.book.thickness / 2 for each in row if each.lateral <= edge[1]]
+    left = [
+        standing_book.lateral - standing_book.book.thickness / 2
+        for standing_book in row
+        if standing_book.lateral > edge[1]
+    ]
+    right = [
+        standing_book.lateral + standing_book.book.thickness / 2
+        for standing_book in row
+        if standing_book.lateral <= edge[1]
+    ]
     if not left or not right:
         return {}
     return {"edge_mm": round(1e3 * abs(float(edge[1]) - 0.5 * (min(left) + max(right))), 3)}

@@ -167,16 +167,16 @@ def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> st
     """Return why this lent book has no slot; empty if it has one."""
     if book.accession in spoilt:
         return spoilt[book.accession]
-    at = [i for i, each in enumerate(row.standing) if _is_slot(each)][row.lent.index(book)]
+    at = [i for i, item in enumerate(row.standing) if _is_slot(item)][row.lent.index(book)]
     beside = row.standing[max(0, at - 1) : at + 2]
-    if any(isinstance(each, GeneratedBook) and each.lean_deg for each in beside):
+    if any(isinstance(item, GeneratedBook) and item.lean_deg for item in beside):
         return "a neighbour leans away from it"
     play = _gaps(row)[row.lent.index(book)] - book.thickness_mm
     return "" if play >= LEAST_PLAY_MM else f"it is {play:.1f} mm wider than the book"
 
 
 def _books(row: ShelfRow) -> list[GeneratedBook]:
-    return [each for each in row.standing if isinstance(each, GeneratedBook)]
+    return [item for item in row.standing if isinstance(item, GeneratedBook)]
 
 
 def _is_slot(each: GeneratedBook | float) -> TypeGuard[float]:
@@ -184,13 +184,13 @@ def _is_slot(each: GeneratedBook | float) -> TypeGuard[float]:
 
 
 def _gaps(row: ShelfRow) -> list[float]:
-    return [each for each in row.standing if _is_slot(each)]
+    return [item for item in row.standing if _is_slot(item)]
 
 
 def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
     """Return each slot wider than its book by so much."""
     gaps = iter([round(float(book.thickness_mm + plays[book.accession]), 2) for book in m.row.lent])
-    standing = tuple(next(gaps) if _is_slot(each) else each for each in m.row.standing)
+    standing = tuple(next(gaps) if _is_slot(item) else item for item in m.row.standing)
     return replace(m, row=replace(m.row, standing=standing))
 
 
@@ -198,30 +198,30 @@ def _fitted(m: _Making) -> _Making:
     """Return the row without the books farthest from slots, so that it fits its shelf."""
     standing: list[Any] = list(m.row.standing)
     while _width(standing) > 1e3 * CLEAR_WIDTH_M - 20.0:
-        slots = [i for i, each in enumerate(standing) if _is_slot(each)]
+        slots = [i for i, item in enumerate(standing) if _is_slot(item)]
         standing.pop(max(range(len(standing)), key=lambda i: min(abs(i - slot) for slot in slots)))
     return replace(m, row=replace(m.row, standing=tuple(standing)))
 
 
 def _width(standing: Collection[GeneratedBook | float]) -> float:
-    return sum(each if isinstance(each, float) else each.thickness_mm for each in standing)
+    return sum(item if isinstance(item, float) else item.thickness_mm for item in standing)
 
 
 def _gap_ends(row: ShelfRow, number: int) -> tuple[float, float]:
     """Return the start of a lent book's slot, from the left panel, and its width, in [mm]."""
     before, seen = 0.0, 0
-    for each in row.standing:
-        if _is_slot(each):
+    for item in row.standing:
+        if _is_slot(item):
             if seen == number:
-                return before, each
+                return before, item
             seen += 1
-        before += each if isinstance(each, float) else each.thickness_mm
+        before += item if isinstance(item, float) else item.thickness_mm
     raise IndexError(number)
 
 
 def _lean(standing: list[Any], number: int, count: int) -> None:
     """Let the books to the left of a slot lean into it, parallel to each other."""
-    at = [i for i, each in enumerate(standing) if _is_slot(each)][number]
+    at = [i for i, item in enumerate(standing) if _is_slot(item)][number]
     gap, first = standing[at], standing[at - 1]
     angle = math.asin(min(0.6, gap / first.height_mm))
     for i in range(at - 1, max(-1, at - 1 - count), -1):

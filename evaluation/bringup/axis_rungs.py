@@ -139,7 +139,7 @@ class LimitsRung(Rung[Site]):
         facts: Facts = {}
         with site.backend() as backend:
             jogger, free = Jogger(backend, site.robot), FreeWay(site.robot)
-            for number, axis in enumerate(each for each in jogger.axes if each.startswith("joint")):
+            for number, axis in enumerate(item for item in jogger.axes if item.startswith("joint")):
                 facts[axis] = self._try(site, backend, jogger, free, number, axis)
         return facts
 
@@ -151,7 +151,7 @@ class LimitsRung(Rung[Site]):
         units = site.robot.joint_units
         unit = units.unit(number)
         for end, limit, sense in zip(("lower", "upper"), jogger.limits(axis), (-1.0, 1.0), strict=True):
-            posture = np.array([each.position for each in backend.axes.joints])
+            posture = np.array([joint.position for joint in backend.axes.joints])
             touches = free.touches_at(posture, number, limit)
             if touches is not None:
                 facts[f"{end}_touches_{unit}"] = round(units.user_value(number, touches), 1)
@@ -227,4 +227,4 @@ class FreeWay:
 
     def _lowest(self, posture: FloatArray) -> float:
         shapes = self._model.link_shapes(posture)
-        return min(float(corners_of(each)[:, 2].min()) for each in shapes)
+        return min(float(corners_of(shape)[:, 2].min()) for shape in shapes)

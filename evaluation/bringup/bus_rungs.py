@@ -145,15 +145,15 @@ class ReadBackRung(Rung[Site]):
     def climb(self, site: Site) -> Facts:
         accepted = {name: not_watched(axis) for name, axis in site.spec.axes() if axis.without}
         for name, words in accepted.items():
-            for each in words:
-                site.operator.tell(f"{name}: {each}")
+            for word in words:
+                site.operator.tell(f"{name}: {word}")
         with site.backend() as backend:  # building it writes and reads back
             read = {
                 name: len([*settings(axis, site.spec, site.robot.period_s), *mapping(axis)])
                 for name, axis in backend.axes.items()
             }
             reactions = {
-                name: {f"{each.index:04X}h:{each.subindex}": each.value for each in _supervision(axis, site)}
+                name: {f"{item.index:04X}h:{item.subindex}": item.value for item in _supervision(axis, site)}
                 for name, axis in backend.axes.items()
             }
         return {"settings": read, "supervision": reactions, **({"accepted": accepted} if accepted else {})}
@@ -161,4 +161,4 @@ class ReadBackRung(Rung[Site]):
 
 def _supervision(axis: Any, site: Site) -> list[Any]:
     indices = (0x1016, 0x1017, 0x1029, 0x6007, 0x605A, 0x605E)
-    return [each for each in settings(axis, site.spec, site.robot.period_s) if each.index in indices]
+    return [setting for setting in settings(axis, site.spec, site.robot.period_s) if setting.index in indices]

@@ -95,7 +95,7 @@ class Ladder:
         """
         rung = self.next
         assert rung is not None
-        number = [each.name for each in self.rungs].index(rung.name) + 1
+        number = [rung_.name for rung_ in self.rungs].index(rung.name) + 1
         if self.rehearsed is not None and len(self.records(self.rehearsed)) < number:
             raise BenchFirst(rung.name, self.site.name, self.site.backend_name)
         self.site.folder.mkdir(parents=True, exist_ok=True)
@@ -131,7 +131,7 @@ class Ladder:
         Raises:
             UnknownRung: no step has that name.
         """
-        names = [each.name for each in self.rungs]
+        names = [rung_.name for rung_ in self.rungs]
         if name not in names:
             raise UnknownRung(name, names)
         aside = self.site.folder / f"before_{datetime.now(UTC):%Y%m%dT%H%M%S}"

@@ -153,5 +153,5 @@ def _by_silence(backend: CanBackend) -> None:
 
 
 def _spread(ways: list[float]) -> dict[str, float]:
-    p50, p99 = (round(float(each), 4) for each in np.percentile(ways, (50, 99)))
+    p50, p99 = (round(float(item), 4) for item in np.percentile(ways, (50, 99)))
     return {"p50_m": p50, "p99_m": p99, "max_m": round(max(ways), 4), "last_m": round(ways[-1], 4)}

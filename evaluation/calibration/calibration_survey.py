@@ -61,8 +61,10 @@ class CalibrationSurvey(FiguresSurvey):
         if do == CAMERA and spec.hand_camera is not None:
             self._figures |= camera_figures(spec, spec.hand_camera, self.run.seed, found)
         elif do == SUSPENSION:
-            values = {key.rpartition(".")[2]: each.value for key, each in found.items()}
-            self._figures |= {key: round(each, 4) for key, each in values.items() if isinstance(each, float)}
+            values = {key.rpartition(".")[2]: calibrated.value for key, calibrated in found.items()}
+            self._figures |= {
+                key: round(value, 4) for key, value in values.items() if isinstance(value, float)
+            }
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:

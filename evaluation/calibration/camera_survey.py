@@ -33,7 +33,11 @@ def camera_figures(
     mount, name = mount_of(robot, spec), robot.name_of(spec)
     true = true_camera(spec, mount, robot.errors, sensor_seed(seed, name))
     start = ".".join((*robot.key_of(name), "calibrated", ""))
-    after = {key.removeprefix(start): each.value for key, each in found.items() if key.startswith(start)}
+    after = {
+        key.removeprefix(start): calibrated_.value
+        for key, calibrated_ in found.items()
+        if key.startswith(start)
+    }
     calibrated = spec.model_copy(update={"calibrated": CalibratedCamera.model_validate(after)})
     figures: dict[str, float] = {}
     for name, camera in (("before", known_camera(spec, mount)), ("after", known_camera(calibrated, mount))):

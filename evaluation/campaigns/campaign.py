@@ -44,11 +44,11 @@ def run_campaign(
     left = (seed for seed in seeds if log is None or seed not in log)
     with Interrupts(), closing(_every(setting, left, jobs, cluster)) as every:
         for together in every:
-            done = [each for each in together if not each.cancelled]
+            done = [item for item in together if not item.cancelled]
             if log is not None:
                 log.append(done)
             yield from done
-            if any(each.interrupted for each in together):
+            if any(item.interrupted for item in together):
                 raise KeyboardInterrupt
 
 

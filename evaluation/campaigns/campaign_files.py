@@ -87,10 +87,10 @@ def _words(node: Node) -> Iterator[_Word]:
     """Yield all words in a file that may be the name of a file."""
     content = node.content
     if isinstance(content, dict):
-        for each in content.values():
-            yield from _words(each)
+        for item in content.values():
+            yield from _words(item)
     elif isinstance(content, list):
-        for each in content:
-            yield from _words(each)
+        for item in content:
+            yield from _words(item)
     elif isinstance(content, str) and "." in content and len(content) < 1000 and "\n" not in content:
         yield _Word(content, node.line == 0)

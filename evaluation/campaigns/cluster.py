@@ -109,14 +109,14 @@ def _files(setting: CampaignSetting) -> Mapping[str, str]:
 def _quiet() -> Iterator[None]:
     """Silence the library's messages to programmers about lost connections."""
     handlers = list(logging.getLogger("distributed").handlers)
-    before = [each.level for each in handlers]
-    for each in handlers:
-        each.setLevel(logging.CRITICAL)
+    before = [handler.level for handler in handlers]
+    for handler in handlers:
+        handler.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        for each, level in zip(handlers, before, strict=True):
-            each.setLevel(level)
+        for handler, level in zip(handlers, before, strict=True):
+            handler.setLevel(level)
 
 
 @dataclass
@@ -170,7 +170,7 @@ class Cluster:
                 raise ClusterLost(self._address) from None
             finally:
                 with suppress(OSError):
-                    client.cancel([each for asked in self._asked.values() for each in asked.futures])
+                    client.cancel([future for asked in self._asked.values() for future in asked.futures])
 
     @contextmanager
     def _client(self) -> Iterator[Client]:
@@ -234,7 +234,7 @@ class Cluster:
             asked = self._asked.pop(seed)
             self._took += time.monotonic() - asked.since
             self._ended += 1
-            if others := [each for each in asked.futures if each.key != future.key]:
+            if others := [future_ for future_ in asked.futures if future_.key != future.key]:
                 client.cancel(others)
         return done
 

@@ -47,7 +47,7 @@ class PlannedFault(FileModel):
 
     @model_validator(mode="after")
     def _whole(self) -> PlannedFault:
-        if sum(each is not None for each in (self.at_s, self.every_s, self.rate_per_s)) != 1:
+        if sum(item is not None for item in (self.at_s, self.every_s, self.rate_per_s)) != 1:
             raise ValueError("when it comes isn't clear; needed: one of at_s, every_s, rate_per_s")
         if self.sensor not in all_sensors() and (self.sensor or self.kind in _OF_A_SENSOR):
             raise ValueError(f"unknown sensor {self.sensor!r}{suggest(self.sensor, all_sensors())}")
@@ -107,8 +107,8 @@ class InjectedFaults(RunObserver):
         """
         self._backend: _Faulty | None = None
         self._coming = [
-            (each.fault(), each.instants(Random(f"{seed} fault {number}")))
-            for number, each in enumerate(plan.faults)
+            (fault.fault(), fault.instants(Random(f"{seed} fault {number}")))
+            for number, fault in enumerate(plan.faults)
         ]
         self._next = [next(instants, math.inf) for _, instants in self._coming]
 

@@ -53,7 +53,7 @@ class Varied(FileModel):
     @model_validator(mode="after")
     def _whole(self) -> Varied:
         given = (self.list, self.grid, self.uniform, self.log_uniform, self.normal)
-        if sum(each is not None for each in given) != 1:
+        if sum(item is not None for item in given) != 1:
             raise ValueError("which values? needed: one of list, grid, uniform, log_uniform, normal")
         for pair in (self.uniform, self.log_uniform):
             if pair is not None and pair[0] >= pair[1]:
@@ -110,7 +110,7 @@ class Variation(FileModel):
 
     @model_validator(mode="after")
     def _whole(self) -> Variation:
-        endless = [each.name for each in self.vary if each.values() is None]
+        endless = [item.name for item in self.vary if item.values() is None]
         if self.design == "grid" and endless:
             raise ValueError(f"a grid of a distribution ({endless[0]}); allowed: list, grid")
         return self
@@ -118,7 +118,7 @@ class Variation(FileModel):
     def row(self, seed: int, seeds: range) -> Mapping[str, float]:
         """Return the numbers of a trial; `seeds` are those of all trials, over all shards."""
         if self.design == "grid":
-            every = [each.values() or () for each in self.vary]
+            every = [item.values() or () for item in self.vary]
             at, combined = seed % math.prod(map(len, every)), []
             for values in reversed(every):
                 at, step = divmod(at, len(values))
@@ -130,19 +130,19 @@ class Variation(FileModel):
         return self._at(shares[seeds.index(seed)].tolist())
 
     def _drawn(self, seed: int) -> list[float]:
-        return [Random(f"{seed} varied {each.name}").random() for each in self.vary]
+        return [Random(f"{seed} varied {item.name}").random() for item in self.vary]
 
     def _at(self, shares: Sequence[float]) -> Mapping[str, float]:
-        return self._named([each.at(share) for each, share in zip(self.vary, shares, strict=True)])
+        return self._named([item.at(share) for item, share in zip(self.vary, shares, strict=True)])
 
     def _named(self, values: Sequence[float]) -> Mapping[str, float]:
-        return {each.name: value for each, value in zip(self.vary, values, strict=True)}
+        return {item.name: value for item, value in zip(self.vary, values, strict=True)}
 
     def changes(self, row: Mapping[str, float], task: Task) -> Changes:
         """Return the values that a trial's numbers replace in the files of a task."""
         changed: dict[Path, dict[KeyPath, float]] = {}
-        for each in self.vary:
-            changed.setdefault(file_of(each.file, task).resolve(), {})[each.path] = row[each.name]
+        for item in self.vary:
+            changed.setdefault(file_of(item.file, task).resolve(), {})[item.path] = row[item.name]
         return changed
 
 
@@ -179,9 +179,9 @@ def load_variation(path: Path, task: Task | None = None) -> Variation:
         return read
     document = read_document(path, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES)
     wrong = []
-    for number, each in enumerate(read.vary):
-        other = read_document(file_of(each.file, task))
-        fault = _fault(each, other)
+    for number, item in enumerate(read.vary):
+        other = read_document(file_of(item.file, task))
+        fault = _fault(item, other)
         if fault:
             wrong.append(document.finding(("vary", number, "key"), fault))
     if wrong:

@@ -70,8 +70,8 @@ class Worker:
         if isinstance(said, Exception):
             raise said
         self.begun = True
-        for each in said:
-            self.seeds.remove(each.seed)
+        for item in said:
+            self.seeds.remove(item.seed)
         return said
 
 
@@ -100,7 +100,7 @@ class Workers:
         self._left = iter(seeds)
         try:
             while self._busy():
-                waits = {each.connection: each for each in self._workers}
+                waits = {worker_.connection: worker_ for worker_ in self._workers}
                 for connection in wait_for(list(waits)):
                     assert isinstance(connection, Connection)
                     worker = waits[connection]
@@ -131,7 +131,7 @@ class Workers:
 
     def _busy(self) -> bool:
         """Give work to as many processes as are useful; return True while any trial is pending."""
-        self._workers = [each for each in self._workers if each.seeds or self._feed(each)]
+        self._workers = [worker_ for worker_ in self._workers if worker_.seeds or self._feed(worker_)]
         while len(self._workers) < self._jobs:
             first = next(self._left, None)
             if first is None:
@@ -168,11 +168,11 @@ class Workers:
         return [died(first, f"its process died {MAX_PROCESS_DEATHS} times, at last {_how(worker.process)}")]
 
     def _let_go(self) -> None:
-        for each in self._workers:
-            _let_go(each)
+        for worker in self._workers:
+            _let_go(worker)
 
     def _end(self) -> None:
-        end([each.process for each in self._workers])
+        end([worker.process for worker in self._workers])
 
 
 def end(processes: Iterable[BaseProcess]) -> None:
@@ -183,10 +183,10 @@ def end(processes: Iterable[BaseProcess]) -> None:
     """
     alive = list(processes)
     try:
-        while alive := [each for each in alive if each.is_alive()]:
+        while alive := [base_process for base_process in alive if base_process.is_alive()]:
             for process in alive:
                 process.terminate()
-            wait_for([each.sentinel for each in alive], timeout=0.5)
+            wait_for([base_process.sentinel for base_process in alive], timeout=0.5)
     finally:
         for process in alive:
             process.kill()

@@ -115,7 +115,7 @@ class KitSetting:
     def tasks(self) -> tuple[Path, ...]:
         """The tasks that the robot is tried in: the user's own, or shipped ones."""
         if self.own_tasks:
-            return tuple(Path(each).resolve() for each in self.own_tasks)
+            return tuple(Path(task).resolve() for task in self.own_tasks)
         return repertoire(self.robot, self._chosen, self.simulated or self.backend)
 
     @cached_property
@@ -235,11 +235,11 @@ def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Res
         try:
             while running:
                 over, _ = wait(running, PROGRESS_PERIOD_S, FIRST_COMPLETED)
-                ended = {running.pop(each): each for each in over}
+                ended = {running.pop(item): item for item in over}
                 yield {number: _result(jobs[number], future) for number, future in ended.items()}
         finally:
-            for each in running:
-                each.cancel()
+            for item in running:
+                item.cancel()
 
 
 def _done(job: Job) -> Result:

@@ -47,16 +47,21 @@ class KitReport:
     @classmethod
     def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> KitReport:
         """Return a report of results in any order."""
-        trials = (trial for each in results if isinstance(each, list) for trial in each)
+        trials = (trial for result in results if isinstance(result, list) for trial in result)
         return cls(
             backend,
             robot,
             quick,
-            tuple(each for each in results if isinstance(each, CheckResult)),
-            tuple(sorted(trials, key=lambda each: (each.action, each.primitive, each.period))),
-            tuple(sorted((each for each in results if isinstance(each, Caught)), key=lambda each: each.name)),
-            tuple(each for each in results if isinstance(each, Broken)),
-            tuple(compared([each for each in results if isinstance(each, Ran)], backend)),
+            tuple(result for result in results if isinstance(result, CheckResult)),
+            tuple(sorted(trials, key=lambda item: (item.action, item.primitive, item.period))),
+            tuple(
+                sorted(
+                    (result for result in results if isinstance(result, Caught)),
+                    key=lambda result: result.name,
+                )
+            ),
+            tuple(result for result in results if isinstance(result, Broken)),
+            tuple(compared([result for result in results if isinstance(result, Ran)], backend)),
         )
 
     @property
@@ -93,19 +98,19 @@ class KitReport:
     @property
     def planted(self) -> list[Caught]:
         """Liars that could be planted on this robot."""
-        return [each for each in self.mutants if not each.skipped]
+        return [mutant for mutant in self.mutants if not mutant.skipped]
 
     @property
     def missed(self) -> list[Caught]:
         """Mutants that the kit did not find."""
-        return [each for each in self.planted if not each.by]
+        return [caught for caught in self.planted if not caught.by]
 
     @property
     def ok(self) -> bool:
         """True if every check holds."""
         looked_at = (*self.checks, *self.tasks)
         wrong = self.violations or self.missed or self.broken or not self.causes_hold
-        return not wrong and all(each.ok for each in looked_at)
+        return not wrong and all(item.ok for item in looked_at)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as values for JSON."""
@@ -114,24 +119,24 @@ class KitReport:
             "backend": self.backend,
             "robot": self.robot,
             "quick": self.quick,
-            "checks": [asdict(each) | {"ok": each.ok} for each in self.checks],
+            "checks": [asdict(check) | {"ok": check.ok} for check in self.checks],
             "faults": {
                 "injected": self.injected,
                 "bitten": self.bitten,
                 "outcomes": self._outcomes(),
-                "violations": [_violation(each) for each in self.violations],
+                "violations": [_violation(violation) for violation in self.violations],
                 "causes": {
                     "judged": len(self.judged_causes),
-                    "wrong": [f"{each}: {each.ending.cause}" for each in self.wrong_causes],
+                    "wrong": [f"{cause}: {cause.ending.cause}" for cause in self.wrong_causes],
                 },
             },
             "mutants": {
                 "planted": len(self.planted),
                 "caught": len(self.planted) - len(self.missed),
-                "each": [asdict(each) for each in self.mutants],
+                "each": [asdict(mutant) for mutant in self.mutants],
             },
-            "tasks": [asdict(each) | {"ok": each.ok} for each in self.tasks],
-            "broken": [asdict(each) for each in self.broken],
+            "tasks": [asdict(task) | {"ok": task.ok} for task in self.tasks],
+            "broken": [asdict(item) for item in self.broken],
         }
 
     def _outcomes(self) -> dict[str, Mapping[str, int]]:
@@ -146,8 +151,8 @@ class KitReport:
         """Yield the table, line by line."""
         if self.checks:
             yield f"checks of {self.backend} with {self.robot}"
-            for each in self.checks:
-                yield from _check_lines(each)
+            for check in self.checks:
+                yield from _check_lines(check)
         if self.trials:
             yield from self._fault_lines()
         if self.mutants:
@@ -155,9 +160,9 @@ class KitReport:
         if self.tasks:
             yield ""
             yield f"shipped tasks on {self.backend}"
-            for each in self.tasks:
-                yield from _check_lines(each)
-                yield from (f"        {line}" for line in each.measured)
+            for task in self.tasks:
+                yield from _check_lines(task)
+                yield from (f"        {line}" for line in task.measured)
         for broken in self.broken:
             yield f"BROKEN  {broken.name}: {broken.reason}"
         yield ""
@@ -166,7 +171,7 @@ class KitReport:
     @property
     def summary(self) -> str:
         """Summary of the report in one line."""
-        wrong = sum(not each.ok for each in self.checks)
+        wrong = sum(not check.ok for check in self.checks)
         parts = [f"{len(self.checks)} checks, {wrong} wrong"] if self.checks else []
         if self.trials:
             parts.append(f"{self.injected} faults, {len(self.violations)} violations")
@@ -181,7 +186,7 @@ class KitReport:
     def _fault_lines(self) -> Iterator[str]:
         yield ""
         yield f"{'faults injected':<20}{'tried':>8}{'felt':>8}" + "".join(
-            f"{each:>9}" for each in OUTCOME_NAMES
+            f"{name:>9}" for name in OUTCOME_NAMES
         )
         groups: dict[str, list[FaultTrial]] = {}
         for trial in self.trials:
@@ -193,7 +198,7 @@ class KitReport:
         for title, trials in groups.items():
             ended = Counter(trial.ending.outcome for trial in trials)
             felt = sum(trial.ending.bitten for trial in trials)
-            row = "".join(f"{ended[each]:>9}" for each in OUTCOME_NAMES)
+            row = "".join(f"{ended[name]:>9}" for name in OUTCOME_NAMES)
             yield f"  {title:<18}{len(trials):>8}{felt:>8}{row}"
         yield from self._cause_lines()
         for trial in self.violations:
@@ -210,9 +215,10 @@ class KitReport:
     def _mutant_lines(self) -> Iterator[str]:
         yield ""
         yield f"liars caught: {len(self.planted) - len(self.missed)} of {len(self.planted)}"
-        for each in self.mutants:
-            word = "-" if each.skipped else "caught" if each.by else "MISSED"
-            yield f"  {word:<8}{each.name:<20}{each.lie}: {each.skipped or each.by or 'nothing is found'}"
+        for mutant in self.mutants:
+            word = "-" if mutant.skipped else "caught" if mutant.by else "MISSED"
+            found = mutant.skipped or mutant.by or "nothing is found"
+            yield f"  {word:<8}{mutant.name:<20}{mutant.lie}: {found}"
 
 
 def _check_lines(each: CheckResult) -> Iterator[str]:

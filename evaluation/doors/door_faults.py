@@ -14,15 +14,15 @@ STICKING_N = 120.0
 
 def _cover_tags(world: Any) -> None:
     """Cover all tags: the print on the fronts is not visible any more."""
-    for each in world.of(DoorProps).parts.values():
-        each.cover_print()
+    for part in world.of(DoorProps).parts.values():
+        part.cover_print()
 
 
 def _stick(world: Any) -> None:
     """Let all doors stick where they are; physics engines keep their joints as they were built."""
-    for each in world.of(DoorProps).parts.values():
-        if each.spec.friction_n != STICKING_N:
-            each.spec = each.spec.model_copy(update={"friction_n": STICKING_N})
+    for part in world.of(DoorProps).parts.values():
+        if part.spec.friction_n != STICKING_N:
+            part.spec = part.spec.model_copy(update={"friction_n": STICKING_N})
 
 
 DOOR_FAULTS: Sequence[Fault] = (

@@ -81,9 +81,9 @@ def _set_course_scale(axes: Axes, is_straight: bool) -> None:
 
 def _same_scale(*axes: Axes) -> None:
     """Give all axes the limits that the widest needs, symmetric about zero."""
-    most = max(abs(end) for each in axes for end in (*each.get_xlim(), *each.get_ylim()))
-    for each in axes:
-        each.set(xlim=(-most, most), ylim=(-most, most))
+    most = max(abs(end) for axis in axes for end in (*axis.get_xlim(), *axis.get_ylim()))
+    for axis in axes:
+        axis.set(xlim=(-most, most), ylim=(-most, most))
 
 
 def _tall(survey: Laying) -> float:
@@ -122,15 +122,20 @@ def _hand(axes: Axes, survey: Laying) -> None:
         places = _thinned([sight.place[:2] for sight in sights])
         axes.plot(*places, ".", color=ODOMETRY, ms=1.5, label="hand")
     every = survey.placements()
-    seen = [each.measured for each in every if each.measured is not None]
-    unseen = [each.lies for each in every if each.measured is None]
+    seen = [placement.measured for placement in every if placement.measured is not None]
+    unseen = [placement.lies for placement in every if placement.measured is None]
     if seen:
         axes.plot(*np.array(seen).T, "o", color=LAID, ms=5.0, label="sensor")
     if unseen:
         axes.plot(
             *np.array(unseen).T, "o", mfc="none", color=UNSEEN, ms=5.0, label="out of its sight (truth)"
         )
-    axes.plot(*np.array([each.target for each in every]).reshape(-1, 2).T, "+", color=TRUTH, label="target")
+    axes.plot(
+        *np.array([placement.target for placement in every]).reshape(-1, 2).T,
+        "+",
+        color=TRUTH,
+        label="target",
+    )
     _key(axes)
 
 
@@ -141,7 +146,9 @@ def _key(axes: Axes) -> None:
 
 def _errors(axes: Axes, survey: Laying) -> None:
     """Figures 9 and 10: errors about their mean, beside how widely the paper's were spread."""
-    errors = np.array([each.error_mm for each in survey.placements() if each.error_mm is not None])
+    errors = np.array(
+        [placement.error_mm for placement in survey.placements() if placement.error_mm is not None]
+    )
     axes.set_title("errors by the total station, about their mean")
     if len(errors) > 1:
         axes.plot(*(errors - errors.mean(axis=0)).T, "o", color=LAID, ms=5.0)
@@ -157,7 +164,7 @@ def _errors(axes: Axes, survey: Laying) -> None:
 def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
     """Plot the report's ellipses against the sensors' true places."""
     axes.set_title("as-laid report about the true places")
-    lies = {each.name: np.array(each.lies) for each in survey.placements()}
+    lies = {placement.name: np.array(placement.lies) for placement in survey.placements()}
     known = [sensor for sensor in sensors if sensor.name in lies]
     held = 0
     for sensor in known:
@@ -167,6 +174,6 @@ def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
         colour, wide = (UNSEEN, 0.4) if inside else (ESTIMATE, 0.9)
         axes.plot(*(1e3 * (sensor.outline - lies[sensor.name])).T, color=colour, lw=wide)
     if known:
-        axes.plot(*np.array([1e3 * (each.place - lies[each.name]) for each in known]).T, ".", color=LAID)
+        axes.plot(*np.array([1e3 * (laid.place - lies[laid.name]) for laid in known]).T, ".", color=LAID)
     axes.plot(0.0, 0.0, "+", color=TRUTH, ms=12.0, mew=1.5)
     axes.set_xlabel(f"x [mm]; {held} of {len(known)} ellipses of 95 % hold the true place (grey)")

@@ -24,7 +24,7 @@ def _deployed(survey: Survey, claim: Claim) -> list[str]:
     """
     model, name = survey.run.model, claim.primitive.target
     work = model.of(FieldWork)
-    laid = next((each for each in work.laid if each.name == name), None)
+    laid = next((item for item in work.laid if item.name == name), None)
     if laid is None:
         return ["no sensor counts as laid there"]
     block = survey.run.world.of(FieldProps).sensors.get(str(1 + work.laid.index(laid)))

@@ -89,11 +89,11 @@ class FieldSurvey(Survey):
             self.station.look()
         self._follow(robot)
         laid = self._model.of(FieldWork).laid[len(self._blocks) :]
-        for each in laid:
-            self._blocks[each.name] = self._held
-            self._seen[each.name] = self._measured()
+        for item in laid:
+            self._blocks[item.name] = self._held
+            self._seen[item.name] = self._measured()
         if laid or self._scene.time >= self._noted + MAX_NOTE_PERIOD_S:
-            self._note([each.name for each in laid])
+            self._note([item.name for item in laid])
         held = self._scene.held
         self._held = "" if held is None else held.spec.name
 
@@ -153,18 +153,18 @@ class FieldSurvey(Survey):
         if self._scene is None or not self._model.of(FieldWork).targets:
             return {}
         every = self.placements()
-        seen = [each for each in every if each.error_mm is not None]
+        seen = [placement for placement in every if placement.error_mm is not None]
         result: dict[str, Any] = {"placed": len(every), "out_of_sight": len(every) - len(seen)}
         if seen:
-            errors = np.array([each.error_mm for each in seen])
+            errors = np.array([placement.error_mm for placement in seen])
             sizes = np.hypot(*errors.T)
             result["error_mm_rms"] = round(float(np.sqrt(np.mean(sizes**2))), 1)
             result["error_mm_max"] = round(float(sizes.max()), 1)
             result["nees_mean"] = round(float(np.mean(self._nees(seen))), 3)
         if len(seen) > 2:
-            spread = 1e3 * aligned_spread(errors / 1e3, np.array([each.target for each in seen]))
-            result["aligned_sd_x_mm"], result["aligned_sd_y_mm"] = (round(float(each), 1) for each in spread)
-        result["placements"] = [_row(each) for each in every]
+            spread = 1e3 * aligned_spread(errors / 1e3, np.array([placement.target for placement in seen]))
+            result["aligned_sd_x_mm"], result["aligned_sd_y_mm"] = (round(float(row), 1) for row in spread)
+        result["placements"] = [_row(placement) for placement in every]
         return result
 
     def report(self, prepared: Prepared, folder: Path) -> None:
@@ -192,9 +192,9 @@ class FieldSurvey(Survey):
 
     def _nees(self, seen: list[Placement]) -> FloatArray:
         own = 0.0 if self.station is None else self.station.sigma**2
-        believed = np.array([(each.believed.x, each.believed.y) for each in seen])
-        off = np.array([each.measured for each in seen], dtype=np.float64) - believed
-        return nees(off, np.array([each.believed.spread + own * np.eye(2) for each in seen]))
+        believed = np.array([(placement.believed.x, placement.believed.y) for placement in seen])
+        off = np.array([placement.measured for placement in seen], dtype=np.float64) - believed
+        return nees(off, np.array([placement.believed.spread + own * np.eye(2) for placement in seen]))
 
     def _measured(self) -> Place | None:
         """Mean of the readings of the last second."""

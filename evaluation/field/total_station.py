@@ -38,8 +38,8 @@ class TotalStation:
         self._spec, self._scene, self._seed = spec, scene, seed
         self._place = np.array([spec.x_m, spec.y_m, spec.height_m])
         shapes = scene.arm.link_shapes(scene.joints)
-        self._body = _Boxes.of([each for each in shapes if isinstance(each, Box) and each.name == "base"])
-        solids = [each.box for each in scene.solids if each.box.pose[2, 3] > 0.0]
+        self._body = _Boxes.of([shape for shape in shapes if isinstance(shape, Box) and shape.name == "base"])
+        solids = [solid.box for solid in scene.solids if solid.box.pose[2, 3] > 0.0]
         self._solids = _Boxes.of(solids)
         self._count = self._due()
         self.sights: list[Sight] = []

@@ -86,7 +86,7 @@ def _forms(row: Any) -> dict[str, Any]:
     """Return what `then`, `on_fail` and `attempts` hold besides what the tree does."""
     forms: dict[str, Any] = {"attempts": attempts_of(row)}
     if "then" in row:
-        forms["then"] = [{key: value for key, value in each.items() if key != "to"} for each in row["then"]]
+        forms["then"] = [{key: value for key, value in item.items() if key != "to"} for item in row["then"]]
     if isinstance(row.get("on_fail"), dict):
         forms["on_fail"] = row["on_fail"]
     return forms
@@ -109,8 +109,8 @@ def _model(parts: TaskParts) -> Iterator[str]:
     yield "  <TreeNodesModel>"
     for name, inputs in ports.items():
         yield f"    <Action ID={quoteattr(name)}>"
-        yield from (f"      <input_port name={quoteattr(each)}/>" for each in inputs)
-        yield from (f'      <output_port name="{each}"/>' for each in (CAUSE_PORT, RESULT_PORT))
+        yield from (f"      <input_port name={quoteattr(input_)}/>" for input_ in inputs)
+        yield from (f'      <output_port name="{item}"/>' for item in (CAUSE_PORT, RESULT_PORT))
         yield "    </Action>"
     yield "  </TreeNodesModel>"
 
@@ -130,20 +130,25 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
     assert top is not None
     head = json.loads(top.attributes[TASK_PORT])
     situations, order = head.pop("situations"), head.pop("order")
-    rows = [each for each in _descendants(top) if ROW_PORT in each.attributes]
-    return TaskParts(head, situations, [_row(each) for each in rows], order)
+    rows = [descendant for descendant in _descendants(top) if ROW_PORT in descendant.attributes]
+    return TaskParts(head, situations, [_row(row) for row in rows], order)
 
 
 def changed_leaves(root: XmlElement) -> Iterator[LostConstruct]:
     """Yield the leaves of a tree from a task that belong to none of its actions."""
     top = _top(root)
-    rows = [each for each in _descendants(top) if ROW_PORT in each.attributes] if top else []
+    rows = (
+        [descendant for descendant in _descendants(top) if ROW_PORT in descendant.attributes] if top else []
+    )
     inside = {id(below) for row in rows for below in _descendants(row)}
     known = {"Sequence", "Script", "ForceSuccess", "Repeat", "ScriptCondition", "Fallback"}
-    for each in _descendants(top) if top else ():
-        if id(each) not in inside and each.tag not in known:
+    for descendant in _descendants(top) if top else ():
+        if id(descendant) not in inside and descendant.tag not in known:
             yield LostConstruct(
-                each.line, each.column, f"<{each.tag}>", "it belongs to no action of the task"
+                descendant.line,
+                descendant.column,
+                f"<{descendant.tag}>",
+                "it belongs to no action of the task",
             )
 
 
@@ -173,7 +178,7 @@ def _successes(code: str, more: dict[str, Any]) -> dict[str, Any]:
         return {"to": usual}
     chosen = {result: to for _, result, to in _CHOSEN.findall(code)}
     first, *others = more["then"]
-    return {"then": [{"to": usual, **first}, *({"to": chosen[each["result"]], **each} for each in others)]}
+    return {"then": [{"to": usual, **first}, *({"to": chosen[other["result"]], **other} for other in others)]}
 
 
 def _failures(code: str, more: dict[str, Any]) -> dict[str, Any]:
@@ -183,7 +188,7 @@ def _failures(code: str, more: dict[str, Any]) -> dict[str, Any]:
     if "on_fail" not in more:
         return {"on_fail": other}
     to = {**{cause: situation for _, cause, situation in _CHOSEN.findall(code)}, "else": other}
-    return {"on_fail": {cause: _led(each, to[cause]) for cause, each in more["on_fail"].items()}}
+    return {"on_fail": {cause: _led(item, to[cause]) for cause, item in more["on_fail"].items()}}
 
 
 def _led(fail: Any, to: str) -> Any:
@@ -192,13 +197,13 @@ def _led(fail: Any, to: str) -> Any:
 
 
 def _top(root: XmlElement) -> XmlElement | None:
-    return next((each for each in _descendants(root) if TASK_PORT in each.attributes), None)
+    return next((descendant for descendant in _descendants(root) if TASK_PORT in descendant.attributes), None)
 
 
 def _descendants(element: XmlElement) -> Iterator[XmlElement]:
-    for each in element.children:
-        yield each
-        yield from _descendants(each)
+    for child in element.children:
+        yield child
+        yield from _descendants(child)
 
 
 def _port(value: Any) -> str:

@@ -58,7 +58,7 @@ def _main(path: Path | str, root: XmlElement, trees: dict[str, BehaviourNode]) -
 
 
 def _tree(element: XmlElement, lost: dict[LostConstruct, None]) -> BehaviourNode:
-    children = tuple(_node(each, lost) for each in element.children)
+    children = tuple(_node(child, lost) for child in element.children)
     if len(children) == 1:
         return children[0]
     return BehaviourNode("Sequence", "", {}, children, element.line, element.column)
@@ -70,10 +70,10 @@ def _node(element: XmlElement, lost: dict[LostConstruct, None]) -> BehaviourNode
     kind = ports.pop("ID", element.tag) if element.tag in VERBOSE_TAGS else element.tag
     if "BTCPP_format" in ports:
         ports.pop("BTCPP_format")
-    for each in _losses(element, kind, ports):
-        lost[each] = None
+    for loss in _losses(element, kind, ports):
+        lost[loss] = None
     plain = {key: text for key, text in ports.items() if not key.startswith("_")}
-    children = tuple(_node(each, lost) for each in element.children)
+    children = tuple(_node(child, lost) for child in element.children)
     if kind.startswith("Switch") and kind[6:].isdigit():
         return BehaviourNode("Fallback", name, {}, children, element.line, element.column)
     return BehaviourNode(kind, name, plain, children, element.line, element.column, f"<{kind}>")

@@ -48,7 +48,7 @@ def import_file(path: Path, problem: Path | None = None) -> Imported:
     if suffix == ".jani":
         return import_model(path)
     if suffix not in (".xml", ".scxml"):
-        allowed = ", ".join(f"*{each} ({name})" for each, name in FORMAT_SUFFIXES.items())
+        allowed = ", ".join(f"*{key} ({name})" for key, name in FORMAT_SUFFIXES.items())
         raise FileError([Finding(str(path), 0, 0, f"unknown format {suffix!r}; allowed: {allowed}")])
     root = read_xml_tree(path)
     if root.tag == "scxml":
@@ -83,4 +83,4 @@ def _changed(path: Path, root: XmlElement, error: Exception) -> FileError:
 
 def primitives_in(imported: Imported) -> Iterator[str]:
     """Yield the names of the primitives that a task names, each once."""
-    yield from dict.fromkeys(str(each["do"]) for each in imported.data["actions"])
+    yield from dict.fromkeys(str(action["do"]) for action in imported.data["actions"])

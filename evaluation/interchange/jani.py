@@ -51,7 +51,7 @@ def _model(parts: TaskParts) -> dict[str, Any]:
         "automata": [
             {
                 "name": "task",
-                "locations": [_with_goal(each, parts.goal) for each in locations],
+                "locations": [_with_goal(location, parts.goal) for location in locations],
                 "initial-locations": [parts.start],
                 "edges": edges,
             }
@@ -133,11 +133,11 @@ def _own(model: Any, described: str) -> TaskParts:
     head = json.loads(described.removeprefix(COMMENT_PREFIX))
     order, automaton = head.pop("order"), model["automata"][0]
     situations = {
-        each["name"]: json.loads(each["comment"].removeprefix(COMMENT_PREFIX))
-        for each in automaton["locations"]
+        location["name"]: json.loads(location["comment"].removeprefix(COMMENT_PREFIX))
+        for location in automaton["locations"]
     }
     rows = []
-    edges = [each for each in automaton["edges"] if each.get("comment", "").startswith(COMMENT_PREFIX)]
+    edges = [item for item in automaton["edges"] if item.get("comment", "").startswith(COMMENT_PREFIX)]
     for edge in edges:
         row = json.loads(edge["comment"].removeprefix(COMMENT_PREFIX))
         keys = row.pop("keys")
@@ -166,10 +166,12 @@ class _Foreign:
                 self._lose(key, "it is dropped")
         if automaton.get("variables"):
             self._lose(f"variables of {automaton.get('name')}", "locations alone are states")
-        names = {each["name"]: self._draft.situation(each["name"]) for each in automaton["locations"]}
+        names = {
+            location["name"]: self._draft.situation(location["name"]) for location in automaton["locations"]
+        }
         for number, edge in enumerate(automaton["edges"]):
             self._edge(number, edge, names)
-        ends = set(names.values()) - {names[each["location"]] for each in automaton["edges"]}
+        ends = set(names.values()) - {names[item["location"]] for item in automaton["edges"]}
         data = self._draft.data(names[automaton["initial-locations"][0]])
         if len(ends) == 1:  # nothing leads on from the only absorbing location
             data["goal"] = ends.pop()
@@ -184,17 +186,17 @@ class _Foreign:
             if edge.get(key):
                 self._lose(f"{key} of edge {number} ({label})", "the edge can always be taken")
         found = []
-        for each in edge["destinations"]:
-            p = each.get("probability", {}).get("exp", 1.0)
+        for destination in edge["destinations"]:
+            p = destination.get("probability", {}).get("exp", 1.0)
             if not isinstance(p, int | float) or isinstance(p, bool):
                 self._lose(f"probability of edge {number} ({label})", "it is not a number, and is dropped")
                 p = None
-            if each.get("assignments"):
+            if destination.get("assignments"):
                 self._lose(f"assignments of edge {number} ({label})", "variables do not change")
-            found.append((names[each["location"]], p))
-        found.sort(key=lambda each: -(each[1] or 0.0))
+            found.append((names[destination["location"]], p))
+        found.sort(key=lambda item: -(item[1] or 0.0))
         then = [{"to": to, "p": p, **({"result": str(n)} if n else {})} for n, (to, p) in enumerate(found)]
-        if len(then) == 1 or any(each["p"] is None for each in then):
+        if len(then) == 1 or any(item["p"] is None for item in then):
             self._draft.action(primitive_name(label), names[edge["location"]], found[0][0], p=found[0][1])
         else:
             self._draft.action(primitive_name(label), names[edge["location"]], None, then=then)

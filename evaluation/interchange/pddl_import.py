@@ -44,7 +44,7 @@ class _Action(NamedTuple):
 def import_planning(path: Path | str, problem: Path | str | None = None) -> Imported:
     """Return the task of a domain and a problem, in two files or one; raises `FileError`."""
     expressions = [*read_expressions(path), *(read_expressions(problem) if problem else [])]
-    found = {_kind(each): each for each in expressions if each.head == "define"}
+    found = {_kind(expression): expression for expression in expressions if expression.head == "define"}
     for kind in ("domain", "problem"):
         if kind not in found:
             wrong = f"there is no {kind}; needed: (define ({kind} NAME) ...), here or by --problem"
@@ -69,31 +69,31 @@ class _Planning:
         self._parents = dict(_typed(self._all(":types")))
         self._objects = dict(_typed([*self._all(":constants"), *self._all(":objects")]))
         self._init: set[str] = set()
-        for each in self._all(":init"):
-            if each.head in ("=", "probabilistic", "not", ""):
-                if each.head != "=":
-                    self._lose(each, "it is dropped at the start")
+        for item in self._all(":init"):
+            if item.head in ("=", "probabilistic", "not", ""):
+                if item.head != "=":
+                    self._lose(item, "it is dropped at the start")
                 continue
-            self._init.add(_atom(each, {}))
+            self._init.add(_atom(item, {}))
 
     def imported(self) -> Imported:
         goals = self._all(":goal")
         if not goals:
             raise ValueError("the problem has no :goal")
-        schemas = [each for each in self._domain if each.head == ":action"]
-        for each in self._domain:
-            if each.head in (":durative-action", ":derived", ":functions", ":axiom", ":process", ":event"):
-                self._lose(each, "it is dropped")
-        changed = {word for each in schemas for word in self._changed(each)}
-        grounded = [action for each in schemas for action in self._grounded(each, changed)]
+        schemas = [item for item in self._domain if item.head == ":action"]
+        for item in self._domain:
+            if item.head in (":durative-action", ":derived", ":functions", ":axiom", ":process", ":event"):
+                self._lose(item, "it is dropped")
+        changed = {word for schema in schemas for word in self._changed(schema)}
+        grounded = [action for schema in schemas for action in self._grounded(schema, changed)]
         actions = self._reachable(grounded)
-        atoms = dict.fromkeys(a for each in actions for _, effects in each.outcomes for a in effects)
-        actions = [each for each in actions if self._may_hold(each.needs, atoms)]
+        atoms = dict.fromkeys(a for item in actions for _, effects in item.outcomes for a in effects)
+        actions = [item for item in actions if self._may_hold(item.needs, atoms)]
         goal = self._condition(goals[0], {}, changed)
         if not self._may_hold(goal, atoms):
             raise ValueError("its goal can never hold")
         goal = {atom: truth for atom, truth in goal.items() if atom in atoms}
-        used = {atom for each in actions for atom in each.needs} | goal.keys()
+        used = {atom for item in actions for atom in item.needs} | goal.keys()
         facts = {atom: [atom in self._init, atom not in self._init] for atom in atoms if atom in used}
         return Imported(self._data(facts, goal, actions), tuple(self._lost))
 
@@ -104,8 +104,8 @@ class _Planning:
     def _data(
         self, facts: Mapping[str, list[bool]], goal: Mapping[str, bool], actions: Sequence[_Action]
     ) -> dict[str, Any]:
-        has_chances = any(len(each.outcomes) > 1 for each in actions)
-        rows = [_row(each, facts, has_chances) for each in actions]
+        has_chances = any(len(action.outcomes) > 1 for action in actions)
+        rows = [_row(action, facts, has_chances) for action in actions]
         return {
             "format": "handcart-task/1",
             "title": self._name,
@@ -116,7 +116,7 @@ class _Planning:
 
     def _all(self, key: str) -> list[Expression]:
         sections = (*self._domain, *self._problem)
-        return [part for each in sections if each.head == key for part in each.parts[1:]]
+        return [part for section in sections if section.head == key for part in section.parts[1:]]
 
     def _lose(self, expression: Expression, meaning: str) -> None:
         words = str(expression)
@@ -138,13 +138,13 @@ class _Planning:
         typed = list(_typed(parameters.parts if parameters else []))
         choices = [[name for name, kind in self._objects.items() if self._is(kind, t)] for _, t in typed]
         count = 1
-        for each in choices:
-            count *= max(1, len(each))
+        for choice in choices:
+            count *= max(1, len(choice))
         if count > MAX_BINDINGS:
             raise TooLargeDraft
         try:
             for objects in product(*choices):
-                bound = {variable: each for (variable, _), each in zip(typed, objects, strict=True)}
+                bound = {variable: object_ for (variable, _), object_ in zip(typed, objects, strict=True)}
                 action = self._action(name, schema, bound, changed)
                 if action is not None:
                     yield action
@@ -161,7 +161,7 @@ class _Planning:
             return None
         effect = _section(schema, ":effect")
         outcomes, cost = self._effect(effect, bound) if effect else ([(1.0, {})], 0.0)
-        given = {variable.lstrip("?"): each for variable, each in bound.items()}
+        given = {variable.lstrip("?"): text for variable, text in bound.items()}
         return _Action(name, given, needs, outcomes, cost or GUESSED_COST_S)
 
     def _condition(
@@ -170,8 +170,8 @@ class _Planning:
         """Return the atoms that have to be true or false; "" is False where it never holds."""
         if expression.head == "and":
             found: dict[str, bool] = {}
-            for each in expression.parts[1:]:
-                for atom, truth in self._condition(each, bound, changed).items():
+            for part in expression.parts[1:]:
+                for atom, truth in self._condition(part, bound, changed).items():
                     if found.get(atom, truth) != truth:
                         return {"": False}
                     found[atom] = truth
@@ -196,8 +196,8 @@ class _Planning:
         match expression.head:
             case "and":
                 outcomes, cost = [(1.0, dict[str, bool]())], 0.0
-                for each in expression.parts[1:]:
-                    more, further = self._effect(each, bound)
+                for part in expression.parts[1:]:
+                    more, further = self._effect(part, bound)
                     outcomes = [(p * q, _both(one, other)) for p, one in outcomes for q, other in more]
                     cost += further
                 return [(p, dict(effects)) for p, effects in outcomes], cost
@@ -235,15 +235,15 @@ class _Planning:
         """Return the actions whose conditions may hold in some state, if nothing ever becomes false."""
         true, found, left = set(self._init), list[_Action](), list(grounded)
         while True:
-            now = [each for each in left if all(a in true for a, needed in each.needs.items() if needed)]
+            now = [item for item in left if all(a in true for a, needed in item.needs.items() if needed)]
             if not now:
                 return found
             found += now
             if len(found) > MAX_DRAFT_ACTIONS:
                 raise TooLargeDraft
-            left = [each for each in left if each not in now]
-            effects = [every for each in now for _, every in each.outcomes]
-            true |= {atom for each in effects for atom, truth in each.items() if truth}
+            left = [item for item in left if item not in now]
+            effects = [every for item in now for _, every in item.outcomes]
+            true |= {atom for effect in effects for atom, truth in effect.items() if truth}
 
 
 def _row(action: _Action, facts: Mapping[str, Any], has_chances: bool) -> dict[str, Any]:
@@ -255,7 +255,7 @@ def _row(action: _Action, facts: Mapping[str, Any], has_chances: bool) -> dict[s
     for p, effects in kept:
         key = tuple(sorted(effects.items()))
         merged[key] = merged.get(key, 0.0) + p
-    usual, *others = sorted(merged.items(), key=lambda each: (-each[1], len(each[0])))
+    usual, *others = sorted(merged.items(), key=lambda item: (-item[1], len(item[0])))
     if others:
         then: Any = [{"p": round(usual[1], 12), **dict(usual[0])}]
         then += [{"p": round(p, 12), "result": str(n), **dict(e)} for n, (e, p) in enumerate(others, start=1)]
@@ -266,7 +266,7 @@ def _row(action: _Action, facts: Mapping[str, Any], has_chances: bool) -> dict[s
 
 
 def _sections(expression: Expression) -> list[Expression]:
-    return [each for each in expression.parts[2:] if each.parts]
+    return [part for part in expression.parts[2:] if part.parts]
 
 
 def _section(schema: Expression, key: str) -> Expression | None:
@@ -281,13 +281,13 @@ def _typed(parts: Sequence[Expression]) -> Iterator[tuple[str, str]]:
     """Yield names with their types, of a list like `a b - room c`."""
     waiting: list[str] = []
     words = iter(parts)
-    for each in words:
-        if each.word == "-":
+    for word in words:
+        if word.word == "-":
             kind = next(words, None)
             yield from ((name, kind.word if kind and kind.word else "object") for name in waiting)
             waiting = []
         else:
-            waiting.append(each.word)
+            waiting.append(word.word)
     yield from ((name, "object") for name in waiting)
 
 
@@ -298,7 +298,7 @@ def _term(expression: Expression, bound: Mapping[str, str]) -> str:
 
 def _atom(expression: Expression, bound: Mapping[str, str]) -> str:
     """Return a grounded predicate as the name of a fact."""
-    terms = [_term(each, bound) for each in expression.parts[1:]]
+    terms = [_term(part, bound) for part in expression.parts[1:]]
     return f"{expression.head}({', '.join(terms)})" if terms else expression.head
 
 

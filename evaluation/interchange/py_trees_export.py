@@ -80,5 +80,5 @@ def py_tree(parts: TaskParts, carry: Carried) -> TaskTree:
 
 def parts_of_py_tree(tree: TaskTree) -> TaskParts:
     """Return the task that a tree was made from, with the actions that are in it now."""
-    actions = [each.row for each in tree.children if isinstance(each, DoAction)]
+    actions = [child.row for child in tree.children if isinstance(child, DoAction)]
     return TaskParts(tree.head, tree.situations, actions, tree.order)

@@ -43,7 +43,7 @@ def _node(behaviour: Behaviour, lost: dict[LostConstruct, None], count: list[int
     count[0] += 1
     if count[0] > MAX_NODES:
         raise ValueError(f"the tree has more than {MAX_NODES} nodes; allowed: fewer")
-    children = tuple(_node(each, lost, count) for each in behaviour.children)
+    children = tuple(_node(child, lost, count) for child in behaviour.children)
     kind = type(behaviour).__name__
     shown = f"{kind} {behaviour.name!r}"
     for composite, plain in ((composites.Sequence, "Sequence"), (composites.Selector, "Fallback")):

@@ -73,17 +73,17 @@ def parts_of_chart(root: XmlElement) -> TaskParts:
     """
     head = json.loads(root.attributes[f"{XML_NAME}:task"])
     order = head.pop("order")
-    places = [each for each in root.children if f"{XML_NAME}:name" in each.attributes]
-    names = {each.attributes["id"]: each.attributes[f"{XML_NAME}:name"] for each in places}
+    places = [child for child in root.children if f"{XML_NAME}:name" in child.attributes]
+    names = {place.attributes["id"]: place.attributes[f"{XML_NAME}:name"] for place in places}
     situations = {
-        each.attributes[f"{XML_NAME}:name"]: json.loads(each.attributes[f"{XML_NAME}:facts"])
-        for each in places
+        place.attributes[f"{XML_NAME}:name"]: json.loads(place.attributes[f"{XML_NAME}:facts"])
+        for place in places
     }
     sources = {
-        to.attributes["target"]: names[each.attributes["id"]] for each in places for to in each.children
+        to.attributes["target"]: names[place.attributes["id"]] for place in places for to in place.children
     }
     actions = [
-        _row(each, names, sources) for each in root.children if f"{XML_NAME}:action" in each.attributes
+        _row(child, names, sources) for child in root.children if f"{XML_NAME}:action" in child.attributes
     ]
     return TaskParts(head, situations, actions, order)
 
@@ -91,9 +91,11 @@ def parts_of_chart(root: XmlElement) -> TaskParts:
 def _row(element: XmlElement, names: dict[str, str], sources: dict[str, str]) -> dict[str, Any]:
     row = json.loads(element.attributes[f"{XML_NAME}:action"])
     keys, (invoke, *transitions) = row.pop("keys"), element.children
-    targets = {each.attributes["event"]: names[each.attributes["target"]] for each in transitions}
+    targets = {
+        transition.attributes["event"]: names[transition.attributes["target"]] for transition in transitions
+    }
     row |= {"do": invoke.attributes["src"], "from": sources.get(element.attributes["id"], row["from"])}
-    given = {each.attributes["name"]: json.loads(each.attributes["expr"]) for each in invoke.children}
+    given = {child.attributes["name"]: json.loads(child.attributes["expr"]) for child in invoke.children}
     row |= {"with": given} if given else {}
     if "to" in row:
         row["to"] = targets[SUCCESS_EVENT]

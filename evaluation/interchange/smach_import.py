@@ -124,7 +124,7 @@ class _SmachReader:
         here = self._draft.situation(state.name)
         goods = [(outcome, to) for outcome, to in transitions.items() if not _is_bad(outcome)]
         bads = [(outcome, to) for outcome, to in transitions.items() if _is_bad(outcome)]
-        goods.sort(key=lambda each: not _is_good(each[0]))
+        goods.sort(key=lambda good: not _is_good(good[0]))
         for outcome, _ in bads[1:]:
             self._lose(state.node, f"outcome {outcome!r} of {state.name!r}", f"it is as {bads[0][0]!r}")
         self._lose_keys(state.node, STATE_KEYS, state.name)
@@ -221,7 +221,7 @@ def _outcomes(root: Node) -> frozenset[str]:
     """Return the outcomes of the machine."""
     given = root.child("outcomes")
     listed = given.content if given is not None and isinstance(given.content, list) else []
-    return frozenset(str(each.content) for each in listed)
+    return frozenset(str(item.content) for item in listed)
 
 
 def _content(node: Node) -> Mapping[str, Node]:
@@ -237,7 +237,7 @@ def _states(node: Node) -> list[tuple[str, Node]]:
         return list(given.content.items())
     if not isinstance(given.content, list):
         return []
-    return [pair for each in given.content for pair in _entry(each)]
+    return [pair for item in given.content for pair in _entry(item)]
 
 
 def _entry(node: Node) -> Iterator[tuple[str, Node]]:
@@ -254,7 +254,7 @@ def _entry(node: Node) -> Iterator[tuple[str, Node]]:
 
 
 def _next(states: list[tuple[str, Node]], name: str) -> str | None:
-    names = [each for each, _ in states]
+    names = [item for item, _ in states]
     number = names.index(name) + 1
     return names[number] if number < len(names) else None
 
@@ -268,12 +268,12 @@ def _pairs(node: Node | None) -> Iterator[tuple[str, str]]:
             if isinstance(to.content, str | int | bool):
                 yield outcome, str(to.content)
     elif isinstance(node.content, list):
-        for each in node.content:
-            pair = each.plain() if isinstance(each.content, list) else None
+        for item in node.content:
+            pair = item.plain() if isinstance(item.content, list) else None
             if pair is not None and len(pair) == 2:
                 yield str(pair[0]), str(pair[1])
             else:
-                yield from _listed_pair(each)
+                yield from _listed_pair(item)
 
 
 def _listed_pair(node: Node) -> Iterator[tuple[str, str]]:

@@ -77,7 +77,7 @@ class TaskDraft:
         actions = [self._resolved(action) for action in self._actions[::step]]
         used = {name for action in actions for name in _names(action)}
         made = list(self._situations)[::step]
-        situations = [each for each in (*made, GOAL_NAME, FAILED_NAME) if each in used]
+        situations = [item for item in (*made, GOAL_NAME, FAILED_NAME) if item in used]
         begin = self._resolved(start)
         if begin not in situations:
             situations.insert(0, begin)
@@ -102,17 +102,17 @@ class TaskDraft:
         if isinstance(part, Mapping):
             return {key: value if key == "with" else self._resolved(value) for key, value in part.items()}
         if isinstance(part, list):
-            return [self._resolved(each) for each in part]
+            return [self._resolved(item) for item in part]
         return part
 
 
 def _names(action: Mapping[str, Any]) -> list[str]:
     """Return the situations that an action joins."""
     found = [action["from"], action.get("to")]
-    found += [each["to"] for each in action.get("then", ())]
+    found += [item["to"] for item in action.get("then", ())]
     fails = action.get("on_fail")
-    found += [fails] if isinstance(fails, str) else [_target(each) for each in (fails or {}).values()]
-    return [each for each in found if each]
+    found += [fails] if isinstance(fails, str) else [_target(fail) for fail in (fails or {}).values()]
+    return [item for item in found if item]
 
 
 def _target(fail: Any) -> str | None:

@@ -95,7 +95,7 @@ def successes(row: Row) -> list[tuple[str, str, Any]]:
     """Return situation, result and probability of each Success of an action, the usual one first."""
     if "then" not in row:
         return [(row["to"], "", row.get("p"))]
-    return [(each["to"], each.get("result", ""), each.get("p")) for each in row["then"]]
+    return [(item["to"], item.get("result", ""), item.get("p")) for item in row["then"]]
 
 
 def failures(row: Row) -> list[tuple[str, str, Any]]:
@@ -103,10 +103,10 @@ def failures(row: Row) -> list[tuple[str, str, Any]]:
     given = row.get("on_fail")
     if not isinstance(given, Mapping):
         return [(given or row["from"], "", None)]
-    named = [(cause, {"to": each} if isinstance(each, str) else each) for cause, each in given.items()]
+    named = [(cause, {"to": item} if isinstance(item, str) else item) for cause, item in given.items()]
     here = row["from"]
-    found = [(each.get("to") or here, cause, each.get("p")) for cause, each in named if cause != "else"]
-    rest = next((each.get("to") for cause, each in named if cause == "else"), None)
+    found = [(item.get("to") or here, cause, item.get("p")) for cause, item in named if cause != "else"]
+    rest = next((item.get("to") for cause, item in named if cause == "else"), None)
     return [*found, (rest or row["from"], "", None)]
 
 
@@ -120,9 +120,9 @@ def _written(task: Task, data: Mapping[str, Any]) -> dict[str, Any]:
     network = task.network
     kept = {key: value for key, value in data.items() if key not in ("facts", "known", "interrupts")}
     aims = [
-        {**given, "goal": each.goals[0]}
-        for given, each in zip(data.get("interrupts", ()), network.aims.interrupts, strict=True)
-        if each.goals
+        {**given, "goal": interrupt.goals[0]}
+        for given, interrupt in zip(data.get("interrupts", ()), network.aims.interrupts, strict=True)
+        if interrupt.goals
     ]
     return {
         **kept,
@@ -130,9 +130,9 @@ def _written(task: Task, data: Mapping[str, Any]) -> dict[str, Any]:
         "goal": network.goal,
         **({"otherwise": list(network.otherwise)} if network.otherwise else {}),
         **({"interrupts": aims} if aims else {}),
-        "situations": {each.name: dict(each.facts) for each in network.situations.values()},
-        "budgets": {each.budget: each.attempts for each in network.actions if not each.unlimited},
-        "actions": [_row(each) for each in network.actions],
+        "situations": {situation.name: dict(situation.facts) for situation in network.situations.values()},
+        "budgets": {action.budget: action.attempts for action in network.actions if not action.unlimited},
+        "actions": [_row(action) for action in network.actions],
     }
 
 
@@ -141,12 +141,12 @@ def _row(action: Action) -> dict[str, Any]:
     row: dict[str, Any] = {"do": action.do, "from": action.source}
     if action.others:
         usual = {"to": action.target, "p": action.p}
-        others = [{"to": each.target, "p": each.p, "result": each.result} for each in action.others]
-        row["then"] = [_without_none(each) for each in (usual, *others)]
+        others = [{"to": other.target, "p": other.p, "result": other.result} for other in action.others]
+        row["then"] = [_without_none(other) for other in (usual, *others)]
     else:
         row["to"] = action.target
-    fails = {each.cause: {"to": each.target, "p": each.p} for each in action.fail_endings}
-    plain = {cause: _without_none(each) for cause, each in fails.items()}
+    fails = {ending.cause: {"to": ending.target, "p": ending.p} for ending in action.fail_endings}
+    plain = {cause: _without_none(fail) for cause, fail in fails.items()}
     if plain:
         row["on_fail"] = {**plain, **({"else": action.on_fail} if action.on_fail else {})}
     elif action.on_fail:

@@ -260,7 +260,7 @@ def with_ports(node: BehaviourNode, given: Mapping[str, str]) -> BehaviourNode:
         key: given.get(text[1:-1], text) if text.startswith("{") and text.endswith("}") else text
         for key, text in node.ports.items()
     }
-    children = tuple(with_ports(each, given) for each in node.children)
+    children = tuple(with_ports(child, given) for child in node.children)
     return BehaviourNode(node.kind, node.name, ports, children, node.line, node.column, node.shown)
 
 

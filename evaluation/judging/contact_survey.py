@@ -92,13 +92,13 @@ class ContactSurvey(Survey):
         unmeant = self.unmeant()
         self._running = None
         self._lasting = dict.fromkeys(self.run.world.touching)
-        return [str(each) for each in unmeant] if isinstance(outcome, Success) else []
+        return [str(touched) for touched in unmeant] if isinstance(outcome, Success) else []
 
     def unmeant(self) -> list[Touched]:
         """Return the contacts of the running action that its primitive does not declare as meant."""
         number = 0 if self._running is None else self._running[0]
-        own = (each for each in self.contacts if each.action == number and number)
-        return [each for each in own if not each.meant and not each.ran_into_it]
+        own = (contact for contact in self.contacts if contact.action == number and number)
+        return [item for item in own if not item.meant and not item.ran_into_it]
 
     def look(self, robot: Robot) -> None:
         """Update the contacts after a period."""
@@ -111,7 +111,7 @@ class ContactSurvey(Survey):
         self._base = world.base
         if not touching and not self._lasting:
             return
-        self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}
+        self._lasting = {pair: touched for pair, touched in self._lasting.items() if pair in touching}
         for pair in sorted(touching):
             if pair not in self._lasting:
                 self._lasting[pair] = self._begin(pair, robot.time, speed)
@@ -125,7 +125,7 @@ class ContactSurvey(Survey):
         if self._running is not None:
             number, primitive = self._running
             do, means = primitive.label(), primitive.meant_contacts(self.run.model)
-            meant = any(each.covers(part, other) for each in means)
+            meant = any(mean.covers(part, other) for mean in means)
         name = f"held {self._held}" if body == LOAD_NAME else body
         touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant, round(speed, 3))
         touched.ran_into_it = other in self._passers and speed < STANDING_SPEED_M_S
@@ -149,14 +149,14 @@ class ContactSurvey(Survey):
 
     def figures(self) -> dict[str, Any]:
         """Return the number of contacts of each part of the robot, and the first of the unmeant contacts."""
-        unmeant = [each for each in self.contacts if not each.meant and not each.ran_into_it]
-        seconds = sum(each.to_s - each.from_s for each in unmeant)
+        unmeant = [contact for contact in self.contacts if not contact.meant and not contact.ran_into_it]
+        seconds = sum(item.to_s - item.from_s for item in unmeant)
         counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
         return {
             **counts,
             "contacts_unmeant": len(unmeant),
             "contacts_unmeant_s": round(seconds, 2),
-            "contacts": [asdict(each) for each in unmeant[:MAX_LISTED_CONTACTS]],
+            "contacts": [asdict(item) for item in unmeant[:MAX_LISTED_CONTACTS]],
             **self._of_passers(),
         }
 
@@ -164,13 +164,13 @@ class ContactSurvey(Survey):
         """Return how often the robot touched passers, and how often they ran into it while it was at rest."""
         if not self._passers:
             return {}
-        own = [each for each in self.contacts if each.other in self._passers]
-        stood = sum(each.ran_into_it for each in own)
+        own = [contact for contact in self.contacts if contact.other in self._passers]
+        stood = sum(item.ran_into_it for item in own)
         return {"contacts_by_the_robot": len(own) - stood, "was_run_into_while_standing": stood}
 
 
 def _of(contacts: list[Touched], part: str) -> int:
-    return sum(each.part == part for each in contacts)
+    return sum(contact.part == part for contact in contacts)
 
 
 class RobotLinks:

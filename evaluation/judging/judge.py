@@ -56,7 +56,7 @@ class Judge(RunObserver):
         elif isinstance(event, Ended):
             wrong = self.surveys.ended(event.number, event.primitive, event.outcome)
             word = type(event.outcome).__name__
-            self.untrue += [f"{event.number}. {event.action.do} {word}: {each}" for each in wrong]
+            self.untrue += [f"{event.number}. {event.action.do} {word}: {item}" for item in wrong]
             if self._notes is not None:
                 note = {"untrue": self.untrue, "surveys": self.surveys.notes()}
                 self._notes.add(self._run.world.time, note)
@@ -82,5 +82,5 @@ class Judge(RunObserver):
     def figures(self, end: RunEnd) -> dict[str, Any]:
         figures = self.surveys.figures()
         if end.outcome == "Success":
-            self.untrue += [f"Success: {each}" for each in self.surveys.faults()]
+            self.untrue += [f"Success: {fault}" for fault in self.surveys.faults()]
         return {**figures, "untrue": self.untrue + self.surveys.broken}

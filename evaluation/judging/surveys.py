@@ -92,12 +92,12 @@ class Surveys:
 
     def of(self, kind: type[SurveyT]) -> SurveyT | None:
         """Return the survey of a class; None if this run has no such survey."""
-        return next((each for each in self._every if isinstance(each, kind)), None)
+        return next((survey for survey in self._every if isinstance(survey, kind)), None)
 
     @property
     def shown(self) -> frozenset[str]:
         """Primitives whose pictures are shown first in a run's overview."""
-        return frozenset().union(*(each.shown for each in self._every))
+        return frozenset().union(*(survey.shown for survey in self._every))
 
     def look(self, robot: Robot) -> None:
         """Let every survey observe the robot after a period."""
@@ -123,7 +123,7 @@ class Surveys:
             elif isinstance(outcome, Success):
                 wrong = self._false_effect(Claim(primitive, self._before, after))
         more = [untrue for _, untrue in self._asked(lambda survey: survey.ended(number, primitive, outcome))]
-        return wrong + [each for untrue in more for each in untrue]
+        return wrong + [item for untrue in more for item in untrue]
 
     def _base_sigma(self, fail: Fail) -> tuple[float, float]:
         """Return the standard deviation of the measured base motion, in [mm] and [deg]; with a GNSS as
@@ -142,8 +142,8 @@ class Surveys:
         """
         own = _own(claim, self.run)
         wrong = [
-            f"it moved {each} mm (at most {MOST_DISTURBED_MM:.0f})"
-            for each in disturbed(claim.before, claim.after, MOST_DISTURBED_MM, own)
+            f"it moved {text} mm (at most {MOST_DISTURBED_MM:.0f})"
+            for text in disturbed(claim.before, claim.after, MOST_DISTURBED_MM, own)
         ]
         wrong += false_hold(claim, self.run.model)
         own_word = getattr(claim.primitive, "false_effect", None)
@@ -151,12 +151,12 @@ class Surveys:
             return wrong + list(own_word(self.run.world, claim.before))
         label = claim.primitive.label()
         checks = self._asked(lambda survey: survey.effects[label](survey, claim), label)
-        return wrong + [each for _, untrue in checks for each in untrue]
+        return wrong + [item for _, untrue in checks for item in untrue]
 
     def notes(self) -> dict[str, Any]:
         """Return the notes of each survey that a continued run needs, by name of the survey."""
-        noting = [each for each in self._every if each.noted is not None]
-        return {survey.name: notes for survey, notes in self._asked(lambda each: each.notes(), among=noting)}
+        noting = [survey_ for survey_ in self._every if survey_.noted is not None]
+        return {survey.name: notes for survey, notes in self._asked(lambda item: item.notes(), among=noting)}
 
     def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
         """Restore the notes of the interrupted run that this run continues.
@@ -168,7 +168,7 @@ class Surveys:
         Raises:
             NotAState: the notes are damaged or have another format.
         """
-        for survey in [each for each in self._every if each.noted is not None]:
+        for survey in [survey_ for survey_ in self._every if survey_.noted is not None]:
             try:
                 survey.go_on(as_noted(notes[survey.name], survey.noted))
             except KeyError:
@@ -179,7 +179,7 @@ class Surveys:
     def figures(self) -> dict[str, Any]:
         """Return the metrics of a run that has ended."""
         by_survey = [figures for _, figures in self._asked(lambda survey: survey.figures())]
-        return {name: value for each in by_survey for name, value in each.items()}
+        return {name: value for item in by_survey for name, value in item.items()}
 
     def faults(self) -> list[str]:
         """Return one line for each survey with the false claims of the complete run's Success."""
@@ -220,7 +220,7 @@ class Surveys:
                 yield survey, answer
 
     def _leave_out(self, survey: Survey, error: Exception) -> None:
-        self._every = [each for each in self._every if each is not survey]
+        self._every = [survey_ for survey_ in self._every if survey_ is not survey]
         self.broken.append(_broke(type(survey), error))
 
 
@@ -233,9 +233,9 @@ def _own(claim: Claim, run: SurveyedRun) -> set[str]:
     held = things_held(claim.after)
     if claim.primitive.hand_use().before is not Hand.EMPTY:
         held |= things_held(claim.before)
-    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == HAND_NAME]
+    meant = [contact for contact in claim.primitive.meant_contacts(run.model) if contact.part == HAND_NAME]
     return held | {
-        name for name in claim.before.bodies if any(each.covers(HAND_NAME, name) for each in meant)
+        name for name in claim.before.bodies if any(item.covers(HAND_NAME, name) for item in meant)
     }
 
 

@@ -75,7 +75,7 @@ class LayeredBackend(Backend):
 def provided_kind(part: Capability, kind: Kind) -> Kind:
     """Return the interface that a capability provides: a kind, or one that extends it."""
     extended: tuple[Kind, ...] = (HolonomicBase, ForceArm)
-    return next((each for each in extended if isinstance(part, each)), kind)
+    return next((kind_ for kind_ in extended if isinstance(part, kind_)), kind)
 
 
 @cache

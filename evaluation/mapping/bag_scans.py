@@ -102,11 +102,11 @@ def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
     for message in bag.messages:
         if message.kind not in (TRANSFORMS, OLD_TRANSFORMS):
             continue
-        for each in message.content.transforms:
-            pose = _planar(each.transform.translation, each.transform.rotation)
-            row = _stamp(each.header), str(each.header.frame_id).lstrip("/"), pose
-            name = str(each.child_frame_id).lstrip("/")
-            found.setdefault(name, []).append((*row, _is_flipped(each.transform.rotation)))
+        for transform in message.content.transforms:
+            pose = _planar(transform.transform.translation, transform.transform.rotation)
+            row = _stamp(transform.header), str(transform.header.frame_id).lstrip("/"), pose
+            name = str(transform.child_frame_id).lstrip("/")
+            found.setdefault(name, []).append((*row, _is_flipped(transform.transform.rotation)))
     return found
 
 

@@ -29,7 +29,7 @@ OUTLINE_MM = 10.0  # that the hand may be outside of the robot's outline
 def thing_of(survey: Survey, name: str) -> Thing | None:
     """Return an object of the simulated world; None if the name is unknown."""
     wanted = name_in_world(name)
-    return next((each for each in survey.run.world.things() if each.name == wanted), None)
+    return next((thing for thing in survey.run.world.things() if thing.name == wanted), None)
 
 
 def true_surface(survey: Survey, name: str) -> ObjectSurface:

@@ -24,14 +24,14 @@ PULL_CAUSES = (
 
 def _cover_tags(world: Any) -> None:
     """Cover all tags: the print on the sides is not visible any more."""
-    for each in world.of(ObjectProps).objects.values():
-        each.cover_print()
+    for object_ in world.of(ObjectProps).objects.values():
+        object_.cover_print()
 
 
 def _fill(world: Any) -> None:
     """Make all objects heavier than their files say."""
-    for each in world.of(ObjectProps).objects.values():
-        each.spec = each.spec.model_copy(update={"mass_kg": HEAVY_KG})
+    for object_ in world.of(ObjectProps).objects.values():
+        object_.spec = object_.spec.model_copy(update={"mass_kg": HEAVY_KG})
 
 
 def _pulls(spec: PullSpec) -> Callable[[Any], None]:

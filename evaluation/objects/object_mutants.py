@@ -65,8 +65,14 @@ class TurnsSighting(LookFor):
         yield from super().motion(robot, model)
         objects = model.of(Objects)
         objects.sightings = tuple(
-            each._replace(pose=Pose2(each.pose.x, each.pose.y, each.pose.theta + WRONG_HEADING_RAD))
-            for each in objects.sightings
+            object_sighting._replace(
+                pose=Pose2(
+                    object_sighting.pose.x,
+                    object_sighting.pose.y,
+                    object_sighting.pose.theta + WRONG_HEADING_RAD,
+                )
+            )
+            for object_sighting in objects.sightings
         )
 
 

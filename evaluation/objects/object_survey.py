@@ -40,7 +40,7 @@ class ObjectSurvey(FiguresSurvey):
     def faults(self) -> list[str]:
         """Return a message for each object that lies on the floor."""
         things = self.run.world.of(ObjectProps).things()
-        return [f"{each.name} has fallen" for each in things if each.rest is Rest.FLOOR]
+        return [f"{thing.name} has fallen" for thing in things if thing.rest is Rest.FLOOR]
 
     def _note_sighting(self, what: str, name: str) -> None:
         thing, seen = thing_of(self, name), self.run.model.of(Objects).seen(name)

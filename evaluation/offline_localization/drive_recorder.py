@@ -127,7 +127,7 @@ def _header(robot: Robot) -> str:
         "---",
         "format: handcart-log/1",
         f"start: {{x_m: {start.x:.4f}, y_m: {start.y:.4f}{heading}}}",
-        f"antenna_m: [{', '.join(f'{each:.4f}' for each in antenna)}]",
+        f"antenna_m: [{', '.join(f'{item:.4f}' for item in antenna)}]",
         *beacons,
         "columns:",
         *(f"  {name}: {{unit: {unit}}}" for name, unit in columns.items()),

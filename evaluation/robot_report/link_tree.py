@@ -26,15 +26,15 @@ class LinkTree:
     def __init__(self, urdf_text: str) -> None:
         robot = known_urdf(urdf_text)
         joints = robot.findall("joint")
-        self.child = {each.get("name", ""): _end(each, "child") for each in joints}
-        self.parent = {each.get("name", ""): _end(each, "parent") for each in joints}
+        self.child = {joint.get("name", ""): _end(joint, "child") for joint in joints}
+        self.parent = {joint.get("name", ""): _end(joint, "parent") for joint in joints}
         self.above = {self.child[name]: name for name in self.child}
-        self.links = [each.get("name", "") for each in robot.findall("link")]
+        self.links = [match.get("name", "") for match in robot.findall("link")]
         self.root = next(name for name in self.links if name not in self.above)
-        self.moving = {each.name: each for each in joints_of(urdf_text)}
+        self.moving = {item.name: item for item in joints_of(urdf_text)}
         self.led = joint_leaders(urdf_text)
         self.pose = link_poses(urdf_text)
-        self.axis = {each.get("name", ""): _axis(each.find("axis")) for each in joints}
+        self.axis = {joint.get("name", ""): _axis(joint.find("axis")) for joint in joints}
 
     def moved_by(self, link: str) -> list[str]:
         """Return all joints that move a link, in order from the root."""
@@ -53,8 +53,8 @@ class LinkTree:
     def carried(self, link: str) -> list[str]:
         """Return the link and the links fixed to it, in the file's order of joints."""
         found = [link]
-        for each in found:
-            found += [self.child[j] for j in self.child if self.parent[j] == each and j not in self.moving]
+        for item in found:
+            found += [self.child[j] for j in self.child if self.parent[j] == item and j not in self.moving]
         return found
 
     def moved_from(self, link: str) -> list[str]:

@@ -43,7 +43,7 @@ def _inertia_faults(link: LinkFacts) -> list[str]:
 
 
 def _body_faults(link: LinkFacts, mass: float, bodies: Sequence[Shape]) -> list[str]:
-    corners = np.vstack([corners_of(each) for each in bodies])
+    corners = np.vstack([corners_of(body) for body in bodies])
     low, high = corners.min(axis=0), corners.max(axis=0)
     faults = []
     beside = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - link.middle, link.middle - high))))
@@ -53,7 +53,7 @@ def _body_faults(link: LinkFacts, mass: float, bodies: Sequence[Shape]) -> list[
     gyration = float(np.sqrt(np.linalg.eigvalsh(link.inertia)[-1] / mass))
     if gyration > widest:
         faults.append(f"its inertia is that of {1e3 * gyration:.0f} mm radius; it is {1e3 * widest:.0f} mm")
-    density = mass / sum(volume_of(each) for each in bodies)
+    density = mass / sum(volume_of(body) for body in bodies)
     if not LIGHT < density < HEAVY:
         faults.append(f"{mass:g} kg in its bodies make {density:.0f} kg/m³")
     return faults

@@ -74,7 +74,7 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
         return []
     slices = _slices(robot, urdf, base_T_frame(urdf, robot.lidar_link))
     sectors = ((link, hidden_sector(points)) for link, points in slices)
-    return [(link, each) for link, each in sectors if each is not None and _is_seen(robot, each)]
+    return [(link, item) for link, item in sectors if item is not None and _is_seen(robot, item)]
 
 
 def whole_degrees(sector: tuple[float, float]) -> tuple[int, int]:

@@ -97,7 +97,7 @@ def _base(tree: LinkTree, wheels: Wheels | None) -> tuple[str, float | None]:
     """Return the link on the floor, out of the root and links fixed to it, and its height above the floor."""
     if wheels is None or wheels.radius is None:
         return tree.root, None
-    floor = min(float(tree.pose[tree.child[each]][2, 3]) for each in wheels.left) - wheels.radius
+    floor = min(float(tree.pose[tree.child[item]][2, 3]) for item in wheels.left) - wheels.radius
     heights = {link: float(tree.pose[link][2, 3]) - floor for link in tree.carried(tree.root)}
     if abs(heights[tree.root]) < _FLOOR:
         return tree.root, heights[tree.root]
@@ -119,7 +119,7 @@ def _wheels(tree: LinkTree, bodies: Sequence[Shape], sideways: bool) -> Wheels |
         left, right = known.left, known.right
     else:
         rolls = [joint for joint in tree.moving.values() if _rolls(tree, joint)]
-        out = {each.name: float(tree.pose[each.child][1, 3]) for each in rolls}
+        out = {roll.name: float(tree.pose[roll.child][1, 3]) for roll in rolls}
         most = max((abs(y) for y in out.values()), default=0.0)
         far = {name: y for name, y in out.items() if abs(y) > 0.9 * most and most > 0.0}
         left = tuple(sorted(name for name, y in far.items() if y > 0.0))
@@ -127,7 +127,7 @@ def _wheels(tree: LinkTree, bodies: Sequence[Shape], sideways: bool) -> Wheels |
     if not left or not right:
         return None
     y_left, y_right = (np.mean([tree.pose[tree.child[n]][1, 3] for n in side]) for side in (left, right))
-    radius = _radius([each for each in bodies if each.name == tree.child[left[0]]])
+    radius = _radius([body for body in bodies if body.name == tree.child[left[0]]])
     along = [float(tree.pose[tree.child[name]][0, 3]) for name in (*left, *right)]
     return Wheels(left, right, float(abs(y_left - y_right)), radius, max(along) - min(along), sideways)
 
@@ -145,7 +145,7 @@ def _radius(bodies: Sequence[Shape]) -> float | None:
         return None
     if isinstance(bodies[0], Sphere):
         return bodies[0].radius
-    corners = np.vstack([corners_of(each) for each in bodies])
+    corners = np.vstack([corners_of(body) for body in bodies])
     return float(np.sort(np.ptp(corners, axis=0))[1]) / 2
 
 
@@ -160,7 +160,7 @@ def _chains(tree: LinkTree, driving: set[str]) -> list[tuple[str, ...]]:
         found.append(tuple(_without_fingers(tree, chain)))
     longest = sorted({chain for chain in found if chain}, key=lambda chain: (-len(chain), chain))
     return [
-        chain for n, chain in enumerate(longest) if all(chain != each[: len(chain)] for each in longest[:n])
+        chain for n, chain in enumerate(longest) if all(chain != item[: len(chain)] for item in longest[:n])
     ]
 
 
@@ -186,16 +186,16 @@ def _hand(tree: LinkTree, last: str) -> str:
 
 
 def _fingers(tree: LinkTree, last: str) -> tuple[str, str] | None:
-    sliding = [each for each in tree.moved_from(last) if tree.moving[each].kind == "prismatic"]
+    sliding = [text for text in tree.moved_from(last) if tree.moving[text].kind == "prismatic"]
     if len(sliding) != 2:
         return None
-    left = [each for each in sliding if re.search(r"left|_l_|^l_", each)]
+    left = [text for text in sliding if re.search(r"left|_l_|^l_", text)]
     first = left[0] if len(left) == 1 else sliding[0]
-    return first, next(each for each in sliding if each != first)
+    return first, next(text for text in sliding if text != first)
 
 
 def _turning_fingers(tree: LinkTree, last: str) -> tuple[str, ...]:
     """Return revolute joints on a hand: those with a finger's name, or several."""
-    found = [each for each in tree.moved_from(last) if tree.moving[each].kind != "prismatic"]
-    called = any(_FINGER.search(f"{each} {tree.child[each]}") for each in found)
+    found = [text for text in tree.moved_from(last) if tree.moving[text].kind != "prismatic"]
+    called = any(_FINGER.search(f"{text} {tree.child[text]}") for text in found)
     return tuple(found) if len(found) > 1 or called else ()

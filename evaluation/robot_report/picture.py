@@ -46,12 +46,12 @@ def draw_robot(path: Path, robot: RobotFile, reach: HandReach | None) -> None:
     figure = Figure(figsize=(1.0 + 3.1 * len(columns), 6.4), layout="constrained")
     axes = figure.subplots(len(VIEW_AXES), len(columns), squeeze=False, sharex=True, sharey="row")
     for row, (view, (across, up)) in zip(axes, VIEW_AXES.items(), strict=True):
-        for each, (name, bodies) in zip(row, columns.items(), strict=True):
-            _draw(each, bodies, still, (across, up), reach, robot.footprint_shape)
-            each.set_title(f"{name}, {view}" if name else view, fontsize=8)
+        for item, (name, bodies) in zip(row, columns.items(), strict=True):
+            _draw(item, bodies, still, (across, up), reach, robot.footprint_shape)
+            item.set_title(f"{name}, {view}" if name else view, fontsize=8)
         row[0].set_ylabel("z [m]" if up == 2 else "y [m], left up", fontsize=8)
-    for each in axes[-1]:
-        each.set_xlabel("x [m], ahead", fontsize=8)
+    for item in axes[-1]:
+        item.set_xlabel("x [m], ahead", fontsize=8)
     save_figure(figure, path)
 
 
@@ -70,7 +70,7 @@ def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:
 def _still(robot: RobotFile) -> set[str]:
     """Return the names of the links that the arm does not move."""
     if robot.arm is None:
-        return {each.name for each in bodies_of(robot.urdf_text())}
+        return {item.name for item in bodies_of(robot.urdf_text())}
     arm = robot.arm_model()
     middle = 0.5 * (arm.lower + arm.upper)
     both = zip(arm.link_shapes(middle), arm.link_shapes(middle + 0.1), strict=True)
@@ -90,7 +90,7 @@ def _draw(
     across, up = view
     if reach is not None:
         _shade(axes, reach.points[:, [across, up]])
-    for body in sorted(bodies, key=lambda each: float(each.pose[3 - across - up, 3])):
+    for body in sorted(bodies, key=lambda shape: float(shape.pose[3 - across - up, 3])):
         outline = _outline(corners_of(body)[:, [across, up]])
         colour = FRONT if "finger" in body.name or "camera" in body.name else MOVED
         face = STILL if body.name in still else colour

@@ -65,16 +65,16 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
     if not facts:
         return
     document = read_document(robot_path(robot_name))
-    for each in facts:
-        key = ("arm", "postures", each.name)
-        if each.touching:
-            pairs = listed(f"{one} with {other}" for one, other in each.touching)
-            yield document.finding(key, f"in posture {each.name!r} the robot touches itself: {pairs}")
-        if each.travels and each.outside > ROUNDING_M:
-            wrong = f"the base drives in posture {each.name!r}, and {each.farthest} is {each.reach:.3f} m"
+    for fact in facts:
+        key = ("arm", "postures", fact.name)
+        if fact.touching:
+            pairs = listed(f"{one} with {other}" for one, other in fact.touching)
+            yield document.finding(key, f"in posture {fact.name!r} the robot touches itself: {pairs}")
+        if fact.travels and fact.outside > ROUNDING_M:
+            wrong = f"the base drives in posture {fact.name!r}, and {fact.farthest} is {fact.reach:.3f} m"
             allowed = f"from its middle; allowed: within the footprint, {robot.footprint_radius_m:g} m"
             if not robot.footprint_shape.is_disc:
-                wrong = f"the base drives in posture {each.name!r}, and the arm is {each.outside:.3f} m"
+                wrong = f"the base drives in posture {fact.name!r}, and the arm is {fact.outside:.3f} m"
                 allowed = "outside the footprint; allowed: within it"
             yield document.finding(key, f"{wrong} {allowed}")
 

@@ -99,5 +99,7 @@ def _extent(arm: ArmModel, q: FloatArray) -> float:
     """Return the robot's largest distance from the base's axis in [m], with a small penalty for bent
     joints.
     """
-    out = max((float(np.hypot(*corners_of(each)[:, :2].T).max()) for each in arm.link_shapes(q)), default=0.0)
+    out = max(
+        (float(np.hypot(*corners_of(shape)[:, :2].T).max()) for shape in arm.link_shapes(q)), default=0.0
+    )
     return round(out, 2) + 1e-3 * float(np.abs(q).max())

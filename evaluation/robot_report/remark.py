@@ -29,9 +29,9 @@ class Remark(NamedTuple):
 def grouped(remarks: Iterable[Remark]) -> list[str]:
     """Return a line for each kind of remark: the first one, and the other subjects it applies to."""
     kinds: dict[tuple[str, str], list[Remark]] = {}
-    for each in remarks:
-        kinds.setdefault((each.subject.split(" ")[0], _DIFFERS.sub("", each.what)), []).append(each)
-    return [_line(each) for each in kinds.values()]
+    for remark in remarks:
+        kinds.setdefault((remark.subject.split(" ")[0], _DIFFERS.sub("", remark.what)), []).append(remark)
+    return [_line(kind) for kind in kinds.values()]
 
 
 def grouped_findings(findings: Sequence[Finding]) -> list[str]:
@@ -39,13 +39,13 @@ def grouped_findings(findings: Sequence[Finding]) -> list[str]:
     to.
     """
     kinds: dict[tuple[str, str], list[Finding]] = {}
-    for each in findings:
-        kinds.setdefault((each.file, _DIFFERS.sub("", each.message)), []).append(each)
-    return [str(each[0]) + _more([str(other.line) for other in each[1:]], "line") for each in kinds.values()]
+    for finding in findings:
+        kinds.setdefault((finding.file, _DIFFERS.sub("", finding.message)), []).append(finding)
+    return [str(kind[0]) + _more([str(other.line) for other in kind[1:]], "line") for kind in kinds.values()]
 
 
 def _line(alike: Sequence[Remark]) -> str:
-    names = [each.subject.partition(" ")[2].strip("'") for each in alike[1:]]
+    names = [remark.subject.partition(" ")[2].strip("'") for remark in alike[1:]]
     return str(alike[0]) + _more(names, alike[0].subject.split(" ")[0])
 
 

@@ -60,9 +60,9 @@ class Contents:
     def figures(self) -> dict[str, Any]:
         """Return the content as JSON values."""
         return {
-            "joints": [each._asdict() for each in self.joints],
-            "links": [asdict(each) for each in self.links],
-            "meshes": [{**asdict(each), "fault": each.fault} for each in self.meshes],
+            "joints": [joint._asdict() for joint in self.joints],
+            "links": [asdict(link) for link in self.links],
+            "meshes": [{**asdict(mesh), "fault": mesh.fault} for mesh in self.meshes],
         }
 
 
@@ -83,7 +83,7 @@ class RobotReport:
     @property
     def warnings(self) -> list[str]:
         """All remarks as text."""
-        return [str(each) for each in self.remarks]
+        return [str(remark) for remark in self.remarks]
 
     def figures(self) -> dict[str, Any]:
         """Return the report as JSON values."""
@@ -105,7 +105,7 @@ def contents_of(whole: RobotUrdf) -> Contents:
     """
     bodies = bodies_of(whole.text)
     joints = joints_of(whole.text)
-    moved = {each.child for each in joints}
+    moved = {joint.child for joint in joints}
     links = [
         LinkRow(
             link.name,
@@ -115,9 +115,9 @@ def contents_of(whole: RobotUrdf) -> Contents:
         for link in links_of(whole.text)
     ]
     used = meshes_of(whole.text)
-    meshes = [mesh_row(each) for each in used]
+    meshes = [mesh_row(use) for use in used]
     sizes = size_remarks(bodies, used, whole)
-    doubts = [Remark("", each.message, each) for each in whole.doubts]
+    doubts = [Remark("", doubt.message, doubt) for doubt in whole.doubts]
     remarks = [*doubts, *_of_links(links, whole), *_of_meshes(meshes, whole), *sizes]
     return Contents(joints, links, meshes, remarks)
 
@@ -179,21 +179,21 @@ def _camera(camera: CameraSpec) -> CameraFacts:
 
 def _of_links(links: Sequence[LinkRow], whole: RobotUrdf) -> list[Remark]:
     return [
-        Remark(f"link {each.name!r}", fault, whole.finding("link", each.name, fault))
-        for each in links
-        for fault in each.faults
+        Remark(f"link {link.name!r}", fault, whole.finding("link", link.name, fault))
+        for link in links
+        for fault in link.faults
     ]
 
 
 def _of_meshes(meshes: Sequence[MeshRow], whole: RobotUrdf) -> list[Remark]:
     return [
         Remark(
-            f"link {each.link!r}",
-            f"{each.kind} mesh {each.file!r}: {each.fault}",
-            whole.finding("link", each.link, each.fault),
+            f"link {mesh.link!r}",
+            f"{mesh.kind} mesh {mesh.file!r}: {mesh.fault}",
+            whole.finding("link", mesh.link, mesh.fault),
         )
-        for each in meshes
-        if each.fault
+        for mesh in meshes
+        if mesh.fault
     ]
 
 
@@ -217,7 +217,7 @@ def _of_contact(contact: SelfContact | None, reach: HandReach | None) -> list[Re
             Remark("", f"{words}; if they may, `handcart check --allow` writes that into the file")
         )
     if reach is None:
-        often = ", ".join(touching_words(*each) for each in contact.often[:3])
+        often = ", ".join(touching_words(*pair) for pair in contact.often[:3])
         remarks.append(Remark("", f"no posture was found that is free of the robot itself: {often}"))
     return remarks
 
@@ -230,7 +230,7 @@ def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
         if not wheels[side]
     ]
     if robot.arm is None:
-        return [Remark("", each) for each in undriven]
+        return [Remark("", item) for item in undriven]
     of_arm = [joint for joint in joints if joint.name in robot.arm.joints]
     at = robot.whole.finding
     moves = [
@@ -238,7 +238,7 @@ def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
         for joint in of_arm
         for wrong in _of_joint(joint)
     ]
-    return [*moves, *(Remark("", each) for each in undriven)]
+    return [*moves, *(Remark("", item) for item in undriven)]
 
 
 def _of_joint(joint: JointFacts) -> list[str]:

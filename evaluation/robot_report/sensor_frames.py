@@ -62,7 +62,7 @@ def _scans_level(tree: LinkTree, base: str, link: str) -> bool:
 def _between(tree: LinkTree, link: str, onto: str | None) -> tuple[str, ...]:
     """Return the joints that move one link relative to another, or to the root if that is None."""
     own, other = tree.moved_by(link), [] if onto is None else tree.moved_by(onto)
-    return (*(each for each in own if each not in other), *(each for each in other if each not in own))
+    return (*(item for item in own if item not in other), *(item for item in other if item not in own))
 
 
 def _camera_rank(frame: SensorFrame) -> tuple[bool, ...]:

@@ -27,7 +27,7 @@ def size_remarks(bodies: Sequence[Shape], meshes: Sequence[MeshUse], whole: Robo
             scale = "; if it is in mm: scale='0.001 0.001 0.001'" if size > 0.05 * MM_PER_M else ""
             words = f"a body is {size:.3g} m long; expected: up to {LARGEST_BODY_M:g} m{scale}"
             yield Remark(f"link {body.name!r}", words, whole.finding("link", body.name, words))
-    for mesh in {each.file: each for each in meshes}.values():
+    for mesh in {use.file: use for use in meshes}.values():
         file = Path(mesh.file)
         megabytes = file.stat().st_size / 1e6 if file.is_file() else 0.0
         if megabytes > LARGEST_MESH_MB:

@@ -27,11 +27,11 @@ def seam_facts(task: Task) -> dict[str, Any]:
     divides, file = _divides(task), task.path("knowledge", "seam")
     if not divides or file is None:
         return {}
-    most = max(divides, key=lambda each: each.placements)
+    most = max(divides, key=lambda divide: divide.placements)
     spec, (model, _) = load_robot(task.robot), load_model(task)
     work = model.of(Seam)
     assert work.seam is not None, "its file is named"
-    boxes = tuple(each.box for each in work.work_piece.boxes) if work.work_piece else ()
+    boxes = tuple(box.box for box in work.work_piece.boxes) if work.work_piece else ()
     try:
         placer, start = placer_of(spec), task.knowledge.start
         room = StandingRoom(spec, placer.arm, model.map, model.obstacles, start, boxes)
@@ -49,7 +49,7 @@ def _divides(task: Task) -> list[Divide]:
     """Return each DIVIDE of the network whose parameters are known."""
     bindings = [action.binding for action in task.network.actions if action.binding is not None]
     return [
-        each.kind.model_validate(each.fixed)
-        for each in bindings
-        if issubclass(each.kind, Divide) and not each.late
+        binding.kind.model_validate(binding.fixed)
+        for binding in bindings
+        if issubclass(binding.kind, Divide) and not binding.late
     ]

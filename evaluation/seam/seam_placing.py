@@ -95,7 +95,7 @@ def place_seam(
     except Discrepancy as lacking:
         raise NoToolArm(spec, lacking.reason) from None
     grid = _floor(seam, placer, work_piece)
-    boxes = tuple(each.box for each in work_piece.boxes) if work_piece else ()
+    boxes = tuple(box.box for box in work_piece.boxes) if work_piece else ()
     room = StandingRoom(spec, placer.arm, grid, np.empty((0, 2)), _corner(grid, spec), boxes)
     try:
         placements = placer.place(seam, room.blocked, count, room.free)

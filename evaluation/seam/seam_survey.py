@@ -105,17 +105,17 @@ class SeamSurvey(Survey):
 
     @override
     def notes(self) -> list[StretchNotes]:
-        return [each.notes for each in self.stretches]
+        return [stretch.notes for stretch in self.stretches]
 
     @override
     def go_on(self, noted: list[StretchNotes]) -> None:
-        self.stretches = [_again(each, self.run.robot.arm_model.dof) for each in noted]
+        self.stretches = [_again(notes, self.run.robot.arm_model.dof) for notes in noted]
 
     def errors(self) -> list[tuple[FloatArray, FloatArray]]:
         """Return times (k,) in [s] and distances (k,) of the tool from the seam in [m], for each stretch."""
         return [
-            (np.array(each.times), distances(np.array(each.tips), each.part.points))
-            for each in self.stretches
+            (np.array(stretch.times), distances(np.array(stretch.tips), stretch.part.points))
+            for stretch in self.stretches
         ]
 
     def figures(self) -> dict[str, Any]:
@@ -123,9 +123,9 @@ class SeamSurvey(Survey):
         seam = self.run.model.of(Seam).seam
         if seam is None:
             return {}
-        tracked = sum(each.part.length for each in self.stretches)
+        tracked = sum(stretch.part.length for stretch in self.stretches)
         found: dict[str, Any] = {"placements": len(self.stretches), "seam_tracked_m": round(tracked, 3)}
-        found["score"] = round(sum(each.score for each in self.stretches) / seam.length, 4)
+        found["score"] = round(sum(stretch.score for stretch in self.stretches) / seam.length, 4)
         if not self.stretches:
             return found
         off = 1e3 * np.concatenate([distance for _, distance in self.errors()])
@@ -140,7 +140,7 @@ class SeamSurvey(Survey):
         seam = self.run.model.of(Seam).seam
         if seam is None:
             return []
-        left = seam.length - sum(each.part.length for each in self.stretches)
+        left = seam.length - sum(stretch.part.length for stretch in self.stretches)
         found = [f"{left:.3f} m of the seam were not tracked"] if left > 1e-6 else []
         off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
         return found + (
@@ -152,20 +152,20 @@ class SeamSurvey(Survey):
         from .tracking_plot import draw_tracking_errors
 
         stretches = [
-            (f"part {number}, {each.part.length:.2f} m", times - times[0], off)
-            for number, (each, (times, off)) in enumerate(zip(self.stretches, self.errors(), strict=True), 1)
+            (f"part {number}, {item.part.length:.2f} m", times - times[0], off)
+            for number, (item, (times, off)) in enumerate(zip(self.stretches, self.errors(), strict=True), 1)
         ]
         if stretches:
             draw_tracking_errors(stretches, folder / "tracked.svg", self.limits["tracking_error_mm_max"])
 
     def uses(self) -> list[LimitUse]:
         """Return each stretch's use of the joints' speeds and torques, including the tool's force."""
-        return [self._use(each) for each in self.stretches]
+        return [self._use(stretch) for stretch in self.stretches]
 
     def _violations(self) -> int:
         """Periods and joints with an angle, a speed or a torque beyond its limit."""
         arm = self.run.robot.arm_model
-        joints = np.vstack([each.joints for each in self.stretches])
+        joints = np.vstack([stretch.joints for stretch in self.stretches])
         beyond = np.abs(np.array([arm.clipped(row) for row in joints]) - joints) > ROUNDING_M
         return sum(use.violations for use in self.uses()) + int(beyond.sum())
 
@@ -187,7 +187,7 @@ def _again(noted: StretchNotes, dof: int) -> SeamStretch:
     """
     part = {name: np.array(value, dtype=np.float64) for name, value in noted.part.items()}
     joints, tips = np.array(noted.joints, dtype=np.float64), np.array(noted.tips, dtype=np.float64)
-    found = {name: each.shape for name, each in {**part, "joints": joints, "tips": tips}.items()}
+    found = {name: item.shape for name, item in {**part, "joints": joints, "tips": tips}.items()}
     count, points = len(noted.times), len(part["lengths"]) if "lengths" in part else 0
     shapes = {name: (points, *shape) for name, shape in _PART.items()}
     shapes |= {"joints": (count, dof), "tips": (count, 3)}

@@ -28,9 +28,9 @@ def plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, tuple | list):
-        return [plain(each) for each in value]
+        return [plain(item) for item in value]
     if dataclasses.is_dataclass(value):
-        return [plain(getattr(value, each.name)) for each in dataclasses.fields(value)]
+        return [plain(getattr(value, field.name)) for field in dataclasses.fields(value)]
     raise NotRecordable(f"values of the type {type(value).__name__} cannot be recorded")
 
 
@@ -38,7 +38,7 @@ def typed(data: Any, kind: Any) -> Any:
     """Return a value of a declared type from what `plain` gave; raises `TypeError` for other data."""
     origin, args = typing.get_origin(kind) or kind, typing.get_args(kind)
     if origin in (Union, types.UnionType):
-        others = [each for each in args if each is not types.NoneType]
+        others = [arg for arg in args if arg is not types.NoneType]
         return None if data is None else typed(data, others[0])
     if kind in (None, types.NoneType) or origin is Literal or origin is Any:
         return data
@@ -49,7 +49,7 @@ def typed(data: Any, kind: Any) -> Any:
     fields = _fields(origin)
     if not isinstance(data, list) or len(data) != len(fields):
         raise TypeError(f"no {origin.__name__}")
-    return origin(*(typed(each, field) for each, field in zip(data, fields, strict=True)))
+    return origin(*(typed(item, field) for item, field in zip(data, fields, strict=True)))
 
 
 def _is_array(kind: Any) -> bool:
@@ -64,7 +64,7 @@ def _fields(kind: Any) -> tuple[Any, ...]:
     """Return the types of the fields of a named tuple or dataclass."""
     names: Iterable[str]
     if dataclasses.is_dataclass(kind):
-        names = [each.name for each in dataclasses.fields(kind)]
+        names = [field.name for field in dataclasses.fields(kind)]
     elif issubclass(kind, tuple) and hasattr(kind, "_fields"):
         names = kind._fields
     else:

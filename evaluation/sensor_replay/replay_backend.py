@@ -24,7 +24,7 @@ from .sensor_recorder import COMMAND, KNOWN_ERRORS, READING, WHOLE_ROBOT
 
 Call = list[Any]
 """A recorded call: what, number of the part, method, arguments, result, exception."""
-ERRORS_BY_NAME = {each.__name__: each for each in KNOWN_ERRORS}
+ERRORS_BY_NAME = {known_error.__name__: known_error for known_error in KNOWN_ERRORS}
 END_OF_RECORDING = "the recording ends"
 
 
@@ -92,10 +92,10 @@ class ReplayBackend(Backend):
 
     def _part(self, number: int, kind_name: str, sensor_name: str, properties: dict[str, Any]) -> Capability:
         every: tuple[Kind, ...] = (*all_capabilities(), HolonomicBase)
-        provided = next((each for each in every if each.__name__ == kind_name), None)
+        provided = next((kind_ for kind_ in every if kind_.__name__ == kind_name), None)
         if provided is None:
             raise NoRecording(self._folder, f"no kind of part is called {kind_name!r}")
-        kind = next(each for each in all_capabilities() if issubclass(provided, each))
+        kind = next(capability for capability in all_capabilities() if issubclass(provided, capability))
         known = {name: typed(value, result_type(kind, name)) for name, value in properties.items()}
         inside = SimpleNamespace(number=number, sensor_name=sensor_name, **known)
         made: Capability = layered_kind(kind, provided)(self, inside)
@@ -120,9 +120,9 @@ class ReplayBackend(Backend):
     def pass_on(self, part: Any, kind: Kind, method: str, *words: Any) -> Any:
         """Answer a call of a part's layer."""
         if method in kind.COMMANDS:
-            self._command(part.number, method, [plain(each) for each in words])
+            self._command(part.number, method, [plain(word) for word in words])
             return None
-        call = self._found(part.number, kind, method, [plain(each) for each in words])
+        call = self._found(part.number, kind, method, [plain(word) for word in words])
         if call[5] is not None:
             raise ERRORS_BY_NAME.get(call[5][0], RuntimeError)(call[5][1])
         return typed(call[4], result_type(kind, method))
@@ -151,7 +151,7 @@ class ReplayBackend(Backend):
     def _said(self, call: list[Any]) -> str:
         number, method, words = call
         owner = "robot" if number == WHOLE_ROBOT else self._names[number]
-        values = ", ".join(str(each.tolist() if hasattr(each, "tolist") else each) for each in words)
+        values = ", ".join(str(word.tolist() if hasattr(word, "tolist") else word) for word in words)
         return f"{owner}.{method}({values})"
 
     def part_ways(self, words: str) -> NoReturn:

@@ -52,7 +52,7 @@ class SensorRecorder(LayeredBackend):
         kinds = all_capabilities()
         parts = []
         for part in self.inner.capabilities():
-            kind = next((each for each in kinds if isinstance(part, each)), None)
+            kind = next((class_ for class_ in kinds if isinstance(part, class_)), None)
             name = provided_kind(part, kind).__name__ if kind else ""
             parts.append([name, part.sensor_name, _properties(part, kind)])
         return {"name": self.name, "period_s": self.period, "parts": parts}
@@ -71,7 +71,7 @@ class SensorRecorder(LayeredBackend):
     def _passed(
         self, what: str, number: int, method: str, call: Callable[[], Any], words: tuple[Any, ...]
     ) -> Any:
-        entry = [what, number, method, [_copy(plain(each)) for each in words]]
+        entry = [what, number, method, [_copy(plain(word)) for word in words]]
         try:
             result = call()
         except KNOWN_ERRORS as error:
@@ -140,7 +140,7 @@ class SensorRecorder(LayeredBackend):
 def _copy(value: Any) -> Any:
     """Return plain data that later changes of an array do not reach."""
     if isinstance(value, list):
-        return [_copy(each) for each in value]
+        return [_copy(item) for item in value]
     return value.copy() if isinstance(value, np.ndarray) else value
 
 

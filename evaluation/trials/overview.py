@@ -117,9 +117,9 @@ def draw_overview(
     _draw_places(axes["map"], places)
     path = run_dir / "overview.svg"
     save_figure(figure, path)
-    for each in stretches:
-        if each.outcome != "Success":
-            _draw_fail(run_dir, each, grid, track, radius)
+    for stretch in stretches:
+        if stretch.outcome != "Success":
+            _draw_fail(run_dir, stretch, grid, track, radius)
     return path
 
 
@@ -254,12 +254,12 @@ def _draw_drive(axis: Any, run_dir: Path, track: RunTrack) -> None:
 
 
 def _draw_time(axis: Any, stretches: list[ActionStretch]) -> None:
-    span = max((each.end for each in stretches), default=0.0)
-    for each in stretches:
-        lasted = each.end - each.start
-        axis.barh(0, lasted, left=each.start, color=OUTCOME_COLOURS[each.outcome], edgecolor="white")
-        label = _fitting(each, TIME_LINE_LETTERS * lasted / span if span else 0.0)
-        middle = 0.5 * (each.start + each.end)
+    span = max((stretch.end for stretch in stretches), default=0.0)
+    for stretch in stretches:
+        lasted = stretch.end - stretch.start
+        axis.barh(0, lasted, left=stretch.start, color=OUTCOME_COLOURS[stretch.outcome], edgecolor="white")
+        label = _fitting(stretch, TIME_LINE_LETTERS * lasted / span if span else 0.0)
+        middle = 0.5 * (stretch.start + stretch.end)
         axis.text(middle, 0.0, label, ha="center", va="center", fontsize=7, color="white")
     axis.set_yticks([])
     axis.set_ylim(-0.5, 0.5)

@@ -149,8 +149,8 @@ def _write_up(prepared: Prepared, folder: Path, judge: Judge, options: RunOption
 
 
 def _say(observers: Sequence[RunObserver], words: str) -> None:
-    for each in observers:
-        each.say(words)
+    for observer in observers:
+        observer.say(words)
 
 
 def resume_task(

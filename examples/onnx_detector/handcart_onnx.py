@@ -35,7 +35,7 @@ class OnnxDetector(Detector):
         if not model.is_file():
             raise ValueError(f"no such file: {model}; allowed: `model`, an ONNX file")
         self.classes = list(options.get("classes", []))
-        unknown = [each for each in self.classes if each not in kinds]
+        unknown = [class_ for class_ in self.classes if class_ not in kinds]
         if unknown or not self.classes:
             raise ValueError(f"unknown classes {unknown}; allowed: `classes`, a list of {', '.join(kinds)}")
         self.min_score = float(options.get("min_score", 0.5))

@@ -45,7 +45,7 @@ def read_movingai(path: Path) -> Int8Array:
             file, min(len(lines), 4 + height), f"{len(lines) - 4} rows; allowed: the {height} stated"
         )
     table = np.full(128, -2, dtype=np.int8)
-    table[[ord(each) for each in _MEANING]] = list(_MEANING.values())
+    table[[ord(item) for item in _MEANING]] = list(_MEANING.values())
     for number, row in enumerate(rows, start=5):
         if len(row) != width:
             raise _refused(file, number, f"{len(row)} cells; allowed: the {width} stated in line 3")
@@ -64,7 +64,7 @@ def _size(file: str, lines: list[str]) -> tuple[int, int]:
         if found is None:
             allowed = "type octile" if key == "type" else f"{key} and a number"
             raise _refused(file, number, f"{line[:40]!r} is not a line of a MovingAI map; allowed: {allowed}")
-        numbers += [int(each) for each in found.groups()]
+        numbers += [int(group) for group in found.groups()]
     if len(lines) < 4 or lines[3].strip() != "map":
         raise _refused(file, 4, "the map doesn't begin; allowed: map")
     height, width = numbers

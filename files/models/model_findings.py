@@ -27,9 +27,9 @@ def findings_of(
 ) -> list[Finding]:
     """One finding for each thing wrong with the part of `document` at the path `at`."""
     walk = SchemaWalk(adapter.core_schema)
-    raw = [each for each in error.errors(include_url=False) if not _counts_only_valid_items(each)]
-    placed = [(walk.place(each["loc"]), each) for each in raw]
-    return [_Wording(walk, document, at).finding(place, each) for place, each in _meant(placed)]
+    raw = [item for item in error.errors(include_url=False) if not _counts_only_valid_items(item)]
+    placed = [(walk.place(item["loc"]), item) for item in raw]
+    return [_Wording(walk, document, at).finding(place, item) for place, item in _meant(placed)]
 
 
 def _counts_only_valid_items(error: Any) -> bool:
@@ -64,7 +64,7 @@ def _meant(errors: list[_Placed], depth: int = 0) -> Iterable[_Placed]:
 
 
 def _other_kind(path: KeyPath, errors: list[_Placed]) -> bool:
-    return any(place.path == path and _is_other_kind(each) for place, each in errors)
+    return any(place.path == path and _is_other_kind(item) for place, item in errors)
 
 
 def _is_other_kind(error: Any) -> bool:

@@ -16,17 +16,17 @@ def aim_findings(task: Task) -> Iterator[Finding]:
     network, graph = task.network, ways_of(task.network)
     reached = nx.descendants(graph, network.start) | {network.start}
     leads_on = nx.ancestors(graph, network.goal) | {network.goal}
-    for number, each in enumerate(network.aims.interrupts):
-        goals = [name for name in each.goals if name in graph]
+    for number, interrupt in enumerate(network.aims.interrupts):
+        goals = [name for name in interrupt.goals if name in graph]
         before = set(goals).union(*(nx.ancestors(graph, name) for name in goals))
         without = [name for name in network.situations if name in reached & leads_on - before]
         without = [name for name in without if name != network.goal]
         path = ("interrupts", number, "goal")
         if without:
             where = f"{without[0]!r}" + (f" and {len(without) - 1} more" if len(without) > 1 else "")
-            words = f"{each.name}: no route leads there from {where}; it is left out there"
+            words = f"{interrupt.name}: no route leads there from {where}; it is left out there"
             yield task.document.finding(path, f"{words}, if that is meant")
         stuck = [name for name in goals if name in reached and name not in leads_on]
         if stuck:
-            words = f"{each.name}: from {stuck[0]!r} nothing leads on to the goal"
+            words = f"{interrupt.name}: from {stuck[0]!r} nothing leads on to the goal"
             yield task.document.finding(path, f"{words}; needed: an action that leads on from it")

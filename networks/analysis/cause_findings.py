@@ -21,7 +21,7 @@ def cause_findings(task: Task) -> Iterator[Finding]:
     for number, entry in enumerate(task.file.actions):
         if number not in kinds or not entry.fail_entries:
             continue
-        possible = [each.name for each in possible_causes(kinds[number])]
+        possible = [possible_cause.name for possible_cause in possible_causes(kinds[number])]
         for cause in entry.fail_entries:
             if cause not in possible:
                 wrong = f"no Fail of {entry.do} has the cause {cause!r}{suggest(cause, possible)}"
@@ -31,9 +31,9 @@ def cause_findings(task: Task) -> Iterator[Finding]:
 def causes_into(network: ActionNetwork, situation: str) -> list[str]:
     """Return the actions whose Fails of a certain cause lead to a situation, with the cause, in words."""
     found = {
-        f"{action.do} by {each.cause!r}"
+        f"{action.do} by {ending.cause!r}"
         for action in network.actions
-        for each in action.fail_endings
-        if each.target == situation
+        for ending in action.fail_endings
+        if ending.target == situation
     }
     return sorted(found)

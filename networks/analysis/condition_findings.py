@@ -48,8 +48,8 @@ def _never_true(task: Task, file: ConditionFile) -> Iterator[Finding]:
 def _effects(task: Task, file: ConditionFile) -> Iterator[tuple[str, Fact]]:
     for number in {entry for entry in task.entries if entry is not None}:
         entry = file.actions[number]
-        every: list[Mapping[str, Fact]] = [each.changes for each in entry.endings]
-        for effects in [*every, *(each.known for each in entry.fails.values())]:
+        every: list[Mapping[str, Fact]] = [ending.changes for ending in entry.endings]
+        for effects in [*every, *(fail.known for fail in entry.fails.values())]:
             yield from effects.items()
 
 

@@ -31,7 +31,7 @@ def fact_findings(task: Task) -> list[Finding]:
             continue
         changes = _changes(task, entry)
         unable = {
-            name: " or ".join(each.__name__ for each in parts)
+            name: " or ".join(part.__name__ for part in parts)
             for name, parts in _MOVED_BY.items()
             if name in changes and not set(parts) & set(binding.kind.needs)
         }

@@ -54,12 +54,12 @@ class Figures:
     def for_programs(self) -> dict[str, Any]:
         """Return the figures as `handcart check --json` prints them."""
         forecast = {"assumption": FORECAST_ASSUMPTION, **_named(self.forecast)}
-        return {**forecast, "actions": [_row(each) for each in self.influences]}
+        return {**forecast, "actions": [_row(influence) for influence in self.influences]}
 
 
 def entry_chances(task: Task) -> list[Chance]:
     """Return the outcome probabilities of each action of the file; 0 where it gives none."""
-    return [Chance(each.p_success or 0.0, each.p_give_up) for each in task.file.actions]
+    return [Chance(action.p_success or 0.0, action.p_give_up) for action in task.file.actions]
 
 
 def network_chances(task: Task) -> list[Chance | None]:
@@ -111,7 +111,7 @@ def figures(
         )
         for entry, numbers in copies.items()
     ]
-    influences.sort(key=lambda each: (-round(each.slope, 9), each.entry))
+    influences.sort(key=lambda influence: (-round(influence.slope, 9), influence.entry))
     return Figures(now, tuple(influences))
 
 

@@ -81,7 +81,7 @@ class Forecaster:
         self._dearest = max((a.cost_s for a in network.actions if a.binding), default=MAX_COST_S)
         self._effort = effort or Effort(budget_of(network))
         self._stages = stages(network)
-        self._stage_of = {number: at for at, each in enumerate(self._stages) for number in each.numbers}
+        self._stage_of = {number: at for at, stage in enumerate(self._stages) for number in stage.numbers}
         self._chains: dict[object, Chain] = {}
         self._before: list[Ends] = []
         self._behind: list[Ends] = []
@@ -113,21 +113,21 @@ class Forecaster:
         """Compute how runs end before each stage, and from each stage on."""
         if self._behind:
             return
-        ends = [self._chain(each).ends for each in self._stages]
+        ends = [self._chain(stage).ends for stage in self._stages]
         self._before = list(accumulate(ends, Ends.then, initial=AT_GOAL))
         behind = accumulate(reversed(ends), lambda rest, each: each.then(rest), initial=AT_GOAL)
         self._behind = list(behind)[::-1]
 
     def chains(self) -> Iterator[tuple[Stage, Chain]]:
         """Yield the stages in the order in which runs pass them, each with its chain."""
-        yield from ((each, self._chain(each)) for each in self._stages)
+        yield from ((stage, self._chain(stage)) for stage in self._stages)
 
     def starts(self) -> list[float]:
         """Return for each action the average number of times that a run starts it."""
         found, comes = [0.0] * len(self._chances), 1.0
-        for each in self._stages:
-            chain = self._chain(each)
-            for number, starts in zip(each.numbers, chain.starts, strict=True):
+        for stage in self._stages:
+            chain = self._chain(stage)
+            for number, starts in zip(stage.numbers, chain.starts, strict=True):
                 found[number] = comes * starts
             comes *= chain.ends.goal.p + chain.ends.skipped.p
         return found
@@ -135,13 +135,13 @@ class Forecaster:
     def slopes(self) -> list[float]:
         """Return for each action the derivative of P(goal) by its probability of Success."""
         found = [0.0] * len(self._chances)
-        chains = [self._chain(each) for each in self._stages]
+        chains = [self._chain(stage) for stage in self._stages]
         behind = [1.0]
         for chain in reversed(chains):
             behind.append(behind[-1] * chain.ends.goal.p)
         before = 1.0
-        for each, chain, after in zip(self._stages, chains, behind[-2::-1], strict=True):
-            for number, slope in zip(each.numbers, chain.slopes, strict=True):
+        for stage, chain, after in zip(self._stages, chains, behind[-2::-1], strict=True):
+            for number, slope in zip(stage.numbers, chain.slopes, strict=True):
                 found[number] = before * slope * after
             before *= chain.ends.goal.p
         return found
@@ -176,7 +176,7 @@ def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bo
     Raises:
         TooLarge: the budget does not suffice, and the likely ones alone were not asked for.
     """
-    certain = any(each is not None and each.fail <= 1e-12 for each in chances)
+    certain = any(chance is not None and chance.fail <= 1e-12 for chance in chances)
     found = explored(network, effort=effort.part(IMPOSSIBLE_SHARE) if certain else effort.half())
     if not found.is_complete and certain:
         found = explored(network, effort=effort.half(), chances=chances)

@@ -80,7 +80,7 @@ def _uses(task: Task) -> dict[int, _Use]:
     """Return for each action that runs a primitive what that needs of the hand, by the action's number."""
     known = task.knowledge
     model = WorldModel(nowhere(), known.all_places(), sections=known.fresh_sections())
-    return {each.index: _use_of(each.binding, model) for each in task.network.actions if each.binding}
+    return {action.index: _use_of(action.binding, model) for action in task.network.actions if action.binding}
 
 
 def _use_of(binding: Binding, model: WorldModel) -> _Use:
@@ -105,7 +105,7 @@ def _reached(task: Task, uses: dict[int, _Use]) -> dict[str, list[Held]]:
         for action in leaving.get(situation, ()):
             for target, then in _follow(task, action, uses.get(action.index), held):
                 known = reached.setdefault(target, [])
-                if not any(each[:2] == then[:2] for each in known):
+                if not any(item[:2] == then[:2] for item in known):
                     known.append(then)
                     waiting.append((target, then))
     return reached

@@ -43,10 +43,10 @@ def longest_run(policy: Policy) -> Longest:
             continue
         count = 0 if step.action.binding is None else 1
         rest = [
-            Longest(0.0, -math.inf) if policy.goal(each) else known.get(each, _NOWHERE)
-            for each in step.following()
+            Longest(0.0, -math.inf) if policy.goal(item) else known.get(item, _NOWHERE)
+            for item in step.following()
         ]
-        through = max(each.through for each in rest)
-        ended = max((0.0 if count else -math.inf), *(each.ended for each in rest))  # a GiveUp
+        through = max(item.through for item in rest)
+        ended = max((0.0 if count else -math.inf), *(item.ended for item in rest))  # a GiveUp
         known[state] = Longest(count + through, count + ended)
     return known.get(policy.start, Longest(0.0, -math.inf))

@@ -112,12 +112,12 @@ def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
     path.
     """
     found: dict[str, Finding] = {}
-    for each in cases.short:
-        situation = plain_name(task, each.situation)
-        last = next((action.index for action, failed in reversed(each.path) if failed), None)
+    for item in cases.short:
+        situation = plain_name(task, item.situation)
+        last = next((action.index for action, failed in reversed(item.path) if failed), None)
         entry = None if last is None else task.entries[last]
         key = ("situations", situation) if entry is None else ("actions", entry)
-        path = each.words(lambda name: plain_name(task, name)) or "none leads there from the start"
+        path = item.words(lambda name: plain_name(task, name)) or "none leads there from the start"
         message = f"in {situation!r} no way may be left: {path}"
         found.setdefault(situation, task.document.finding(key, message))
     return list(found.values())

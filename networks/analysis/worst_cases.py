@@ -53,7 +53,7 @@ class NoWayLeft:
         for (index, failed), count in counts.items():
             action, times = actions[index], f" {count} times" if count > 1 else ""
             ends = alike[action.name, action.source]
-            is_clear = len({named(each) for each in ends}) == len(ends)
+            is_clear = len({named(end) for end in ends}) == len(ends)
             to = f" to {named(action.target) if is_clear else action.target}" if len(ends) > 1 else ""
             parts.append(f"{action.name} from {named(action.source)}{to} {failed}".rstrip() + times)
         return ", ".join(parts)
@@ -154,14 +154,14 @@ def _ended(policy: Policy) -> list[Path]:
         if step.action is None:
             found.setdefault(state.situation, state)
             continue
-        after = [(each, "") for each in step.succeeded]
-        causes = [f"{FAILS} ({each.cause})" for each in step.action.fail_endings]
+        after = [(item, "") for item in step.succeeded]
+        causes = [f"{FAILS} ({ending.cause})" for ending in step.action.fail_endings]
         failed = zip(step.all_failed, (FAILS, *causes), strict=True)
-        for each, word in (*after, *failed, (step.for_good, FOR_GOOD)):
+        for item, word in (*after, *failed, (step.for_good, FOR_GOOD)):
             there = here[0] + _UNLIKELY.get(word, bool(word)), here[1] + 1
-            if each is not None and there < known.get(each, (math.inf, 0)):
-                known[each], came[each] = there, _Come(state, step.action.index, word)
-                heapq.heappush(heap, (there, next(order), each))
+            if item is not None and there < known.get(item, (math.inf, 0)):
+                known[item], came[item] = there, _Come(state, step.action.index, word)
+                heapq.heappush(heap, (there, next(order), item))
     return [_path(came, policy.start, state) for state in found.values()]
 
 

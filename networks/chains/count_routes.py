@@ -107,9 +107,9 @@ class RouteFinder:
             near = best & (come <= known + TIE_SLACK * known)
             count[source] += near
             best &= come <= known
-            for each in reversed(way.actions):
-                chosen = best & (weights[each] == own)
-                action[source][chosen] = each
+            for item in reversed(way.actions):
+                chosen = best & (weights[item] == own)
+                action[source][chosen] = item
                 needs[source][chosen] = way.fails > 0
         return CountRoutes(action, count > 1, needs)
 

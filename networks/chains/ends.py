@@ -24,7 +24,7 @@ class Ends(NamedTuple):
 
     def after(self, step: Moments) -> Ends:
         """Return the ends of a step followed by this part."""
-        return Ends(*(step.then(each) for each in self))
+        return Ends(*(step.then(item) for item in self))
 
     def plus(self, other: Ends) -> Ends:
         """Return the ends of either of two mutually exclusive parts."""

@@ -46,7 +46,8 @@ class StateCodes:
         """Number of each situation."""
         goal = network.goal
         every = [
-            [name != goal and after.matters(name, each) for each in self._counters] for name in self._names
+            [name != goal and after.matters(name, counter) for counter in self._counters]
+            for name in self._names
         ]
         self._keeps = np.array(every, np.uint16)
         self._factors = self._code_factors(network)
@@ -88,7 +89,7 @@ class StateCodes:
 
     def merged(self, every: Sequence[FlowStates]) -> FlowStates:
         """Return all states, each once, in the order of their counts."""
-        counts, place, mass = (np.concatenate(each) for each in zip(*every, strict=True))
+        counts, place, mass = (np.concatenate(item) for item in zip(*every, strict=True))
         if not len(place):
             return FlowStates(counts, place, mass)
         codes = counts.astype(np.int64) @ self._factors

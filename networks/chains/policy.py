@@ -130,10 +130,10 @@ class _Visit:
                 continue
             made[state] = step
             active.add(state)
-            for each in step.following():
-                self.circles |= each in active
-                if each.situation != self._goal and each not in made and each not in self.left_out:
-                    ahead.append(each)
+            for item in step.following():
+                self.circles |= item in active
+                if item.situation != self._goal and item not in made and item not in self.left_out:
+                    ahead.append(item)
 
 
 def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Policy:
@@ -149,10 +149,10 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
             if state in steps or -share < mass[state]:
                 continue
             steps[state] = step = maker.step(state)
-            for p, each in shares(step, chances):
-                if each.situation != network.goal and each not in steps:
-                    mass[each] = mass.get(each, 0.0) - share * p
-                    heapq.heappush(heap, (-mass[each], next(order), each))
+            for p, item in shares(step, chances):
+                if item.situation != network.goal and item not in steps:
+                    mass[item] = mass.get(item, 0.0) - share * p
+                    heapq.heappush(heap, (-mass[item], next(order), item))
     except TooMuch:
         pass  # the budget is spent: the policy has the states found so far, and is not complete
     return Policy(network, start, steps, circles=True, is_complete=not heap)
@@ -178,7 +178,7 @@ def fail_shares(action: Action, chance: Chance) -> Sequence[float]:
     """
     if chance.fail_shares:
         return chance.fail_shares
-    known = [each.p for each in action.fail_endings]
+    known = [ending.p for ending in action.fail_endings]
     fail = 0.0 if action.p_success is None else 1.0 - action.p_success - action.p_give_up
     if action.p_success is None or None in known:
         return [1.0 / (1 + len(known))] * (1 + len(known))
@@ -194,5 +194,5 @@ def success_shares(action: Action, chance: Chance) -> Sequence[float]:
         return [1.0]
     if action.p_success is None:
         return [1.0 / (1 + len(action.others))] * (1 + len(action.others))
-    every = [action.p or 0.0, *(each.p or 0.0 for each in action.others)]
+    every = [action.p or 0.0, *(other.p or 0.0 for other in action.others)]
     return [p / action.p_success for p in every]

@@ -73,7 +73,7 @@ class _Solution:
         rows = self._rows
         ends = self._moments(self._every, self._into(skips=True))
         complete = self._moments(self._plain, self._into(skips=False)[:, :1])
-        at = [Moments(*map(float, each[rows.start])) for each in (complete[:, 0], *ends.swapaxes(0, 1))]
+        at = [Moments(*map(float, swapax[rows.start])) for swapax in (complete[:, 0], *ends.swapaxes(0, 1))]
         skipped = Moments(*(max(0.0, a - b) for a, b in zip(at[1], at[0], strict=True)))
         has_skips = bool(rows.skips or rows.skipped_to_goal)
         known = Ends(at[0], skipped if has_skips else Moments(0.0), at[2], at[3], at[4])

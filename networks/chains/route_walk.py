@@ -52,7 +52,7 @@ class RouteWalk:
         self._fail = np.zeros((most, len(known)))
         self._after_fail = np.zeros((most, len(known)), np.int64)
         for action, chance in zip(network.actions, known, strict=True):
-            every = [action.on_fail, *(each.target for each in action.fail_endings)]
+            every = [action.on_fail, *(ending.target for ending in action.fail_endings)]
             for number, (share, to) in enumerate(zip(fail_shares(action, chance), every, strict=True)):
                 self._fail[number, action.index] = chance.fail * share
                 self._after_fail[number, action.index] = place[to or action.source]

@@ -107,9 +107,9 @@ class RuleFlow:
             rest = self._waiting.get(level + 1)
             self._waiting[level + 1] = self._codes.merged(failed if rest is None else [*failed, rest])
         self._waiting[level] = states.at(np.flatnonzero(states.p > 0.0))
-        for each in (level, level + 1):
-            if each in self._waiting and not len(self._waiting[each].place):
-                del self._waiting[each]
+        for item in (level, level + 1):
+            if item in self._waiting and not len(self._waiting[item].place):
+                del self._waiting[item]
 
     def _found(self) -> FlowResult:
         ends = self._walk.ends
@@ -119,5 +119,5 @@ class RuleFlow:
         both = total[:, :3] + (total[:, 3:] if total.shape[1] > 3 else 0.0)
         skipped = total[ChainEnd.GOAL, 3:] if total.shape[1] > 3 else np.zeros(3)
         named = (total[ChainEnd.GOAL, :3], skipped, *both[1:])
-        found = Ends(*(Moments(*map(float, each)) for each in named))
+        found = Ends(*(Moments(*map(float, item)) for item in named))
         return FlowResult(found, self._walk.starts, ends[:, :, ::3].sum(axis=2), self._walk.skips)

@@ -41,7 +41,7 @@ class Stage:
 
     def _more(self, a: Action, place: Mapping[str, int]) -> tuple[object, ...]:
         """Return what planning depends on besides: results, shared attempts and renewals."""
-        others = tuple((place[each.target], each.p) for each in a.others)
+        others = tuple((place[other.target], other.p) for other in a.others)
         p = a.p if a.others else None
         counts = a.counter, a.unlimited, a.renewals, self.network.renewed_by.get(a.index, ())
         fails = tuple((None if e.target is None else place[e.target], e.p) for e in a.fail_endings)

@@ -68,7 +68,7 @@ def _shared(network: ActionNetwork, level: Mapping[str, int]) -> Iterator[tuple[
     """Yield a step back for each counter of Fails that several levels share: they can't be cut apart."""
     for actions in network.shared.values():
         if len(actions) > 1:
-            levels = [level[each.source] for each in actions if each.source in level]
+            levels = [level[action.source] for action in actions if action.source in level]
             if levels:
                 yield max(levels), min(levels)
 

@@ -48,9 +48,9 @@ class Step(NamedTuple):
 
     def following(self) -> Iterator[State]:
         """Yield the states that may follow this step."""
-        for each in (*self.succeeded, *self.all_failed, self.for_good):
-            if each is not None:
-                yield each
+        for item in (*self.succeeded, *self.all_failed, self.for_good):
+            if item is not None:
+                yield item
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
@@ -94,7 +94,7 @@ class StepMaker:
             self._effort.spend(5 + 2 * self._search.steps)
             if segment is None:
                 return Step(None)
-            planned = tuple(each.index for each in segment.actions)
+            planned = tuple(action.index for action in segment.actions)
             if segment.hopes:
                 planned = (*planned[:-1], ~planned[-1])
         self._effort.spend(5 + len(fails))
@@ -147,8 +147,8 @@ class Aftermath:
             after = {**after, action.counter: action.allowance.failed(after.get(action.counter, 0))}
         kept = committed if after is fails else ()
         others = [
-            None if each.p is not None and each.p <= _NEVER else self.at(each.target, after)
-            for each in action.others
+            None if other.p is not None and other.p <= _NEVER else self.at(other.target, after)
+            for other in action.others
         ]
         return (self.at(action.target, after, kept), *others)
 
@@ -163,7 +163,7 @@ class Aftermath:
         if not happens:
             return [None] * (1 + len(action.fail_endings))
         after = {**fails, action.counter: action.allowance.failed(fails.get(action.counter, 0))}
-        every = [action.on_fail, *(each.target for each in action.fail_endings)]
+        every = [action.on_fail, *(ending.target for ending in action.fail_endings)]
         return [self.at(to or action.source, after) for to in every]
 
     def at(self, situation: str, fails: Mapping[int, int], committed: tuple[int, ...] = ()) -> State:
@@ -173,9 +173,9 @@ class Aftermath:
         if not fails:
             return State(situation, (), committed)
         comes, kept = self._ahead.bits(situation), list[tuple[int, int]]()
-        for each in fails.items():
-            if comes & self._bits[each[0]]:
-                insort(kept, each)
+        for item in fails.items():
+            if comes & self._bits[item[0]]:
+                insort(kept, item)
         return State(situation, tuple(kept), committed)
 
     def _renewed(self, action: Action, fails: Mapping[int, int]) -> Mapping[int, int]:

@@ -60,13 +60,13 @@ class AimWatch:
         Args:
             priority: that of the interrupt that is pursued, which has to be exceeded; None: none is.
         """
-        numbered = sorted(enumerate(self._aims.interrupts), key=lambda each: -each[1].priority)
-        for number, each in numbered:
-            above = priority is None or each.priority > priority
-            if above and self._is_due(number, each):
+        numbered = sorted(enumerate(self._aims.interrupts), key=lambda interrupt: -interrupt[1].priority)
+        for number, item in numbered:
+            above = priority is None or item.priority > priority
+            if above and self._is_due(number, item):
                 self._handled[number] = self._robot.time
-                if each.battery_until is not None:
-                    self._charging, self._charged = each, -1.0
+                if item.battery_until is not None:
+                    self._charging, self._charged = item, -1.0
                 return number
         return None
 

@@ -47,8 +47,8 @@ class Interrupts:
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        for each, handler in self._before.items():
-            signal.signal(each, handler)
+        for name, handler in self._before.items():
+            signal.signal(name, handler)
         if self.came and self._stop is None and isinstance(error, Exception):
             # Libraries in C may take what the handler raises in them for an error of their own.
             raise KeyboardInterrupt from error

@@ -30,7 +30,7 @@ _TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "_pause", "source": _S.RESTORING, "dest": _S.PAUSED_WHILE_RESTORING},
     {"trigger": "_resume", "source": _S.PAUSED_WHILE_ACTING, "dest": _S.ACTING},
     {"trigger": "_resume", "source": _S.PAUSED_WHILE_RESTORING, "dest": _S.RESTORING},
-    {"trigger": "_end", "source": [each for each in RunState if each is not _S.ENDED], "dest": _S.ENDED},
+    {"trigger": "_end", "source": [item for item in RunState if item is not _S.ENDED], "dest": _S.ENDED},
 ]
 
 

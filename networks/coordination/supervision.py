@@ -136,7 +136,9 @@ class Supervision:
             return "no action runs, so there is nothing to restore; allowed: while one runs"
         if request is Request.RESTORE and state in (RunState.RESTORING, RunState.PAUSED_WHILE_RESTORING):
             return f"action {running} is being restored already; allowed: once"
-        pauses = self._life.paused or any(each.what is Request.PAUSE for each in self._requests)
+        pauses = self._life.paused or any(
+            pending_request.what is Request.PAUSE for pending_request in self._requests
+        )
         return "nothing is paused; allowed: after a pause" if request is Request.RESUME and not pauses else ""
 
     def begins(self, number: int) -> None:
@@ -189,7 +191,7 @@ class Supervision:
             raise Interrupted(_ENDING[self._after_restoring])
         self._drop_late()
         stop = [] if self._stop is None else [self._stop]
-        waiting = [(each.what, each.time) for each in self._requests]
+        waiting = [(pending_request.what, pending_request.time) for pending_request in self._requests]
         for request, asked in [*stop, *waiting]:
             if request in _ENDING:
                 self._robot.stop()
@@ -204,9 +206,13 @@ class Supervision:
 
     def _drop_late(self) -> None:
         """Drop the requests that are meant for an action that is over; a signal only adds stops."""
-        for each in [each for each in self._requests if each.number not in (None, self.running)]:
-            self._requests.remove(each)
-            words = f"{each.what.value} of action {each.number}, asked for at {each.time:.3f} s"
+        for request in [
+            pending_request
+            for pending_request in self._requests
+            if pending_request.number not in (None, self.running)
+        ]:
+            self._requests.remove(request)
+            words = f"{request.what.value} of action {request.number}, asked for at {request.time:.3f} s"
             self.unapplied.append(f"{words}: that action was over")
 
     def _honour(self, request: Request, asked: float, attempt: Attempt) -> Periods:

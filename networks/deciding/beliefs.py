@@ -39,8 +39,8 @@ class Beliefs:
     def succeeded(self, action: Action) -> bool:
         """Count a Success, and renew what begins again after it; return whether a belief changed."""
         for counter in self._network.renewed_by.get(action.index, ()):
-            for each in self._network.shared[counter]:
-                self._seen.pop(self._entries[each.index], None)
+            for item in self._network.shared[counter]:
+                self._seen.pop(self._entries[item.index], None)
         return self._count(action, 1, 0)
 
     def failed(self, action: Action) -> bool:

@@ -113,11 +113,11 @@ class BestValues:
         """Return all actions that can be started in a state, each followed by the best; the best first."""
         found = []
         for option in self.process.options(state):
-            for _, each in option.leads:
-                self.decision(each)
+            for _, item in option.leads:
+                self.decision(item)
             high, low = self._expected(option), self._expected_low(option)
             found.append(Decision(option.action, high, min(high, low)))
-        return sorted(found, key=lambda each: each.cost)
+        return sorted(found, key=lambda item: item.cost)
 
     def _settle(self, root: State) -> State | None:
         """Settle a state; return another one of a later component that has to be settled first, if any."""
@@ -160,7 +160,7 @@ class BestValues:
         if len(process.parts[process.part[situation]]) > 1:
             return False
         network = process.network
-        return not any(each.index in network.renewed_by for each in process.out[situation])
+        return not any(item.index in network.renewed_by for item in process.out[situation])
 
     def _settle_exactly(self, root: State) -> State | None:
         """Settle a state from those that follow it, likely better actions first; or return one of these."""
@@ -172,9 +172,9 @@ class BestValues:
         ):
             if low >= best:
                 break
-            for _, each in options[number].leads:
-                if settled.get(each, -1) < self._gap:
-                    return each
+            for _, item in options[number].leads:
+                if settled.get(item, -1) < self._gap:
+                    return item
             best = min(best, self._expected(options[number]))
         self._improve(root)
         exact = self._low[root] >= self._high[root] * (1.0 - VALUE_GAPS[-1])

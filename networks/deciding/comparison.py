@@ -66,7 +66,7 @@ class PolicyComparison:
         return {
             "rule": _plain(self.rule),
             "best": _plain(self.best),
-            "differences": [each._asdict() for each in self.differences],
+            "differences": [difference._asdict() for difference in self.differences],
             "least_price_low_s": self.low_s,
             "follows_rule": self.follows_rule,
             "calls_person_at_start": self.call_limit_s is not None,
@@ -126,7 +126,7 @@ def _visits(rows: ChainRows, policy: Policy) -> Sequence[float]:
 def _differences(policy: Policy, visits: Sequence[float], chances: Chances) -> list[PolicyDifference]:
     network = policy.network
     maker = StepMaker(network, False, Effort(float("inf")), chances)
-    often = sorted(zip(visits, policy.steps.items(), strict=True), key=lambda each: -each[0])
+    often = sorted(zip(visits, policy.steps.items(), strict=True), key=lambda item: -item[0])
     found: list[PolicyDifference] = []
     for share, (state, step) in often:
         if share < MIN_SHARE or len(found) == MAX_DIFFERENCES:

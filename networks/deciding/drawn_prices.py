@@ -97,13 +97,13 @@ class DrawnPrices:
 
     def _drawn(self, action: Action) -> DrawnAction:
         if action.index not in self._actions:
-            chances = [each[action.index] or Chance(1.0) for each in self._draws]
+            chances = [draw[action.index] or Chance(1.0) for draw in self._draws]
             if action.binding is None:
                 chances = [Chance(1.0)] * len(self._draws)
-            success = np.array([each.success for each in chances])
-            give_up = np.array([each.give_up for each in chances])
-            results = np.array([success_shares(action, each) for each in chances]).T
-            causes = np.array([fail_shares(action, each) for each in chances]).T
+            success = np.array([chance.success for chance in chances])
+            give_up = np.array([chance.give_up for chance in chances])
+            results = np.array([success_shares(action, chance) for chance in chances]).T
+            causes = np.array([fail_shares(action, chance) for chance in chances]).T
             fail = np.maximum(0.0, 1.0 - success - give_up)
             self._actions[action.index] = DrawnAction(list(success * results), list(fail * causes), give_up)
         return self._actions[action.index]

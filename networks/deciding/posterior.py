@@ -109,7 +109,7 @@ def judge_switch(
         person_s: price of an end short of the goal, in [s].
         seed: seed of the draws.
     """
-    mean: list[Chance | None] = [None if each is None else each.chance for each in counts]
+    mean: list[Chance | None] = [None if count is None else count.chance for count in counts]
     best = BestPolicy(network, mean, name, person_s)
     if best.is_rule_better():
         return SwitchVerdict(0.0, 0.0, True)
@@ -151,10 +151,11 @@ def _decide_alike(one: Policy, other: Policy) -> bool:
 def _drawn(counts: Sequence[OutcomeCounts | None], seed: int) -> list[list[Chance | None]]:
     """Return draws of all probabilities from the posterior."""
     draws = np.random.default_rng([29, seed])
-    unique = {id(each): each for each in counts if each is not None}
-    rows = {key: _chances(each, draws) for key, each in unique.items()}
+    unique = {id(count): count for count in counts if count is not None}
+    rows = {key: _chances(item, draws) for key, item in unique.items()}
     return [
-        [None if each is None else rows[id(each)][number] for each in counts] for number in range(DRAW_COUNT)
+        [None if count is None else rows[id(count)][number] for count in counts]
+        for number in range(DRAW_COUNT)
     ]
 
 

@@ -87,11 +87,11 @@ class Process:
     def endings(self, action: Action) -> list[tuple[float, str]]:
         """Return the situations that an action may lead to, each with its probability; Fails are the last."""
         chance = Chance(1.0) if action.binding is None else self.chances[action.index] or Chance(1.0)
-        nexts = [action.target, *(each.target for each in action.others)]
+        nexts = [action.target, *(other.target for other in action.others)]
         found = [
             (chance.success * p, to) for p, to in zip(success_shares(action, chance), nexts, strict=True)
         ]
-        failed = [action.on_fail, *(each.target for each in action.fail_endings)]
+        failed = [action.on_fail, *(ending.target for ending in action.fail_endings)]
         pairs = zip(fail_shares(action, chance), failed, strict=True)
         return [*found, *((chance.fail * p, to or action.source) for p, to in pairs)]
 
@@ -119,4 +119,4 @@ class Process:
             if after is not None and p > 0.0 and after.situation != self.network.goal:
                 leads[after] = leads.get(after, 0.0) + p
         stays = leads.pop(state, 0.0)
-        return ProcessOption(action, self.price(action), stays, tuple((p, each) for each, p in leads.items()))
+        return ProcessOption(action, self.price(action), stays, tuple((p, name) for name, p in leads.items()))

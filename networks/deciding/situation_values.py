@@ -102,12 +102,12 @@ class SituationValues:
         if number not in self._in_arrays:
             inside = {name: place for place, name in enumerate(names)}
             rows = [[self._row(action, inside) for action in self._process.out[name]] for name in names]
-            every = [row for each in rows for row in each]
+            every = [row for item in rows for row in item]
             follows = np.zeros((len(every), len(names)))
             for place, (_, links) in enumerate(every):
                 for p, to in links:
                     follows[place, to] += p
-            count = np.array([len(each) for each in rows])
+            count = np.array([len(item) for item in rows])
             able = np.flatnonzero(count)
             first = (np.cumsum(count) - count)[able]
             self._in_arrays[number] = np.array([cost for cost, _ in every]), follows, first, able
@@ -116,7 +116,7 @@ class SituationValues:
     def _solved(self, number: int, out: Collection[int]) -> dict[str, float]:
         process = self._process
         names = [name for name in process.parts[number] if name != process.network.goal]
-        rows = [[each for each in process.out[name] if each.index not in out] for name in names]
+        rows = [[item for item in process.out[name] if item.index not in out] for name in names]
         inside = {name: place for place, name in enumerate(names)}
         options = [[self._row(action, inside) for action in actions] for actions in rows]
         stops = np.array([process.stop_price(name) for name in names])

@@ -52,7 +52,7 @@ class StateRows:
         inside = [name for name in process.parts[part] if name != network.goal]
         self.actions: list[Action] = [action for name in inside for action in process.out[name]]
         endings = [_endings(process, action) for action in self.actions]
-        names = dict.fromkeys([*inside, *(to for each in endings for _, to, _ in each)])
+        names = dict.fromkeys([*inside, *(to for ending in endings for _, to, _ in ending)])
         names.pop(network.goal, None)
         self.names = list(names)
         """Situations of the component, followed by those just beyond it."""
@@ -63,7 +63,9 @@ class StateRows:
         self._column = {counter: column for column, counter in enumerate(self.counters)}
         self._keeps = self._kept()
         self._prepare_actions()
-        self._prepare_endings([[(p, self._place[to], fails) for p, to, fails in each] for each in endings])
+        self._prepare_endings(
+            [[(p, self._place[to], fails) for p, to, fails in ending] for ending in endings]
+        )
         self.price = np.array([process.price(action) for action in self.actions])
         """(actions,) price of starting each action, in [s]."""
         self.stop_price = np.array([process.stop_price(name) for name in self.names])
@@ -77,10 +79,12 @@ class StateRows:
     def _prepare_actions(self) -> None:
         allowed = [action.allowance for action in self.actions]
         self._counter = np.array([self._column[action.counter] for action in self.actions], np.int64)
-        self._width = np.array([each.width for each in allowed], np.int64)
-        self._most = np.array([each.most for each in allowed], np.int64)
-        self._last = np.array([MAX_ATTEMPTS if each.unlimited else each.limit for each in allowed], np.int64)
-        self._returns = np.array([bool(each.renewals) for each in allowed])
+        self._width = np.array([attempts.width for attempts in allowed], np.int64)
+        self._most = np.array([attempts.most for attempts in allowed], np.int64)
+        self._last = np.array(
+            [MAX_ATTEMPTS if attempts.unlimited else attempts.limit for attempts in allowed], np.int64
+        )
+        self._returns = np.array([bool(attempts.renewals) for attempts in allowed])
         sources = [self._place[action.source] for action in self.actions]
         self._first = np.searchsorted(sources, np.arange(self.inside + 1))
         renewed_by = self._process.network.renewed_by
@@ -95,8 +99,8 @@ class StateRows:
         most = max(map(len, endings), default=0)
         shape = len(endings), most
         self._p, self._to, self._fails = np.zeros(shape), np.full(shape, GOAL_ROW), np.zeros(shape, bool)
-        for place, each in enumerate(endings):
-            for number, (p, to, fails) in enumerate(each):
+        for place, ending in enumerate(endings):
+            for number, (p, to, fails) in enumerate(ending):
                 self._p[place, number], self._to[place, number] = p, to
                 self._fails[place, number] = fails
 
@@ -161,7 +165,7 @@ def _endings(process: Process, action: Action) -> list[tuple[float, str, bool]]:
     """Return the situations that an action may lead to, with probability and whether it is a Fail."""
     first_fail = 1 + len(action.others)
     found = [(p, to, number >= first_fail) for number, (p, to) in enumerate(process.endings(action))]
-    return [each for each in found if each[0] > MIN_PROBABILITY]
+    return [item for item in found if item[0] > MIN_PROBABILITY]
 
 
 def counters_of(process: Process, part: int) -> list[int]:
@@ -169,6 +173,6 @@ def counters_of(process: Process, part: int) -> list[int]:
     network, names = process.network, process.parts[part]
     found = dict.fromkeys(action.counter for name in names for action in process.out[name])
     for counter, shared in network.shared.items():
-        if len(shared) > 1 and len({process.part[each.source] for each in shared} - {part}) > 1:
+        if len(shared) > 1 and len({process.part[item.source] for item in shared} - {part}) > 1:
             found[counter] = None
     return [counter for counter in found if process.after.matters(names[0], counter)]

@@ -109,10 +109,10 @@ def _nested(
     for spot in folded.spots:
         if folded.part_of[spot] is part:
             yield None, spot
-    for each in folded.parts:
-        if each.around is part:
-            yield each, None
-            yield from _nested(folded, each)
+    for item in folded.parts:
+        if item.around is part:
+            yield item, None
+            yield from _nested(folded, item)
             yield None, None
 
 

@@ -70,19 +70,19 @@ class FoldedNetwork:
 
     def spot(self, situation: str) -> Spot:
         """Return the spot that contains a situation of the network."""
-        return next(each for each in self.spots if situation in each.members)
+        return next(item for item in self.spots if situation in item.members)
 
 
 def fold(network: ActionNetwork) -> FoldedNetwork:
     """Put the copies of each situation, and of each action, together."""
     copies: dict[tuple[str, int], list[Situation]] = {}
-    for each in network.situations.values():
-        copies.setdefault(_called(each), []).append(each)
+    for situation in network.situations.values():
+        copies.setdefault(_called(situation), []).append(situation)
     spots = {
-        (name, depth): Spot(name, depth, tuple(each.name for each in every), _merged(e.facts for e in every))
+        (name, depth): Spot(name, depth, tuple(item.name for item in every), _merged(e.facts for e in every))
         for (name, depth), every in copies.items()
     }
-    of = {each.name: spots[_called(each)] for each in network.situations.values()}
+    of = {situation.name: spots[_called(situation)] for situation in network.situations.values()}
     parts = _parts(network, of)
     ways = tuple(_way(every, of) for every in _alike(network, of))
     around = {spot: parts.get(network.situations[spot.members[0]].element or "") for spot in spots.values()}
@@ -121,11 +121,11 @@ def _way(copies: Sequence[Action], of: Mapping[str, Spot]) -> FoldedAction:
         of[last.source],
         of[last.target],
         of[last.on_fail] if last.on_fail else None,
-        tuple((each.cause, of[each.target]) for each in last.fail_endings if each.target),
+        tuple((ending.cause, of[ending.target]) for ending in last.fail_endings if ending.target),
         last.do,
-        tuple(each.index for each in copies),
+        tuple(copy.index for copy in copies),
         ", ".join(words),
-        _merged(each.binding.given() if each.binding else {} for each in copies),
+        _merged(copy.binding.given() if copy.binding else {} for copy in copies),
     )
 
 
@@ -158,13 +158,13 @@ def shortened(words: str) -> str:
 def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, RepeatedPart]:
     """Return the part of each element, by the element's words."""
     joined: nx.Graph[Any] = nx.Graph()
-    for each in network.situations.values():
-        if each.element is not None:
-            joined.add_edge(of[each.name], each.element)
-    groups = [[each for each in group if isinstance(each, str)] for group in nx.connected_components(joined)]
-    order = {each.element: number for number, each in enumerate(network.situations.values())}
+    for situation in network.situations.values():
+        if situation.element is not None:
+            joined.add_edge(of[situation.name], situation.element)
+    groups = [[item for item in group if isinstance(item, str)] for group in nx.connected_components(joined)]
+    order = {situation.element: number for number, situation in enumerate(network.situations.values())}
     parts: dict[str, RepeatedPart] = {}
-    for group in sorted(groups, key=lambda words: min(len(each) for each in words)):
+    for group in sorted(groups, key=lambda words: min(len(word) for word in words)):
         elements = sorted(group, key=order.__getitem__)
         outer = max((one for one in parts if elements[0].startswith(f"{one}, ")), key=len, default="")
         part = RepeatedPart(_title(elements, len(outer)), parts.get(outer))

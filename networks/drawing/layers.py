@@ -92,7 +92,7 @@ def lay_out(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -
     for edge, chain in zip(edges, chains, strict=True):
         begin, end = corners[edge.source], corners[edge.target]
         lanes = [
-            (across[each.column], tops[each] - lowest + LANE / 2) for each in chain if isinstance(each, _Lane)
+            (across[item.column], tops[item] - lowest + LANE / 2) for item in chain if isinstance(item, _Lane)
         ]
         leave = Point(begin.x + boxes[edge.source].width, begin.y + edge.leave)
         arrive = Point(end.x, end.y + boxes[edge.target].enter)

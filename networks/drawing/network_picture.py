@@ -110,7 +110,7 @@ class NetworkPicture:
     def box(self, situation: str | None = None, action: int | None = None) -> DrawnBox:
         """Return the box of a situation by its name in the network, or of an action by its number."""
         member: str | int | None = situation if action is None else action
-        return next(each for each in self.boxes if member in each.is_of.members)
+        return next(item for item in self.boxes if member in item.is_of.members)
 
 
 def draw_network(
@@ -196,13 +196,13 @@ class _Drawing:
     def part(self, part: RepeatedPart | None) -> _Drawn:
         """Return a repeated part, or with None what is in none of them."""
         folded = self._folded
-        inner = {each: self.part(each) for each in folded.parts if each.around is part}
+        inner = {item: self.part(item) for item in folded.parts if item.around is part}
         boxes = {spot: self._spot(spot) for spot in folded.spots if folded.part_of[spot] is part}
         ways = {way: self._way(way) for way in folded.ways if folded.part_of[way.source] is part}
         sizes: dict[Key, Size] = {
             key: Size(box.width, box.height, box.height / 2) for key, box in [*boxes.items(), *ways.items()]
         }
-        sizes |= {each: Size(drawn.width, drawn.height, drawn.enter) for each, drawn in inner.items()}
+        sizes |= {name: Size(drawn.width, drawn.height, drawn.enter) for name, drawn in inner.items()}
         edges, kinds = self._edges(part, list(ways), inner, sizes)
         exits = {edge.target: None for edge in edges if isinstance(edge.target, _Exit)}
         sizes |= dict.fromkeys(exits, Size(0.0, 12.0, 6.0))
@@ -236,7 +236,7 @@ class _Drawing:
             [_set(box, laid.corners[key]) for key, box in [*boxes.items(), *ways.items()]],
             links,
         )
-        within = [each.moved(*laid.corners[key]) for key, each in inner.items()]
+        within = [item.moved(*laid.corners[key]) for key, item in inner.items()]
         return _framed(_together(drawn, within), part)
 
     def _edges(
@@ -256,13 +256,13 @@ class _Drawing:
             edges.append(LayerEdge(way, self._target(way.target, part, failed=False), middle))
             kinds.append((came > 0, False))
             spots = [way.on_fail, *(to for _, to in way.fails)]
-            for spot in dict.fromkeys(each for each in spots if each is not None):
+            for spot in dict.fromkeys(item for item in spots if item is not None):
                 below = middle + 0.3 * sizes[way].height
                 edges.append(LayerEdge(way, self._target(spot, part, failed=True), below))
                 kinds.append((self._count(way, "Fail") > 0, True))
-        for each, drawn in inner.items():
+        for name, drawn in inner.items():
             for leaving, (down, travelled) in drawn.exits.items():
-                edges.append(LayerEdge(each, self._target(leaving.target, part, failed=leaving.failed), down))
+                edges.append(LayerEdge(name, self._target(leaving.target, part, failed=leaving.failed), down))
                 kinds.append((travelled, leaving.failed))
         return edges, kinds
 
@@ -343,9 +343,9 @@ def _together(drawn: _Drawn, within: Iterable[_Drawn]) -> _Drawn:
         drawn.height,
         drawn.enter,
         drawn.exits,
-        [frame for each in every for frame in each.frames],
-        [box for each in every for box in each.boxes],
-        [link for each in every for link in each.links],
+        [frame for item in every for frame in item.frames],
+        [box for item in every for box in item.boxes],
+        [link for item in every for link in item.links],
     )
 
 

@@ -61,7 +61,7 @@ class ActionEntry(TaskEntry):
     @property
     def leads_to(self) -> list[str]:
         """All situations that the action may lead to, that of a Fail last."""
-        return [*(each.target for each in self.endings), *self.fail_situations]
+        return [*(ending.target for ending in self.endings), *self.fail_situations]
 
     @property
     def on_fail(self) -> str | None:
@@ -74,25 +74,25 @@ class ActionEntry(TaskEntry):
     @property
     def fail_entries(self) -> dict[str, FailEntry]:
         """Results of Fails, by the name of their cause."""
-        return {cause: each for cause, each in self._by_cause.items() if cause != OTHER_CAUSES}
+        return {cause: entry for cause, entry in self._by_cause.items() if cause != OTHER_CAUSES}
 
     @property
     def fail_situations(self) -> list[str]:
         """All situations that a Fail may lead to, that of causes without an entry last."""
-        return [each for each in (*(e.to for e in self.fail_entries.values()), self.on_fail) if each]
+        return [to for to in (*(e.to for e in self.fail_entries.values()), self.on_fail) if to]
 
     @property
     def _by_cause(self) -> dict[str, FailEntry]:
         if not isinstance(self.fails, dict):
             return {}
         return {
-            cause: FailEntry(to=each) if isinstance(each, str) else each for cause, each in self.fails.items()
+            cause: FailEntry(to=fail) if isinstance(fail, str) else fail for cause, fail in self.fails.items()
         }
 
     @property
     def p_success(self) -> float | None:
         """Probability of Success, with any target situation; None if it is not given."""
-        every = [each.p for each in self.endings]
+        every = [ending.p for ending in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 
     @property

@@ -94,7 +94,7 @@ class AimsHead(FileModel):
             entries: the file's interrupts.
             goals: situations of the network that end an interrupt, by its number.
         """
-        interrupts = tuple(each.interrupt(goals(number)) for number, each in enumerate(entries))
+        interrupts = tuple(entry.interrupt(goals(number)) for number, entry in enumerate(entries))
         return Aims(self.time_out_s, self._rounds(), interrupts)
 
     def _rounds(self) -> Rounds | None:

@@ -83,12 +83,12 @@ class ConditionEntry(TaskEntry):
     @property
     def fail_entries(self) -> dict[str, ConditionFail]:
         """Facts that become known by Fails of named causes."""
-        return {cause: each for cause, each in self.fails.items() if cause != OTHER_CAUSES}
+        return {cause: fail for cause, fail in self.fails.items() if cause != OTHER_CAUSES}
 
     @property
     def p_success(self) -> float | None:
         """Probability of Success, whatever its effect; None: not given."""
-        every = [each.p for each in self.endings]
+        every = [ending.p for ending in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 
     def _known_in_words(self, cause: str) -> str | None:

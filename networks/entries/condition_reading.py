@@ -39,7 +39,7 @@ class ConditionReader:
         self._has_goals = isinstance(goal, list)
         self._goals: list[Conditions] = goal if isinstance(goal, list) else [goal]
         interrupts = self._part("interrupts", list[ConditionInterrupt]) or []
-        self._interrupts: list[Conditions] = [each.goal for each in interrupts]
+        self._interrupts: list[Conditions] = [interrupt.goal for interrupt in interrupts]
         otherwise = self._part("otherwise", Conditions | list[Conditions]) or []
         self._is_listed = isinstance(otherwise, list)
         self._otherwise: list[Conditions] = otherwise if isinstance(otherwise, list) else [otherwise]
@@ -62,14 +62,14 @@ class ConditionReader:
         space = self._space
         yield from space.faults()
         yield from space.given_faults(("start",), self._start)
-        for number, each in enumerate(self._goals):
+        for number, conditions in enumerate(self._goals):
             goal: KeyPath = ("goal", number) if self._has_goals else ("goal",)
-            yield from space.given_faults(goal, each)
-        for number, each in enumerate(self._interrupts):
-            yield from space.given_faults(("interrupts", number, "goal"), each)
-        for number, each in enumerate(self._otherwise):
+            yield from space.given_faults(goal, conditions)
+        for number, interrupt in enumerate(self._interrupts):
+            yield from space.given_faults(("interrupts", number, "goal"), interrupt)
+        for number, conditions in enumerate(self._otherwise):
             path: KeyPath = ("otherwise", number) if self._is_listed else ("otherwise",)
-            yield from space.given_faults(path, each)
+            yield from space.given_faults(path, conditions)
         for number, entry in entries.items():
             for below, fault in space.entry_faults(entry):
                 yield ("actions", number, *below), fault

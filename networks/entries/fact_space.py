@@ -36,7 +36,7 @@ class FactSpace:
     @cached_property
     def values(self) -> dict[str, list[Fact]]:
         """Possible values of each fact, physical facts first."""
-        return {name: list(each) for name, each in (*self.facts.items(), *self.known.items())}
+        return {name: list(item) for name, item in (*self.facts.items(), *self.known.items())}
 
     @cached_property
     def number(self) -> dict[str, int]:
@@ -45,7 +45,7 @@ class FactSpace:
 
     @cached_property
     def _index(self) -> list[dict[object, int]]:
-        return [{_key(v): number for number, v in enumerate(each)} for each in self.values.values()]
+        return [{_key(v): number for number, v in enumerate(value)} for value in self.values.values()]
 
     def start(self, given: Mapping[str, Fact]) -> State:
         """Return the state at the start."""
@@ -53,8 +53,8 @@ class FactSpace:
 
     def condition(self, given: Mapping[str, object]) -> Condition:
         """Return conditions by numbers; all names and values are known."""
-        listed = ((name, each if isinstance(each, list) else [each]) for name, each in given.items())
-        return tuple((self.number[name], self._numbers(name, each)) for name, each in listed)
+        listed = ((name, item if isinstance(item, list) else [item]) for name, item in given.items())
+        return tuple((self.number[name], self._numbers(name, item)) for name, item in listed)
 
     def change(self, given: Mapping[str, Fact]) -> Change:
         """Return changes by numbers; all names and values are known."""
@@ -94,16 +94,16 @@ class FactSpace:
     @cached_property
     def _unique(self) -> set[tuple[str, object]]:
         """Words that are a value of one physical fact only."""
-        texts = [(name, each) for name, values in self.values.items() for each in values]
-        counts = Counter(value_in_words(each) for _, each in texts)
+        texts = [(name, value) for name, values in self.values.items() for value in values]
+        counts = Counter(value_in_words(item) for _, item in texts)
         return {
-            (name, each)
-            for name, each in texts
-            if name in self.facts and isinstance(each, str) and counts[each] == 1
+            (name, item)
+            for name, item in texts
+            if name in self.facts and isinstance(item, str) and counts[item] == 1
         }
 
     def _numbers(self, name: str, values: Sequence[object]) -> frozenset[int]:
-        return frozenset(self._numbered(name, each) for each in values)
+        return frozenset(self._numbered(name, value) for value in values)
 
     def _numbered(self, name: str, value: object) -> int:
         return self._index[self.number[name]][_key(value)]
@@ -159,8 +159,8 @@ class FactSpace:
         yield from self.given_faults(("if",), entry.condition)
         for number, ending in enumerate(entry.endings):
             yield from self.given_faults(("then",) if entry.is_plain else ("then", number), ending.changes)
-        for cause, each in entry.fails.items():
-            yield from self.given_faults(("on_fail", cause, "known"), each.known, only_known=True)
+        for cause, fail in entry.fails.items():
+            yield from self.given_faults(("on_fail", cause, "known"), fail.known, only_known=True)
 
 
 def _key(value: object) -> object:

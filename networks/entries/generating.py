@@ -86,9 +86,13 @@ class NetworkGenerator:
             entries: the file's actions, by number; all their names and values are known.
             goals: conditions of the goals, in order.
         """
-        self._space, self._goals = space, [space.condition(each) for each in goals]
+        self._space, self._goals = space, [space.condition(goal) for goal in goals]
         self._goal_name = goal_copy(space.words(goals[-1]), len(goals) - 1)
-        renewing = {do for each in entries.values() for do in listed_names(each.limit.fresh_after)}
+        renewing = {
+            do
+            for condition_entry in entries.values()
+            for do in listed_names(condition_entry.limit.fresh_after)
+        }
         self._rules = [_rule(space, number, entry, renewing) for number, entry in entries.items()]
         self._names: dict[_Place, str] = {}
         self._waiting: deque[_Place] = deque()
@@ -124,7 +128,7 @@ class NetworkGenerator:
         self._check_fails(actions, facts)
         situations = dict.fromkeys(facts)
         copies = Copies({name: (name, None) for name in situations}, tuple(actions), first)
-        ends = tuple(tuple(self._meeting([each])) for each in interrupts)
+        ends = tuple(tuple(self._meeting([interrupt])) for interrupt in interrupts)
         return Generated(copies, facts, self._goal_name, tuple(self._meeting(otherwise)), ends)
 
     def _name(self, place: _Place) -> str:
@@ -150,11 +154,11 @@ class NetworkGenerator:
         for rule in self._rules:
             if not rule.holds(state):
                 continue
-            ends = [changed(state, each) for each in rule.endings]
-            fails = [changed(state, each) for each in (rule.otherwise, *rule.fails)]
-            if not rule.renews and all(each == state for each in (*ends, *fails)):
+            ends = [changed(state, ending) for ending in rule.endings]
+            fails = [changed(state, fail) for fail in (rule.otherwise, *rule.fails)]
+            if not rule.renews and all(end == state for end in (*ends, *fails)):
                 continue
-            usual, *others = (self._name(_Place(each, number)) for each in ends)
+            usual, *others = (self._name(_Place(end, number)) for end in ends)
             on_fail, *by_cause = (None if e == state else self._name(_Place(e, number)) for e in fails)
             ends_in = tuple(others), tuple(by_cause)
             yield Copied(self._names[place], usual, on_fail, rule.number, None, *ends_in)
@@ -171,8 +175,8 @@ class NetworkGenerator:
     def _meeting(self, conditions: Sequence[Conditions]) -> Iterator[str]:
         """Yield the situations that meet one of these conditions, in order of preference."""
         seen: set[str] = set()
-        for each in conditions:
-            needed = self._space.condition(each)
+        for condition in conditions:
+            needed = self._space.condition(condition)
             for place, name in self._names.items():
                 if name not in seen and _holds(needed, place.state):
                     seen.add(name)
@@ -188,9 +192,9 @@ class NetworkGenerator:
 
 
 def _rule(space: FactSpace, number: int, entry: ConditionEntry, renewing: set[str]) -> _Rule:
-    fails = tuple(space.change(each.known) for each in entry.fail_entries.values())
+    fails = tuple(space.change(fail_entry.known) for fail_entry in entry.fail_entries.values())
     unnamed = entry.fails.get(OTHER_CAUSES)
-    endings = tuple(space.change(each.changes) for each in entry.endings)
+    endings = tuple(space.change(ending.changes) for ending in entry.endings)
     left = space.change(unnamed.known) if unnamed else ()
     return _Rule(number, space.condition(entry.condition), endings, fails, left, entry.do in renewing)
 

@@ -48,14 +48,14 @@ def _actions(actions: Sequence[Copied], goals: Sequence[str], number: int) -> It
         is_reached = name == goals[number] and number + 1 < len(goals)
         return goal_copy(name, number + is_reached)
 
-    for each in actions:
-        if each.source == goals[number] and number + 1 == len(goals):
+    for action in actions:
+        if action.source == goals[number] and number + 1 == len(goals):
             continue  # the run is over
         yield replace(
-            each,
-            source=goal_copy(each.source, number),
-            target=led(each.target),
-            on_fail=each.on_fail and led(each.on_fail),
-            others=tuple(map(led, each.others)),
-            fails=tuple(name and led(name) for name in each.fails),
+            action,
+            source=goal_copy(action.source, number),
+            target=led(action.target),
+            on_fail=action.on_fail and led(action.on_fail),
+            others=tuple(map(led, action.others)),
+            fails=tuple(name and led(name) for name in action.fails),
         )

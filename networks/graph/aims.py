@@ -67,7 +67,7 @@ class Aims:
         if self.rounds is not None:
             found["rounds"] = self.rounds.fields()
         if self.interrupts:
-            found["interrupts"] = [each.fields() for each in self.interrupts]
+            found["interrupts"] = [interrupt.fields() for interrupt in self.interrupts]
         return found
 
     def words(self) -> dict[str, str]:
@@ -79,7 +79,7 @@ class Aims:
             every = f", every {self.rounds.every_s:g} s" if self.rounds.every_s else ""
             found["rounds"] = f"{self.rounds.most or 'for ever'}{every}"
         if self.interrupts:
-            named = (f"{each.name} (priority {each.priority})" for each in self.interrupts)
+            named = (f"{interrupt.name} (priority {interrupt.priority})" for interrupt in self.interrupts)
             found["interrupts"] = ", ".join(named)
         return found
 
@@ -87,11 +87,11 @@ class Aims:
     def of(cls, fields: dict[str, Any]) -> Aims:
         """Return the aims in a journal's header; raises LookupError, TypeError for invalid ones."""
         rounds = fields.get("rounds")
-        every = [dict(each) for each in fields.get("interrupts", ())]
+        every = [dict(item) for item in fields.get("interrupts", ())]
         return cls(
             fields.get("time_out_s"),
             None if rounds is None else Rounds(**rounds),
-            tuple(Interrupt(**{**each, "goals": tuple(each["goals"])}) for each in every),
+            tuple(Interrupt(**{**item, "goals": tuple(item["goals"])}) for item in every),
         )
 
 

@@ -19,7 +19,7 @@ class BeliefPrior(NamedTuple):
         """Return the prior of a task; None if its probabilities hold throughout."""
         if attempts is None:
             return None
-        return cls(attempts, tuple(-1 if each is None else each for each in entries))
+        return cls(attempts, tuple(-1 if entry is None else entry for entry in entries))
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> BeliefPrior | None:

@@ -65,7 +65,7 @@ class CheapestTree:
             parent = self._next[here]
             enter[here] = enter[parent] + free[parent]
             free[parent] += size[here]
-        return enter, [begin + each for begin, each in zip(enter, size, strict=True)]
+        return enter, [begin + item for begin, item in zip(enter, size, strict=True)]
 
     def spoiled(self, failed: Mapping[int, float]) -> list[tuple[int, int]]:
         """Return the intervals of the situations whose routes contain one of some failed actions.

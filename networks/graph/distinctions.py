@@ -40,16 +40,16 @@ def distinctions(actions: Sequence[SiblingAction | None]) -> dict[int, str]:
 
 def _told_apart(actions: Sequence[SiblingAction]) -> list[str]:
     given = [action.given() for action in actions]
-    differing = [name for name in dict.fromkeys(n for each in given for n in each) if _differs(name, given)]
+    differing = [name for name in dict.fromkeys(n for item in given for n in item) if _differs(name, given)]
     if not differing:
         return [f"cost_s: {action.cost_s:g}" for action in actions]
     return [
-        ", ".join(f"{name}: {_shown(each[name])}" for name in differing if name in each) for each in given
+        ", ".join(f"{name}: {_shown(item[name])}" for name in differing if name in item) for item in given
     ]
 
 
 def _differs(name: str, given: Sequence[Mapping[str, Any]]) -> bool:
-    return any(name not in each or each[name] != given[0][name] for each in given)
+    return any(name not in entry or entry[name] != given[0][name] for entry in given)
 
 
 def _shown(value: object) -> str:

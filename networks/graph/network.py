@@ -159,23 +159,23 @@ class Action:
     @property
     def leads_to(self) -> tuple[str, ...]:
         """All situations that the action may lead to, that of Success first."""
-        return (self.target, *(each.target for each in self.others), *self.fail_situations)
+        return (self.target, *(other.target for other in self.others), *self.fail_situations)
 
     @property
     def fail_situations(self) -> tuple[str, ...]:
         """Other situations that a Fail may lead to, each once."""
-        named = (*(each.target for each in self.fail_endings), self.on_fail)
-        return tuple(dict.fromkeys(each for each in named if each is not None))
+        named = (*(ending.target for ending in self.fail_endings), self.on_fail)
+        return tuple(dict.fromkeys(item for item in named if item is not None))
 
     def after_fail(self, cause: str = "") -> str:
         """Return the situation after a Fail of a cause."""
-        every = {each.cause: each.target for each in self.fail_endings}
+        every = {ending.cause: ending.target for ending in self.fail_endings}
         return every.get(cause, self.on_fail) or self.source
 
     @property
     def p_success(self) -> float | None:
         """Probability of Success, with any target situation; None if it is unknown."""
-        return None if self.p is None else self.p + sum(each.p or 0.0 for each in self.others)
+        return None if self.p is None else self.p + sum(other.p or 0.0 for other in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:
         """Return what planning depends on besides the route and its cost; empty for a plain action.
@@ -190,13 +190,13 @@ class Action:
             found += "then", self.p, self.others
         if self.unlimited or self.renewals or self.budget:
             found += "attempts", self.unlimited, self.renewals, self.fresh_after, self.counter
-        for each in self.fail_endings:
-            found += "fail", each.cause, each.target, each.p if with_chances else None
+        for ending in self.fail_endings:
+            found += "fail", ending.cause, ending.target, ending.p if with_chances else None
         return found
 
     def target_of(self, result: str) -> str:
         """Return the situation after a Success with this result; the first for an unknown one."""
-        return next((each.target for each in self.others if each.result == result), self.target)
+        return next((other.target for other in self.others if other.result == result), self.target)
 
     @property
     def do(self) -> str:
@@ -248,12 +248,15 @@ class ActionNetwork:
     ) -> ActionNetwork:
         """Build a network of these situations and actions."""
         every = list(situations)
-        known = {each.name: each for each in every}
+        known = {situation.name: situation for situation in every}
         numbered = _numbered(actions)
         if len(numbered) > MAX_ACTIONS:
             raise NetworkError(f"the network has {len(numbered)} actions; allowed: at most {MAX_ACTIONS}")
-        wrong = [f"the situation {name!r} is there twice" for name in _doubled(each.name for each in every)]
-        for role, name in (("start", start), ("goal", goal), *(("otherwise", each) for each in otherwise)):
+        wrong = [
+            f"the situation {name!r} is there twice"
+            for name in _doubled(situation.name for situation in every)
+        ]
+        for role, name in (("start", start), ("goal", goal), *(("otherwise", text) for text in otherwise)):
             if name not in known:
                 wrong.append(f"{role}: unknown situation {name!r}{suggest(name, known)}")
         wrong += [
@@ -295,7 +298,7 @@ class ActionNetwork:
         many.
         """
         counters = (actions[0] for actions in self.shared.values())
-        attempts = sum(each.allowance.most * (1 + each.renewals) for each in counters)
+        attempts = sum(counter.allowance.most * (1 + counter.renewals) for counter in counters)
         most = (attempts + 1) * (len(self.situations) - 1) + attempts
         is_led_away = self.may_circle or self.policy != "rule" or bool(self.aims.interrupts)
         return most * (MAX_ROUNDS if is_led_away else 1)
@@ -311,8 +314,8 @@ class ActionNetwork:
         What a network does not use does not enter: runs of older versions then stay resumable.
         """
         digest = hashlib.sha256(repr((self.start, self.goal)).encode())
-        for each in self.situations.values():
-            digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())
+        for situation in self.situations.values():
+            digest.update(repr((situation.name, sorted(situation.facts.items()), situation.element)).encode())
         for action in self.actions:
             said = action.binding.said() if action.binding else {}
             row = (action.do, action.source, action.target, action.on_fail, action.cost_s, action.attempts)
@@ -336,7 +339,7 @@ def _numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
     """Return the actions with their numbers, and those of their counters of Fails."""
     first: dict[str, int] = {}
     found, every = [], tuple(actions)
-    words = distinctions([_compared(each) for each in every])
+    words = distinctions([_compared(item) for item in every])
     for number, action in enumerate(every):
         counter = first.setdefault(action.budget, number) if action.budget else number
         found.append(replace(action, index=number, counter=counter, distinction=words.get(number, "")))
@@ -360,8 +363,8 @@ def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str,
         Pairs of the key in files, and the fault with the allowed values.
     """
     named = [("from", action.source), ("to", action.target), ("on_fail", action.on_fail)]
-    named += [("then", each.target) for each in action.others]
-    named += [("on_fail", each.target) for each in action.fail_endings]
+    named += [("then", other.target) for other in action.others]
+    named += [("on_fail", ending.target) for ending in action.fail_endings]
     wrong = [
         (key, f"unknown situation {name!r}{suggest(name, known)}")
         for key, name in named

@@ -292,7 +292,7 @@ class PlanSearch:
 
 def hopes_of(action: Action) -> list[str]:
     """Return the situations that it may lead to besides its target, with a probability above zero."""
-    others = [each.target for each in action.others if each.p != 0.0]
+    others = [other.target for other in action.others if other.p != 0.0]
     certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12
-    never = {each.target for each in action.fail_endings if each.p == 0.0} - {action.on_fail}
+    never = {ending.target for ending in action.fail_endings if ending.p == 0.0} - {action.on_fail}
     return others if certain else [*others, *(to for to in action.fail_situations if to not in never)]

@@ -116,7 +116,7 @@ class Planner:
             without: further actions that are excluded.
         """
         search = self.search(goal)
-        actions = search.plan(situation, self.counts, [each.index for each in without])
+        actions = search.plan(situation, self.counts, [action.index for action in without])
         if actions is None:
             return self._no_way(situation, goal or self.network.goal)
         weights = search.weights(actions, self.counts)

@@ -42,7 +42,7 @@ def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
     Raises:
         KeyError, TypeError: the fields do not describe a snapshot.
     """
-    far, turned = (math.inf if each is None else float(each) for each in fields["base_sigma"])
+    far, turned = (math.inf if item is None else float(item) for item in fields["base_sigma"])
     return Snapshot(
         Pose2(*fields["base"]),
         (far, turned),

@@ -76,10 +76,10 @@ class RunLog(Intents):
         record = records.PlannedRecord(situation=situation)
         if isinstance(plan, Plan):
             record["way"], record["cost"] = [action.index for action in plan.actions], plan.cost
-            record["excluded"] = [each.index for each in plan.excluded]
+            record["excluded"] = [item.index for item in plan.excluded]
         else:
             record["no_way"] = plan.explanation
-            record["excluded"] = [each.index for each in plan.blocking]
+            record["excluded"] = [action_.index for action_ in plan.blocking]
         if plan.judged is not None:
             record["judged"] = plan.judged.fields()
         self._write("PLAN", record)
@@ -233,7 +233,7 @@ def outcome_record(number: int, outcome: Outcome) -> records.Result:
 def _add_causes(record: records.Result, evidence: Evidence, limits: records.Sizes) -> None:
     """Why an attempt didn't succeed."""
     if evidence.causes:
-        record["cause"] = [_cause(each) for each in evidence.causes]
+        record["cause"] = [_cause(cause) for cause in evidence.causes]
     if limits:
         record["tolerance"] = limits
     if evidence.decisive:

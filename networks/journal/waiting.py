@@ -49,7 +49,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
 
 def may_have_begun(records: Sequence[Record]) -> bool:
     """Return whether the record after these can be the START of an action."""
-    return records[-1]["kind"] != "END" and any(each["kind"] == "PLAN" for each in records)
+    return records[-1]["kind"] != "END" and any(record["kind"] == "PLAN" for record in records)
 
 
 def broken_off(start: Record) -> str:

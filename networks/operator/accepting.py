@@ -17,7 +17,7 @@ async def accept_no_more(listening: Iterable[socket]) -> None:
     closes the connections that it accepted (CPython issue 79033).
     """
     loop = asyncio.get_running_loop()
-    for each in listening:
-        loop.remove_reader(each.fileno())
+    for socket_ in listening:
+        loop.remove_reader(socket_.fileno())
     for _ in range(SETUP_ROUNDS):
         await asyncio.sleep(0)

@@ -89,8 +89,8 @@ class Control:
         for line in list(self._lines.values()):
             self._drop(line)
         self._selector.close()
-        for each, path in zip((self._listening, self._stopping), self._paths, strict=True):
-            each.close()
+        for item, path in zip((self._listening, self._stopping), self._paths, strict=True):
+            item.close()
             path.unlink(missing_ok=True)
 
     def __enter__(self) -> Control:

@@ -37,7 +37,7 @@ class OwnPage:
         """Return why a request is not the page's own, by Host, Origin and Sec-Fetch-Site (rows U2, U3)."""
         if host not in self.hosts:
             return Refusal(421, "another host's name: this page is reached by the address that was printed")
-        if origin is not None and origin not in {f"http://{each}" for each in self.hosts}:
+        if origin is not None and origin not in {f"http://{item}" for item in self.hosts}:
             return Refusal(403, "another site asks for this")
         if site is not None and site not in _OWN_SITE:
             return Refusal(403, "another site asks for this")

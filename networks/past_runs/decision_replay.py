@@ -76,12 +76,12 @@ def _planned(position: RunPosition, record: Record) -> DecisionDifference | None
         return _differs(record, f"planned in situation {record['situation']}", here)
     plan = route.plan()
     position.plans += 1
-    excluded = [each.index for each in (plan.excluded if isinstance(plan, Plan) else plan.blocking)]
+    excluded = [action.index for action in (plan.excluded if isinstance(plan, Plan) else plan.blocking)]
     judged = None if plan.judged is None else plan.judged.fields()
     if "judged" in record and record["judged"] != judged:
         return _differs(record, f"judged {_judged(record['judged'])}", f"judges {_judged(judged)}")
     if isinstance(plan, Plan) and "way" in record:
-        way = [each.index for each in plan.actions]
+        way = [action.index for action in plan.actions]
         same_cost = math.isclose(record["cost"], plan.cost, rel_tol=COST_TOLERANCE)
         if way == record["way"] and same_cost and excluded == record["excluded"]:
             return None
@@ -160,13 +160,13 @@ def _why(route: RunDecisions, record: Record, plan: Plan | NoWay) -> str:
     """Say what today's planner has against the journal's route."""
     planner, actions = route.planner, route.network.actions
     way = [actions[index] for index in record.get("way", ()) if 0 <= index < len(actions)]
-    if out := [each for each in way if planner.is_out(each)]:
+    if out := [item for item in way if planner.is_out(item)]:
         return f"{out[0]} is used up: it failed {planner.fails(out[0])} of {out[0].attempts} times"
     if not way or isinstance(plan, NoWay):
         return ""
     search = planner.search(route.goal)
-    cost = sum((search.weight(each, planner.counts) for each in way), 0.0)
-    if [each.index for each in plan.actions] == record["way"]:
+    cost = sum((search.weight(item, planner.counts) for item in way), 0.0)
+    if [action.index for action in plan.actions] == record["way"]:
         return "the route is the same, its cost or what is used up is not"
     if math.isclose(cost, plan.cost, rel_tol=COST_TOLERANCE):
         return f"both routes cost {cost:g} s by today's weights: another of equal ones"

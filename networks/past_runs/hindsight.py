@@ -82,9 +82,9 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
     plan = then.plan(action.source)
     if isinstance(plan, NoWay):
         return None
-    options = [then.option(each) for each in then.network.actions if each.source == action.source]
-    options.sort(key=lambda each: (each.action.index != chosen.index, each.way is None, _cost(each)))
-    others = [then.plan(action.source, without=(each,)) for each in plan.actions]
+    options = [then.option(item) for item in then.network.actions if item.source == action.source]
+    options.sort(key=lambda option: (option.action.index != chosen.index, option.way is None, _cost(option)))
+    others = [then.plan(action.source, without=(item,)) for item in plan.actions]
     ways = [OpenRoute(other.actions, other.cost) for other in others if isinstance(other, Plan)]
     return Choice(
         chosen,
@@ -133,7 +133,7 @@ class _Then:
             times = f"failed {fails} of {action.attempts} times"
             why = "failed for good" if action.index in self._for_good else times
             return Option(action, weight, fails, None, f"used up: {why}")
-        others = [each for each in self.network.actions if each.source == action.source]
+        others = [item for item in self.network.actions if item.source == action.source]
         rest = self.plan(action.target, without=others)
         value = self._value(action)
         chance = None if self._beliefs is None else self._beliefs[action.index]
@@ -175,7 +175,7 @@ HOPED, ROUND = "succeeded, and had to fail", "another round began"
 
 def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
     """Yield what counts before an action: the index of what ended, and how; -1 for another round."""
-    indices = {each.number: each.index for each in run.actions}
+    indices = {item.number: item.index for item in run.actions}
     started: dict[int, int] = {}
     needed: int | None = None  # the action whose Fail is needed, by the last plan
     for record in run.before(action):
@@ -203,16 +203,16 @@ def _pursued(run: PastRun, action: PastAction) -> str:
     """Return the situation that the last plan before an action leads to: the goal, or one that came first."""
     assert run.network is not None
     network = run.network.network
-    interrupts = (goal for each in network.aims.interrupts for goal in each.goals)
+    interrupts = (goal for interrupt in network.aims.interrupts for goal in interrupt.goals)
     ends = {network.goal, *network.otherwise, *interrupts}
-    ways = [each["way"] for each in run.before(action) if each["kind"] == "PLAN" and each.get("way")]
+    ways = [item["way"] for item in run.before(action) if item["kind"] == "PLAN" and item.get("way")]
     last = network.actions[ways[-1][-1]].target if ways else network.goal
     return last if last in ends else network.goal
 
 
 def _judged(run: PastRun, action: PastAction) -> Judged | None:
     """Return the judgement that the journal keeps of the last plan before an action."""
-    plans = [each for each in run.before(action) if each["kind"] == "PLAN"]
+    plans = [item for item in run.before(action) if item["kind"] == "PLAN"]
     kept = plans[-1].get("judged") if plans else None
     return None if kept is None else Judged.read(kept)
 
@@ -221,7 +221,7 @@ def _needs_fail(run: PastRun, way: Sequence[int]) -> int | None:
     """Return the last action of a plan if it leads to the goal by a Fail alone."""
     assert run.network is not None
     network = run.network.network
-    interrupts = {goal for each in network.aims.interrupts for goal in each.goals}
+    interrupts = {goal for interrupt in network.aims.interrupts for goal in interrupt.goals}
     ends = {network.goal, *network.otherwise, *interrupts}
     return way[-1] if way and network.actions[way[-1]].target not in ends else None
 

@@ -62,12 +62,12 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
             time_out_s=row["time_out_s"],
             p=row.get("p"),
             p_give_up=row.get("p_give_up", 0.0),
-            others=tuple(Ending(*each) for each in row.get("others", ())),
+            others=tuple(Ending(*item) for item in row.get("others", ())),
             unlimited=row.get("unlimited", False),
             renewals=row.get("renewals", 0),
             fresh_after=tuple(row.get("fresh_after", ())),
             budget=row.get("budget", ""),
-            fail_endings=tuple(FailEnding(*each) for each in row.get("fails", ())),
+            fail_endings=tuple(FailEnding(*item) for item in row.get("fails", ())),
         )
         for row in rows
     ]

@@ -95,7 +95,7 @@ class PastRun:
     @property
     def last_fail(self) -> PastAction | None:
         """The last action that ended in Fail or GiveUp."""
-        return next((each for each in reversed(self.actions) if each.fails), None)
+        return next((action for action in reversed(self.actions) if action.fails), None)
 
     def before(self, action: PastAction) -> Iterator[Record]:
         """Yield the records before the action's START."""

@@ -75,7 +75,7 @@ class RunComparison:
     @property
     def first(self) -> ComparedAction | None:
         """First action that differs in more than time; None without a difference."""
-        return next((each for each in self.actions if each.differs not in ("", "time")), None)
+        return next((action for action in self.actions if action.differs not in ("", "time")), None)
 
     @property
     def first_record(self) -> tuple[Record | None, Record | None] | None:
@@ -95,15 +95,18 @@ class RunComparison:
 
 def compare_runs(one: PastRun, other: PastRun) -> RunComparison:
     """Align the actions of two runs by primitive and situations, in their order."""
-    mine, theirs = [_identity(each) for each in one.actions], [_identity(each) for each in other.actions]
+    mine, theirs = (
+        [_identity(action) for action in one.actions],
+        [_identity(action) for action in other.actions],
+    )
     rows: list[ComparedAction] = []
     for kind, low, high, start, end in SequenceMatcher(None, mine, theirs, False).get_opcodes():
         if kind == "equal":
             pairs = zip(one.actions[low:high], other.actions[start:end], strict=True)
             rows += [ComparedAction(*pair) for pair in pairs]
             continue
-        rows += [ComparedAction(each, None) for each in one.actions[low:high]]
-        rows += [ComparedAction(None, each) for each in other.actions[start:end]]
+        rows += [ComparedAction(action, None) for action in one.actions[low:high]]
+        rows += [ComparedAction(None, action) for action in other.actions[start:end]]
     return RunComparison(one, other, tuple(rows))
 
 

@@ -39,13 +39,13 @@ def opened_run(path: Path) -> Iterator[Path]:
 def _unpack(path: Path, folder: Path) -> None:
     if zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as packed:
-            listed = (each for each in packed.infolist() if not each.is_dir())
-            files = _bounded(path, ((each.filename, each.file_size) for each in listed))
+            listed = (item for item in packed.infolist() if not item.is_dir())
+            files = _bounded(path, ((item.filename, item.file_size) for item in listed))
             for name, target in _chosen(path, files, folder):
                 _write(path, target, packed.open(name).read(MAX_ARCHIVED_BYTES + 1))
         return
     with tarfile.open(path) as archive:
-        files = _bounded(path, ((each.name, each.size) for each in archive if each.isreg()))
+        files = _bounded(path, ((item.name, item.size) for item in archive if item.isreg()))
         for name, target in _chosen(path, files, folder):
             source = archive.extractfile(name)
             assert source is not None

@@ -70,8 +70,8 @@ def list_runs(runs: Path) -> list[ListedRun]:
     """Return the runs in a folder, the newest first; other entries are skipped."""
     if not runs.is_dir():
         return []
-    found = (_listed(each) for each in runs.iterdir() if each.is_dir() and not each.is_symlink())
-    return sorted((each for each in found if each), key=lambda each: (-each.begun, each.folder.name))
+    found = (_listed(path) for path in runs.iterdir() if path.is_dir() and not path.is_symlink())
+    return sorted((item for item in found if item), key=lambda item: (-item.begun, item.folder.name))
 
 
 def _listed(folder: Path) -> ListedRun | None:

@@ -67,12 +67,12 @@ class Calibration(FileModel):
 def rounded(found: Mapping[str, Calibrated]) -> dict[str, Value]:
     """Values with as many digits as their standard deviations allow."""
     result = {}
-    for key, each in found.items():
-        values, sigmas = _tuple(each.value), _tuple(each.sigma)
+    for key, calibrated in found.items():
+        values, sigmas = _tuple(calibrated.value), _tuple(calibrated.sigma)
         places = [_places(sigma) for sigma in sigmas]
         value = tuple(round(number, place) for number, place in zip(values, places, strict=True))
         sigma = tuple(round(number, place) for number, place in zip(sigmas, places, strict=True))
-        single = isinstance(each.value, float)
+        single = isinstance(calibrated.value, float)
         result[key] = Value(value=value[0] if single else value, sigma=sigma[0] if single else sigma)
     return result
 

@@ -164,7 +164,7 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
     # NumPy leaves a file open that it opened itself and finds damaged.
     with path.open("rb") as file:
         with zipfile.ZipFile(file) as packed:
-            size = sum(each.file_size for each in packed.infolist())
+            size = sum(item.file_size for item in packed.infolist())
         if size > MAX_ARRAYS:
             raise ValueError(f"{size} bytes when unpacked, more than {MAX_ARRAYS}")
         with np.load(file, allow_pickle=False) as arrays:

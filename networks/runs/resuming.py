@@ -160,8 +160,8 @@ def read_past(folder: Path, network: ActionNetwork) -> Past:
 
 def _named(contents: JournalContents) -> str | None:
     """Return the checkpoint that belongs to the last result, by its digest."""
-    results = (each for each in reversed(contents.records) if each["kind"] == "RESULT")
-    kept = (each for each in results if each["outcome"] != "GiveUp" and each.get("by") != "recon")
+    results = (record for record in reversed(contents.records) if record["kind"] == "RESULT")
+    kept = (result for result in results if result["outcome"] != "GiveUp" and result.get("by") != "recon")
     last = next(kept, None)
     return None if last is None else last["wall"].get("checkpoint")
 
@@ -221,7 +221,7 @@ def task_of(folder: Path) -> Mapping[str, Any]:
     ):
         if said != ours:
             raise NeedsOperator(printable(f"the {what} {said[:40]!r}; only {ours!r} can continue it here"))
-    last = next(each for each in reversed(records) if each["kind"] in ("END", "EPOCH", "RUN"))
+    last = next(record for record in reversed(records) if record["kind"] in ("END", "EPOCH", "RUN"))
     if last["kind"] == "END" and last["outcome"] in ("Success", "Fail"):
         words = f"the run in {folder} is over: {last['outcome']} in situation {last['situation']}"
         raise NothingToResume(printable(f"{words}; allowed: one that broke off, was stopped or gave up"))

@@ -94,11 +94,11 @@ def execute(
             heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
             permits = _permits(prepared, options)
             operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
-            for each in observers:
-                each.begin(prepared, run_dir)
-                stack.callback(each.end)
+            for observer in observers:
+                observer.begin(prepared, run_dir)
+                stack.callback(observer.end)
             end = _guarded(coordinator, prepared.robot, telemetry, run_dir, [*observers, operation])
-        figures = {name: value for each in observers for name, value in each.figures(end).items()}
+        figures = {name: value for observer in observers for name, value in observer.figures(end).items()}
         try:
             written = _write(
                 run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures)
@@ -137,7 +137,7 @@ def _coordinator(
         prepared.robot,
         prepared.model,
         stack.enter_context(_journal(prepared, run_dir, past, sync)),
-        [each.event for each in observers],
+        [observer.event for observer in observers],
         _permits(prepared, options),
         standing=past.standing if past else None,
         keep=partial(keep_checkpoint, run_dir, prepared, sync == "always") if options.checkpoints else None,
@@ -184,8 +184,8 @@ def step_until_end(
         if not paused:
             restoring = coordinator.life.state is RunState.RESTORING
             telemetry.record(robot, coordinator.running, restoring)
-        for each in observers:
-            each.period(robot)
+        for observer in observers:
+            observer.period(robot)
 
 
 def summary(

@@ -72,7 +72,7 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
         )
         for a in network.actions
     ]
-    facts = {each.name: dict(each.facts) for each in network.situations.values()}
+    facts = {situation.name: dict(situation.facts) for situation in network.situations.values()}
     return {
         "start": network.start,
         "goal": network.goal,
@@ -114,9 +114,9 @@ def _counts_otherwise(action: Action) -> bool:
 
 
 def _chance_fields(action: Action) -> tuple[Any, ...]:
-    others = [[each.target, each.result, each.p] for each in action.others]
+    others = [[other.target, other.result, other.p] for other in action.others]
     counted = action.unlimited, action.renewals, action.fresh_after, action.budget
-    fails = [[each.cause, each.target, each.p] for each in action.fail_endings]
+    fails = [[ending.cause, ending.target, ending.p] for ending in action.fail_endings]
     return action.p, action.p_give_up, others, *counted, fails
 
 

@@ -47,7 +47,7 @@ class StateCheck:
         found = self.residuals.words_with_limits
         lines = [] if self.expected is None else [f"expected: {_stands(self.expected, self.units)}"]
         lines.append(f"measured: {_stands(self.measured, self.units)}; off by {found or 'nothing known'}")
-        return [*lines, *(f"unknown: {each}" for each in self.unknown)]
+        return [*lines, *(f"unknown: {item}" for item in self.unknown)]
 
     def fields(self) -> dict[str, Any]:
         """Return the fields of the journal's RECON; its situation is that of the run, so it is None."""
@@ -121,7 +121,7 @@ def _stands(at: Snapshot, units: JointUnits) -> str:
     x, y, heading = at.pose
     words = f"base at ({x:.2f}, {y:.2f}) m, heading {math.degrees(heading):.1f} deg"
     if at.joints.size:
-        words += f"; joints {', '.join(units.words(joint, each) for joint, each in enumerate(at.joints))}"
+        words += f"; joints {', '.join(units.words(joint, item) for joint, item in enumerate(at.joints))}"
     if at.gripper_width or at.gripper_command:
         held = "something" if at.holding else "nothing"
         words += f"; fingers {1e3 * at.gripper_width:.1f} mm apart, holding {held}"

@@ -41,9 +41,9 @@ def interrupt_faults(
     entries: Sequence[SituationInterrupt], situations: Mapping[str, object]
 ) -> Iterator[Fault]:
     """Yield the interrupts whose goals are not situations of the file."""
-    for number, each in enumerate(entries):
-        if situations and each.goal not in situations:
-            wrong = f"unknown situation {each.goal!r}{suggest(each.goal, situations)}"
+    for number, entry in enumerate(entries):
+        if situations and entry.goal not in situations:
+            wrong = f"unknown situation {entry.goal!r}{suggest(entry.goal, situations)}"
             yield ("interrupts", number, "goal"), wrong
 
 
@@ -78,8 +78,8 @@ def round_faults(network: ActionNetwork) -> Iterator[Fault]:
 
 def battery_faults(aims: Aims) -> Iterator[Fault]:
     """Yield the interrupts that need a battery's charge if the robot does not measure it."""
-    for number, each in enumerate(aims.interrupts):
-        if each.battery_below is not None:
+    for number, interrupt in enumerate(aims.interrupts):
+        if interrupt.battery_below is not None:
             wrong = "the robot measures no charge of its battery"
             allowed = "allowed: every_s, or a robot with a sensor of the kind battery"
             yield ("interrupts", number, "when", "battery_below_percent"), f"{wrong}; {allowed}"

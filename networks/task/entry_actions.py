@@ -43,7 +43,9 @@ def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mappi
         time_out_s=entry.time_out_s,
         p=entry.endings[0].p if entry.p_success is not None else None,
         p_give_up=entry.p_give_up,
-        others=tuple(Ending(to, each.result, each.p) for each, to in zip(others, copied.others, strict=True)),
+        others=tuple(
+            Ending(to, other.result, other.p) for other, to in zip(others, copied.others, strict=True)
+        ),
         unlimited=unlimited and limit.budget is None,
         renewals=limit.renewals if limit.fresh_after else 0,
         fresh_after=listed_names(limit.fresh_after),
@@ -69,8 +71,8 @@ def entry_faults(
         done: names of all primitives in the file.
     """
     target = entry.endings[0].target
-    others = tuple(Ending(each.target, each.result, each.p) for each in entry.endings[1:])
-    fails = _fail_endings(entry, tuple(each.to for each in entry.fail_entries.values()))
+    others = tuple(Ending(ending.target, ending.result, ending.p) for ending in entry.endings[1:])
+    fails = _fail_endings(entry, tuple(fail_entry.to for fail_entry in entry.fail_entries.values()))
     plain = Action(
         *(entry.source, target, None, entry.cost_s),
         on_fail=entry.on_fail,
@@ -104,10 +106,10 @@ def _cause_faults(entry: TaskEntry, left: float) -> Faults:
     """Yield what is wrong with the probabilities of causes; all others share what is `left` of a Fail."""
     every = entry.fail_entries
     if entry.p_success is not None:
-        for cause, each in every.items():
-            if each.p is None:
+        for cause, fail_entry in every.items():
+            if fail_entry.p is None:
                 yield ("on_fail", cause), f"the Fail by {cause!r} has no p; needed: p, as {entry.do} has one"
-    total = sum(each.p or 0.0 for each in every.values())
+    total = sum(fail_entry.p or 0.0 for fail_entry in every.values())
     if total > left + 1e-12:
         wrong = f"p of all causes together is {total:g}; allowed: at most {max(0.0, left):g}, that of a Fail"
         yield ("on_fail",), wrong
@@ -134,4 +136,4 @@ def chance_faults(file: AnyTaskFile) -> Faults:
 def _fail_endings(entry: TaskEntry, nexts: tuple[str | None, ...]) -> tuple[FailEnding, ...]:
     """Return where Fails of named causes lead, given their situations in the network."""
     pairs = zip(entry.fail_entries.items(), nexts, strict=True)
-    return tuple(FailEnding(cause, to, each.p) for (cause, each), to in pairs)
+    return tuple(FailEnding(cause, to, item.p) for (cause, item), to in pairs)

@@ -131,21 +131,21 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
         )
         for name, place in loaded.value.places.items()
     )
-    errors = [_cant(loaded, each, task) for each in rooms if each.driven_to and each.way.route is None]
+    errors = [_cant(loaded, room, task) for room in rooms if room.driven_to and room.way.route is None]
     return PlaceRooms(rooms, tuple(errors), tuple(_warnings(loaded, rooms, task, driven.any)))
 
 
 def _warnings(
     loaded: Loaded[Places], rooms: Collection[PlaceRoom], task: Task, any_driven: bool
 ) -> Iterator[Finding]:
-    for each in rooms:
-        if each.way.route is not None:  # tasks share their places: an unused one is only a warning
+    for room in rooms:
+        if room.way.route is not None:  # tasks share their places: an unused one is only a warning
             continue
-        if not each.used:
-            words = f"no action uses the place {each.name!r}; {each.way.reason}"
-            yield loaded.finding((PLACES_KEY, each.name), words, at_key=True)
-        elif not each.driven_to and (any_driven or not each.way.fits):
-            yield _cant(loaded, each, task)
+        if not room.used:
+            words = f"no action uses the place {room.name!r}; {room.way.reason}"
+            yield loaded.finding((PLACES_KEY, room.name), words, at_key=True)
+        elif not room.driven_to and (any_driven or not room.way.fits):
+            yield _cant(loaded, room, task)
 
 
 def _cant(loaded: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:

@@ -110,7 +110,7 @@ class ParameterReader:
             if isinstance(node.content, int) and all(isinstance(one, str) for one in known):
                 continue  # its type is wrong: that is reported
             if node.content not in known:
-                allowed = suggest(str(node.content), [str(each) for each in known])
+                allowed = suggest(str(node.content), [str(item) for item in known])
                 self._add(node, f"{name}: unknown {entry[:-1]} {node.content!r}{allowed}")
 
     def _add(self, node: Node, message: str) -> None:

@@ -40,16 +40,16 @@ def repeated(
     network = Copies({name: (name, None) for name in situations}, tuple(actions), start)
     level = nested(parts)
     while level:
-        copier = _Copier(network, situations, [each.part for each in level])
+        copier = _Copier(network, situations, [nested_.part for nested_ in level])
         network = copier.copies()
-        level = [within for each in level for within in copier.within(each)]
+        level = [within for nested_ in level for within in copier.within(nested_)]
     return network
 
 
 def _plain(number: int, entry: ActionEntry) -> Copied:
     usual, *others = entry.endings
-    nexts = tuple(each.target for each in others)
-    fails = tuple(each.to for each in entry.fail_entries.values())
+    nexts = tuple(other.target for other in others)
+    fails = tuple(fail_entry.to for fail_entry in entry.fail_entries.values())
     return Copied(entry.source, usual.target, entry.on_fail, number, None, nexts, fails)
 
 
@@ -83,8 +83,8 @@ class _Copier:
     def within(self, around: Nested) -> Iterator[Nested]:
         """Yield the parts within one, in each of its copies."""
         for element in self._elements[around.part]:
-            for each in around.within:
-                yield self._copied(each, around.part, element)
+            for nested_ in around.within:
+                yield self._copied(nested_, around.part, element)
 
     def _copied(self, nested: Nested, around: Repetition, element: Element) -> Nested:
         part = replace(
@@ -94,13 +94,13 @@ class _Copier:
             inner=frozenset(around.of(name, element.number) for name in nested.part.inner),
             around=element,
         )
-        return Nested(part, tuple(self._copied(each, around, element) for each in nested.within))
+        return Nested(part, tuple(self._copied(nested_, around, element) for nested_ in nested.within))
 
     def _situations(self) -> Iterator[tuple[str, tuple[str, Element | None]]]:
         for name, (called, element) in self._network.situations.items():
             part = self._around.get(name)
             if part:
-                yield from ((part.of(name, each.number), (called, each)) for each in self._elements[part])
+                yield from ((part.of(name, item.number), (called, item)) for item in self._elements[part])
             if not part or name == part.goal:
                 yield name, (called, element)
 
@@ -111,12 +111,12 @@ class _Copier:
             target, (failed, *by_cause) = self._entered(action.target), self._entered_by_fail(action)
             yield replace(action, target=target, on_fail=failed, others=others, fails=tuple(by_cause))
             return
-        for each in self._elements[part]:
-            source, target = part.of(action.source, each.number), self._after(action.target, part, each)
+        for item in self._elements[part]:
+            source, target = part.of(action.source, item.number), self._after(action.target, part, item)
             every = (action.on_fail, *action.fails)
-            on_fail, *by_cause = (self._failed(to, part, each) for to in every)
-            others = tuple(self._after(other, part, each) for other in action.others)
-            yield Copied(source, target, on_fail, action.entry, each, others, tuple(by_cause))
+            on_fail, *by_cause = (self._failed(to, part, item) for to in every)
+            others = tuple(self._after(other, part, item) for other in action.others)
+            yield Copied(source, target, on_fail, action.entry, item, others, tuple(by_cause))
 
     def _entered_by_fail(self, action: Copied) -> list[str | None]:
         return [to and self._entered(to) for to in (action.on_fail, *action.fails)]
@@ -134,9 +134,9 @@ class _Copier:
         situations = self._network.situations
         facts = {name: self._facts[situations[name][0]] for name in part.inner}
         alike = [name for name in situations if name in part.inner and facts[name] == facts[part.start]]
-        for each in self._elements[part]:
-            target = self._after(part.goal, part, each)
-            yield from (Copied(part.of(name, each.number), target, None, None, each) for name in alike)
+        for item in self._elements[part]:
+            target = self._after(part.goal, part, item)
+            yield from (Copied(part.of(name, item.number), target, None, None, item) for name in alike)
 
     def _entered(self, name: str) -> str:
         """Return the new target of an action from outside that leads to `name`: the first element's copy."""

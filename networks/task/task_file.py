@@ -190,7 +190,7 @@ class _Reader:
             self._findings.raise_all()
         assert file is not None
         wanted = listed_names(file.otherwise)
-        otherwise = tuple(copy for each in wanted for copy in goal_copies(copies, each) or (each,))
+        otherwise = tuple(copy for text in wanted for copy in goal_copies(copies, text) or (text,))
         aims = file.aims(file.interrupts, lambda number: goal_copies(copies, file.interrupts[number].goal))
         return self._built(file, copies, facts, actions, goal, otherwise, aims)
 
@@ -280,7 +280,7 @@ class _Reader:
         repeats = self._listed("repeat", Repeat)
         if len(repeats) < repeat_count(self._document):  # every use of its element would be reported too
             self._findings.raise_all()
-        ends = {name for each in repeats.values() for name in (each.start, each.goal)}
+        ends = {name for repeat in repeats.values() for name in (repeat.start, repeat.goal)}
         parts = repetitions(repeats, entries.values(), set(self._otherwise()) - ends)
         faults = list(repeat_faults(parts, situations, entries, start, goal))
         self._add_all(faults)
@@ -297,7 +297,7 @@ class _Reader:
         self._add_all(start_place_faults(self._document, self._place_names))
         reader = ParameterReader(self._document, self._findings, self._names)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
-        copied = {each.entry for each in copies.actions}
+        copied = {action.entry for action in copies.actions}
         for number, kind in kinds.items():  # what is wrong with actions that are never possible
             if kind and number not in copied and has_conditions(self._document):
                 reader.binding(kind, number, None)
@@ -350,8 +350,8 @@ class _Reader:
         aims: Aims,
     ) -> Task:
         situations = [
-            Situation(each, facts[each], element.words if element else None)
-            for each, (_, element) in copies.situations.items()
+            Situation(name, facts[name], element.words if element else None)
+            for name, (_, element) in copies.situations.items()
         ]
         every = [action for action in actions if action is not None]
         entries: tuple[int | None, ...] = tuple(copied.entry for copied in copies.actions)

@@ -58,7 +58,7 @@ class TaskKnowledge:
         return {**(self.places.value.places if self.places else {}), **self._more_places()}
 
     def _more_places(self) -> dict[str, Place]:
-        return {name: place for each in self.sections.values() for name, place in each.places().items()}
+        return {name: place for section in self.sections.values() for name, place in section.places().items()}
 
     def fresh_sections(self) -> dict[str, Section]:
         """Return new copies of the domains' sections for a run, which changes them."""

@@ -54,7 +54,7 @@ def see_block(
             photo.pixels, photo.camera, camera_T_top, (length, width), on_level(top), BLOCK_SEARCH_RADIUS_M
         )
         drawn = [] if seen is None else [_outline(seen, camera_T_top, length, width)]
-        outlines = [photo.camera.project(each) for each in drawn]
+        outlines = [photo.camera.project(item) for item in drawn]
         evidence.pictures["block"] = draw_overlay(photo.pixels, outlines=outlines)
         if seen is not None:
             return _as_block(seen, on_level(top))

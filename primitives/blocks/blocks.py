@@ -110,6 +110,6 @@ class Blocks(Section):
     def noted(self) -> dict[str, Any]:
         return {
             "fixed": list(self.fixed) if self.fixed else None,
-            "placed": [list(each) for each in self.placed],
+            "placed": [list(placed) for placed in self.placed],
             "taken": list(self.taken),
         }

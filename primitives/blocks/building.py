@@ -73,7 +73,7 @@ class Building(FileModel):
     @property
     def block(self) -> tuple[float, float, float]:
         """Length, width, height in [m]."""
-        length, width, height = (each / 1e3 for each in self.block_mm)
+        length, width, height = (positive / 1e3 for positive in self.block_mm)
         return length, width, height
 
     @property

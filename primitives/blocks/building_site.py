@@ -21,10 +21,10 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
     base_T_map = standing(robot, model).inverse().lift()
     boxes = [table.box for table in plan.tables.values()]
     size, blocks = plan.block, model.of(Blocks)
-    for each in blocks.placed:
-        middle = each.pose.lift(each.height + size[2] / 2)
-        boxes.append(Box(middle, size, name_of_block(each.number)))
-    waiting = (each for each in enumerate(plan.supply, start=1) if each[0] not in blocks.taken)
+    for placed in blocks.placed:
+        middle = placed.pose.lift(placed.height + size[2] / 2)
+        boxes.append(Box(middle, size, name_of_block(placed.number)))
+    waiting = (item for item in enumerate(plan.supply, start=1) if item[0] not in blocks.taken)
     boxes += [place.body(size, name_of_block(number)) for number, place in waiting]
     return tuple(box.seen_from(base_T_map) for box in boxes)
 

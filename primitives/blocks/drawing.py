@@ -81,7 +81,7 @@ class Drawing(FileModel):
     @property
     def block(self) -> tuple[float, float, float]:
         """Length, width, height in [m]."""
-        length, width, height = (each / 1e3 for each in self.block_mm)
+        length, width, height = (positive / 1e3 for positive in self.block_mm)
         return length, width, height
 
     @property

@@ -101,8 +101,8 @@ def sought(
         covariance: (3, 3) of `stands`, of x, y in [m] and heading in [rad], on the map.
     """
     among = {
-        each: PlannedMark(Kind(mark.height_m, mark.side_mm / 1e3), mark.floor.relative_to(planned))
-        for each, mark in marks.items()
+        key: PlannedMark(Kind(mark.height_m, mark.side_mm / 1e3), mark.floor.relative_to(planned))
+        for key, mark in marks.items()
     }
     turn = planned.inverse().lift()[:3, :3]
     belief = BasePrior(stands.relative_to(planned), turn @ covariance @ turn.T + BASE_TILT_COVARIANCE)
@@ -158,7 +158,7 @@ def fixate(
         if away < CENTRED_TOLERANCE_M:
             error = on_floor(view.travelling_error(base_T_hand, seen))
             # Where the base was moved meanwhile, earlier observations are void.
-            found = [each for each in found if _agree(each, error)] + [error]
+            found = [pose2 for pose2 in found if _agree(pose2, error)] + [error]
         if there and len(found) >= looks:
             return Fixation(_mean(found), base_T_hand, views.frames, moves, tuple(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)

@@ -90,13 +90,13 @@ class LandmarkViews:
         camera = photo.base_T_camera
         self._last = self._found(photo.pixels, camera)
         self._evidence.pictures["landmark"] = draw_overlay(
-            photo.pixels, landmarks=[each.landmark for each in self._last]
+            photo.pixels, landmarks=[item.landmark for item in self._last]
         )
-        kept = [each for each in self._seen if not self._is_over(each, camera)]
+        kept = [item for item in self._seen if not self._is_over(item, camera)]
         self._seen = kept + self._last
         self._cameras.append(camera)
         self.frames += 1
-        sightings = [each.at for each in self._seen]
+        sightings = [item.at for item in self._seen]
         self._explained = explain(self._sought.among, sightings, self._sought.belief, self._shown)
 
     @property
@@ -118,10 +118,10 @@ class LandmarkViews:
         if self.explanation is None:
             return None
         index = self._sought.among.index(self._sought.mark)
-        for each, mark in zip(self._seen, self.explanation.marks, strict=True):
-            if mark == index and any(each is last for last in self._last):
+        for item, mark in zip(self._seen, self.explanation.marks, strict=True):
+            if mark == index and any(item is last for last in self._last):
                 plane = self._view.camera_T_landmark
-                return np.asarray(plane @ planar_pose(each.landmark, plane).lift())
+                return np.asarray(plane @ planar_pose(item.landmark, plane).lift())
         return None
 
     def hides(self) -> bool:
@@ -149,13 +149,13 @@ class LandmarkViews:
             gains = np.zeros(len(others))
             for kind, some in differences.items():
                 camera = hand @ self._robot.camera.hand_T_camera
-                inside = self._inside(camera, kind, [each.place for each in some])
-                for each, seen in zip(some, inside, strict=True):
-                    gains[each.rival] += each.weight * seen
+                inside = self._inside(camera, kind, [item.place for item in some])
+                for item, seen in zip(some, inside, strict=True):
+                    gains[item.rival] += item.weight * seen
             gain = float(np.minimum(gains, lacks).sum())
             if gain > 0.0:
                 ranked.append((-gain, float(np.hypot(*(hand[:2, 3] - here))), hand))
-        return [hand for _, _, hand in sorted(ranked, key=lambda each: each[:2])]
+        return [hand for _, _, hand in sorted(ranked, key=lambda item: item[:2])]
 
     def _differences(
         self, best: MarkAssignment, others: Sequence[MarkAssignment]
@@ -171,7 +171,7 @@ class LandmarkViews:
                 for kind, places in ones.items():
                     for place, shown in zip(places, self._shown(kind, places), strict=True):
                         if not shown and all(
-                            place.distance(each) > MIN_MARK_SPACING_M for each in twos[kind]
+                            place.distance(item) > MIN_MARK_SPACING_M for item in twos[kind]
                         ):
                             found.setdefault(kind, []).append(_Difference(rival, place, weight))
         return found
@@ -190,12 +190,12 @@ class LandmarkViews:
             camera_T_level = inverse(base_T_camera) @ Pose2(0.0, 0.0, 0.0).lift(kind.height)
             away = self._distance(base_T_camera, kind)
             span = (away - NEARER, away + FARTHER)
-            for each in find_landmarks(image, self._robot.camera.model, kind.side, span):
-                at = planar_pose(each, camera_T_level)
-                same = [one for one in found if math.dist(one.landmark.centre, each.centre) < SAME_PX]
+            for landmark in find_landmarks(image, self._robot.camera.model, kind.side, span):
+                at = planar_pose(landmark, camera_T_level)
+                same = [one for one in found if math.dist(one.landmark.centre, landmark.centre) < SAME_PX]
                 if same:
                     found.remove(same[0])
-                found.append(_Seen(each, {**(same[0].at if same else {}), kind: at}))
+                found.append(_Seen(landmark, {**(same[0].at if same else {}), kind: at}))
         return found
 
     def _distance(self, base_T_camera: Transform, kind: Kind) -> float:
@@ -226,4 +226,4 @@ def offsets(rings: int) -> list[tuple[float, float]]:
     """Return x and y of views around a first one, in [m], the nearest first."""
     steps = [SEARCH_STEP_M * n for n in range(-rings, rings + 1)]
     views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
-    return sorted(views, key=lambda each: (math.hypot(*each), math.atan2(each[1], each[0])))
+    return sorted(views, key=lambda view: (math.hypot(*view), math.atan2(view[1], view[0])))

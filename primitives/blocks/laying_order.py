@@ -64,7 +64,10 @@ def _order(
     drawing: Drawing, blocks: Sequence[DrawnBlock], rank: Callable[[DrawnBlock], tuple[float, float]]
 ) -> list[DrawnBlock]:
     """Return the blocks in laying order: repeatedly the first by rank whose supports are laid."""
-    below = {block: [each for each in blocks if _carries(drawing, each, block)] for block in blocks}
+    below = {
+        block: [drawn_block for drawn_block in blocks if _carries(drawing, drawn_block, block)]
+        for block in blocks
+    }
     laid, waiting = list[DrawnBlock](), [(rank(block), block) for block in blocks if not below[block]]
     heapq.heapify(waiting)
     while waiting:
@@ -79,7 +82,7 @@ def _carries(drawing: Drawing, lower: DrawnBlock, upper: DrawnBlock) -> bool:
     length, width, height = drawing.block
     if abs(lower.place.height_m + height - upper.place.height_m) > SUPPORT_TOLERANCE_M:
         return False
-    feet = (_rectangle(each.place.floor, length, width) for each in (lower, upper))
+    feet = (_rectangle(item.place.floor, length, width) for item in (lower, upper))
     return _area(_common(*feet)) > MAX_OVERLAP_M2
 
 
@@ -92,7 +95,7 @@ def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock])
         t for t in drawing.tables.values() if abs(t.height_m - block.place.height_m) < SUPPORT_TOLERANCE_M
     ]
     under += [_rectangle(table.floor, *table.size_m) for table in tables]
-    return np.vstack([np.empty((0, 2)), *(_common(foot, each) for each in under)])
+    return np.vstack([np.empty((0, 2)), *(_common(foot, rectangle) for rectangle in under)])
 
 
 def _rectangle(floor: Pose2, length: float, width: float) -> Rectangle:

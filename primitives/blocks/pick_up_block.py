@@ -78,7 +78,7 @@ class PickUpBlock(ActionPrimitive):
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return why the block is known to be elsewhere."""
         blocks = model.of(Blocks)
-        if any(each.number == self.number for each in blocks.placed):
+        if any(placed.number == self.number for placed in blocks.placed):
             return f"block {self.number} is at its goal already"
         if self.at == "supply" and self.number in blocks.taken:
             return f"block {self.number} was taken from the supply already"

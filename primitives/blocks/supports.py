@@ -26,9 +26,9 @@ def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tupl
     length, width, height = plan.block
     blocks = [
         name_of_block(number)
-        for number, each in enumerate(among, start=1)
-        if abs(each.height_m + height - foot.height_m) < SUPPORT_TOLERANCE_M
-        and _below(foot.floor, each.floor, (2 * length, 2 * width))
+        for number, pose in enumerate(among, start=1)
+        if abs(pose.height_m + height - foot.height_m) < SUPPORT_TOLERANCE_M
+        and _below(foot.floor, pose.floor, (2 * length, 2 * width))
     ]
     tables = [
         name

@@ -109,7 +109,7 @@ class Search(ActionPrimitive):
         if self._held is None and books.book_pose is not None:
             self._around += (tray_box(robot),)
         self._thicknesses = _thicknesses(books.catalogue)
-        reader = self._make_reader([each.call for each in books.catalogue.books])
+        reader = self._make_reader([item.call for item in books.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)
         found = self._where(book, number)
@@ -228,7 +228,7 @@ class Search(ActionPrimitive):
             lean, limit = abs(math.degrees(leaning.lean)), math.degrees(MIN_LEAN_RAD)
             text = f"where it belongs the book {leaning.text or 'there'} leans by {lean:.0f} degrees"
             return NoGap(text, "lean of a label", lean, limit, "deg", seen.centre)
-        solid = [(each.left, each.right) for each in reading.books]
+        solid = [(item.left, item.right) for item in reading.books]
         slots = find_slots(self._views, reading.offsets, near, solid)
         return self._find(book, number, slots)
 

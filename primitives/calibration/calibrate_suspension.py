@@ -168,7 +168,7 @@ class CalibrateSuspension(ActionPrimitive):
 
 def _farthest(robot: Robot, scene: HandSurroundings, here: Transform) -> Transform:
     """base_T_hand (4, 4) over the landmark that is farthest from `here`; it must be a swing away."""
-    views = [above(robot, each, VIEW_HEIGHTS_M[0]) for each in scene.base_T_marks]
+    views = [above(robot, mark, VIEW_HEIGHTS_M[0]) for mark in scene.base_T_marks]
     far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
     least = MIN_SWING_RATIO * robot.spec.suspension.swing_from_mm / 1e3
     if max(far) < least:

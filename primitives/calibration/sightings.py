@@ -100,9 +100,9 @@ def see(
     level = Pose2(0.0, 0.0, 0.0).lift(float(base_T_mark[2, 3]))
     camera_T_level = inverse(photo.base_T_camera) @ level
     expected = on_level(base_T_mark)
-    seen = [Seen(each, base_T_hand, planar_pose(each, camera_T_level)) for each in found]
-    near = [each for each in seen if each.base_T_landmark.distance(expected) < LANDMARK_RADIUS_M]
+    seen = [Seen(landmark, base_T_hand, planar_pose(landmark, camera_T_level)) for landmark in found]
+    near = [seen_ for seen_ in seen if seen_.base_T_landmark.distance(expected) < LANDMARK_RADIUS_M]
     if not near:
         nothing = Measured("Camera", "landmarks where one should be", len(near), 1)
         raise Discrepancy("a landmark is not where it should be", measured=nothing, cause=causes.MISPLACED)
-    return min(near, key=lambda each: each.base_T_landmark.distance(expected))
+    return min(near, key=lambda seen_: seen_.base_T_landmark.distance(expected))

@@ -76,7 +76,7 @@ def reads_in(code: CodeType, named: Mapping[str, Any]) -> Iterator[ClockRead]:
 
 
 def _reads(owner: Any, name: str) -> bool:
-    return any(owner is each and name in names for each, names in CLOCK_FUNCTIONS)
+    return any(owner is item and name in names for item, names in CLOCK_FUNCTIONS)
 
 
 def _imported(steps: list[dis.Instruction]) -> dict[str, Any]:

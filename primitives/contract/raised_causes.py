@@ -28,7 +28,7 @@ def causes_of(kind: type[ActionPrimitive]) -> tuple[CauseKind, ...]:
     primitives and in the packages of its class and their bases. Causes that any attempt may have are those
     of `framework_causes`.
     """
-    packages = {each.__module__.partition(".")[0] for each in kind.__mro__} - {"builtins", "handcart"}
+    packages = {item.__module__.partition(".")[0] for item in kind.__mro__} - {"builtins", "handcart"}
     return _sorted(_Walk(packages).causes_from(kind))
 
 
@@ -71,9 +71,9 @@ class _Walk:
             return
         self._seen.add(id(value))
         if isinstance(value, type):
-            for each in value.__mro__:
-                if each not in NOT_FOLLOWED and self._is_own(each):
-                    yield from (_function(member) for member in vars(each).values())
+            for item in value.__mro__:
+                if item not in NOT_FOLLOWED and self._is_own(item):
+                    yield from (_function(member) for member in vars(item).values())
         elif isinstance(value, FunctionType):
             yield from _named(value.__code__, value.__globals__)
 

@@ -40,7 +40,7 @@ class TrackingErrorMonitor:
         if self._follows_latest(joints):
             self._off = 0
             return
-        commanded = [(min(each), max(each)) for each in zip(*self._commands, strict=True)]
+        commanded = [(min(item), max(item)) for item in zip(*self._commands, strict=True)]
         follows = all(
             low - joint <= self._tolerance and joint - high <= self._tolerance
             for joint, (low, high) in zip(joints, commanded, strict=True)

@@ -71,7 +71,7 @@ def make_detector(
     Raises:
         BrokenDetector: it is not installed, can't be imported, or refuses its options.
     """
-    points = {each.name: each for each in entry_points_of(DETECTORS_GROUP)}
+    points = {point.name: point for point in entry_points_of(DETECTORS_GROUP)}
     if name not in points:
         allowed = suggest(name, points) if points else "; allowed: none, no package with one is installed"
         raise BrokenDetector(f"unknown detector {name!r}{allowed}")
@@ -97,13 +97,17 @@ def checked_detections(
         found = tuple(detector.detect(image, camera))
     except Exception as error:
         raise BrokenDetector(f"detector {name!r} failed: {_words(error)}") from error
-    for number, each in enumerate(found):
-        wrong = _wrong(each, detector.kinds)
+    for number, detection in enumerate(found):
+        wrong = _wrong(detection, detector.kinds)
         if wrong:
             raise BrokenDetector(f"detector {name!r}, detection {number + 1}: {wrong}")
     return tuple(
-        Detection(each.kind, np.asarray(each.camera_T_object, float), np.asarray(each.covariance, float))
-        for each in found
+        Detection(
+            detection.kind,
+            np.asarray(detection.camera_T_object, float),
+            np.asarray(detection.covariance, float),
+        )
+        for detection in found
     )
 
 

@@ -52,7 +52,7 @@ class BaseDrift:
         if motions is None:
             return points
         to_base = self._scans[0].base_T_sensor
-        poses = [to_base.compose(Pose2(*each)).compose(to_base.inverse()) for each in motions.tolist()]
+        poses = [to_base.compose(Pose2(*motion)).compose(to_base.inverse()) for motion in motions.tolist()]
         last = poses[-1].inverse()
         flat = [
             last.compose(pose).apply(point[None, :2])[0] for pose, point in zip(poses, points, strict=True)
@@ -62,6 +62,6 @@ class BaseDrift:
     def _motions(self) -> FloatArray | None:
         if self._lidar is None or len(self._scans) < MIN_RECORDS:
             return None
-        ranges = np.array([each.ranges for each in self._scans])
+        ranges = np.array([scan.ranges for scan in self._scans])
         motions = small_motions(self._scans[0].angles, self._reference, ranges)
         return None if motions is None else drift(np.array(self._times), motions, REFERENCE_PERIODS)

@@ -93,18 +93,23 @@ class Doors(Section):
 
     def state_of(self, name: str) -> DoorState | None:
         """Return how a door was left; None if it wasn't moved."""
-        return next((each for each in self.door_states if each.door == name), None)
+        return next((state for state in self.door_states if state.door == name), None)
 
     def note(self, state: DoorState) -> None:
         """Note how a door was left."""
-        others = (each for each in self.door_states if each.door != state.door)
+        others = (door_state for door_state in self.door_states if door_state.door != state.door)
         self.door_states = (*others, state)
 
     @override
     def noted(self) -> dict[str, Any]:
         return {
             "door_states": [
-                [*each[:3], list(each.closed), each.sign, None if each.hinge is None else list(each.hinge)]
-                for each in self.door_states
+                [
+                    *state[:3],
+                    list(state.closed),
+                    state.sign,
+                    None if state.hinge is None else list(state.hinge),
+                ]
+                for state in self.door_states
             ]
         }

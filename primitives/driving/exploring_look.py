@@ -98,11 +98,15 @@ class ExploringLook:
         return with_driven(drawn, self._map.poses, self._shape.inscribed)
 
     def _chosen(self, border: Border, current: FrontierGoal | None) -> FrontierGoal | None:
-        open_ = [each for each in border.frontiers if each.view is not None and not self._is_far(each)]
-        ready = [each for each in open_ if not self._is_postponed(each)]
+        open_ = [
+            frontier
+            for frontier in border.frontiers
+            if frontier.view is not None and not self._is_far(frontier)
+        ]
+        ready = [frontier for frontier in open_ if not self._is_postponed(frontier)]
         if not ready:
             self._postponed.clear()
-        best = min(ready or open_, key=lambda each: self._cost(each, current), default=None)
+        best = min(ready or open_, key=lambda frontier: self._cost(frontier, current), default=None)
         return None if best is None or best.view is None else FrontierGoal(best.view, best.middle)
 
     def _cost(self, frontier: Frontier, current: FrontierGoal | None) -> float:

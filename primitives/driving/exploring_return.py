@@ -70,7 +70,9 @@ def _measure_start(robot: Robot, scans: ScanCollector) -> Periods:
     first, reference, here = scans.map.poses[0], scans.map.start_surface, scans.look().surface
     guess = scans.pose.relative_to(first)
     near = search_window(reference.points, here.points, guess, WINDOW_M, WINDOW_RAD)
-    tried = [match_surfaces(reference, here, pose) for pose in (guess, *(each.pose for each in near))]
+    tried = [
+        match_surfaces(reference, here, pose) for pose in (guess, *(hypothesis.pose for hypothesis in near))
+    ]
     best = max(tried, key=lambda match: match.inliers)
     if best.inliers < MIN_INLIERS:
         raise Discrepancy(

@@ -90,7 +90,7 @@ class LocalReplanning:
     @property
     def waits_since(self) -> float | None:
         """Time since which an obstacle or people stop it, in [s]; None if it gets on."""
-        since = [each for each in (self.blocked_since, self.people.waits_since) if each is not None]
+        since = [item for item in (self.blocked_since, self.people.waits_since) if item is not None]
         return min(since, default=None)
 
     @property

@@ -58,7 +58,7 @@ class StandingRoom:
     @property
     def key(self) -> tuple[bytes, ...]:
         """Two rooms with the same key give the same answers about one robot."""
-        posed = [(np.array(each.size), each.pose) for each in self._boxes]
+        posed = [(np.array(item.size), item.pose) for item in self._boxes]
         grid = self._grid
         frame = np.array([grid.resolution, grid.origin_x, grid.origin_y, self._radius])
         known = [
@@ -68,7 +68,7 @@ class StandingRoom:
             np.array(self._avoided),
             *(part for box in posed for part in box),
         ]
-        return tuple(np.ascontiguousarray(each).tobytes() for each in known)
+        return tuple(np.ascontiguousarray(item).tobytes() for item in known)
 
     def blocked(self, bases: FloatArray) -> BoolArray:
         """Return a mask (b,), True for base poses without room, or without a route, by the map.
@@ -78,8 +78,8 @@ class StandingRoom:
         """
         no_way = ~self._floor.leads_to(bases, self._reached)
         no_way |= self._clearances.at(bases[:, :2]) < self._radius
-        for each in self._avoided:
-            no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED_RADIUS_M
+        for item in self._avoided:
+            no_way |= np.hypot(bases[:, 0] - item.x, bases[:, 1] - item.y) < AVOIDED_RADIUS_M
         return no_way
 
     def free(self, base: FloatArray, angles: FloatArray) -> bool:

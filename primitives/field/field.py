@@ -79,6 +79,6 @@ class Field(FileModel):
             finger_tip: distance of the finger tips from the hand's origin, in [m].
             name: name of the box.
         """
-        length, width, height = (each / 1e3 for each in self.sensor_mm)
+        length, width, height = (positive / 1e3 for positive in self.sensor_mm)
         middle = transform((self.below(finger_tip) - height / 2, 0.0, 0.0))
         return Box(middle, (height, width, length), name)

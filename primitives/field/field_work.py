@@ -99,7 +99,7 @@ class FieldWork(Section):
 
         Sensors are laid in the magazine's order.
         """
-        laid = [each.name for each in self.laid]
+        laid = [item.name for item in self.laid]
         number = laid.index(target) if target in laid else len(laid)
         return MeantContact("hand", f"sensor {number + 1}")
 

@@ -50,7 +50,7 @@ def remember_bump(
     bump = np.array([pose.x, pose.y, direction])
     model.bumps = np.vstack([model.bumps, bump])
     base_T_way = Pose2(0.0, 0.0, 0.0 if blocked is None else blocked.direction)
-    outlines = [base_T_way.inverse().apply(each) for each in _arm_outlines(robot)]
+    outlines = [base_T_way.inverse().apply(outline) for outline in _arm_outlines(robot)]
     arm = pose.apply(base_T_way.apply(leading_points(outlines, forwards)))
     model.arm_bumps = np.vstack([model.arm_bumps, np.insert(arm, 2, direction, axis=1)])
     return bump
@@ -64,7 +64,7 @@ def _arm_outlines(robot: Robot) -> list[FloatArray]:
     joints = arm.joints()
     if not np.isfinite(joints).all():
         return []
-    return [corners(each)[:, :2] for each in robot.arm_model.moved_shapes(joints)]
+    return [corners(shape)[:, :2] for shape in robot.arm_model.moved_shapes(joints)]
 
 
 def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> None:

@@ -146,7 +146,7 @@ class Section:
     @classmethod
     def entries(cls) -> tuple[str, ...]:
         """Return the names of the section's entries."""
-        return tuple(each.name for each in fields(cls))
+        return tuple(field.name for field in fields(cls))
 
     def forget_element(self) -> None:
         """Forget what belongs to an element of a repeat."""

@@ -19,7 +19,7 @@ def section_class(domain: Domain) -> type[Section] | None:
 
 def sections() -> dict[str, type[Section]]:
     """Return all sections, by the names of their domains."""
-    found = {each.name: section_class(each) for each in domains()}
+    found = {domain.name: section_class(domain) for domain in domains()}
     return {name: kind for name, kind in found.items() if kind is not None}
 
 
@@ -30,7 +30,7 @@ def name_of(kind: type[Section]) -> str:
 
 @cache
 def _name_of(kind: Any) -> str:
-    for name, each in sections().items():
-        if each is kind:
+    for name, section in sections().items():
+        if section is kind:
             return name
     raise LookupError(f"no domain declares the section {kind.__name__}")

@@ -117,7 +117,7 @@ class WorldModel:
 
         They are in the frame of the robot's pose.
         """
-        return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
+        return np.vstack([np.empty((0, 3)), *(section.discs() for section in self.sections.values())])
 
     def of(self, kind: type[SectionT]) -> SectionT:
         """Return the section of a domain, given its class."""
@@ -153,12 +153,14 @@ class WorldModel:
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
         """Return the arm's motion while the base drives to a place; None if no domain has one."""
-        found = (each.companion(robot, place) for each in self.sections.values())
-        return next((each for each in found if each is not None), None)
+        found = (section.companion(robot, place) for section in self.sections.values())
+        return next((companion_ for companion_ in found if companion_ is not None), None)
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
         """Return the intended contacts of the companions."""
-        return [each for section in self.sections.values() for each in section.contacts_on_the_way(place)]
+        return [
+            contact for section in self.sections.values() for contact in section.contacts_on_the_way(place)
+        ]
 
     def lookup(self, path: str) -> Any:
         """Return a value for a late-bound parameter, such as `cup.size`.
@@ -192,7 +194,7 @@ class WorldModel:
     def unknown_at_first(cls) -> set[str]:
         """Return the entries that are None until a file or a primitive sets them."""
         kinds: list[type[WorldModel] | type[Section]] = [cls, *sections().values()]
-        return {each.name for kind in kinds for each in fields(kind) if each.default is None}
+        return {field.name for kind in kinds for field in fields(kind) if field.default is None}
 
     @classmethod
     def type_of(cls, path: str) -> Any:
@@ -207,14 +209,14 @@ class WorldModel:
             if name not in known:
                 raise UnknownFact(f"the world model has no {path!r}{suggest(name, known)}")
             kind = known[name]
-            options = [each for each in typing.get_args(kind) if each is not type(None)]
+            options = [arg for arg in typing.get_args(kind) if arg is not type(None)]
             kind = options[0] if type(None) in typing.get_args(kind) else kind
-            known = {key: each for key, each in _hints(kind).items() if key.islower()}
+            known = {key: hint for key, hint in _hints(kind).items() if key.islower()}
         return kind
 
     def state(self) -> dict[str, Any]:
         """Return the learned knowledge for a checkpoint, as plain data."""
-        own = {name: attributes(each, each.learned_types()) for name, each in self.sections.items()}
+        own = {name: attributes(section, section.learned_types()) for name, section in self.sections.items()}
         return {**attributes(self, self.LEARNED), "sections": own}
 
     def set_state(self, state: object) -> None:
@@ -232,7 +234,7 @@ class WorldModel:
         if unknown := state["sections"].keys() - there.keys():
             names = ", ".join(map(str, sorted(unknown, key=str)))
             raise NotAState(f"no state of a world model: nothing is known of {names} here")
-        learned = {key: each for key, each in state.items() if key != "sections"}
+        learned = {key: item for key, item in state.items() if key != "sections"}
         set_attributes(self, self.LEARNED, {"in_hand": "", **learned})  # older checkpoints have none
         for name, learned in state["sections"].items():
             section = self._section(name, there[name])

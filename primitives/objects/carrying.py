@@ -24,7 +24,7 @@ GOOD_CLEARANCE_M = 0.015
 MORE_POSTURES = 60  # tried after the first hit, for one with the whole arm within the outline
 STEP_M = 0.06  # between tried places of the hand
 HEIGHTS_M = (0.06, 0.12, 0.2)  # of the object's foot over the body
-TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
+TURNS_RAD = tuple(math.radians(index) for index in range(0, 360, 45))
 IK_RESTARTS = 2
 
 
@@ -85,7 +85,7 @@ def carrying_joints(
 
 def _reach_out(robot: Robot, joints: FloatArray) -> float:
     """Return how far the arm reaches out of the robot's outline, in [m]; 0 within."""
-    bodies = np.vstack([corners(each) for each in robot.arm_model.moved_shapes(joints)])
+    bodies = np.vstack([corners(shape) for shape in robot.arm_model.moved_shapes(joints)])
     return max(0.0, float(robot.spec.footprint_shape.distances(bodies[:, :2]).max()))
 
 
@@ -96,7 +96,7 @@ def _hands(robot: Robot, hand_T_object: Transform) -> Iterator[Transform]:
     steps = np.arange(-reach, reach + 1e-9, STEP_M)
     spots = sorted(
         ((float(x), float(y)) for x in steps for y in steps if math.hypot(x, y) < reach),
-        key=lambda each: math.hypot(each[0] - reach / 3, each[1]),
+        key=lambda item: math.hypot(item[0] - reach / 3, item[1]),
     )
     for height in HEIGHTS_M:
         for x, y in spots:

@@ -106,9 +106,13 @@ def identify(
     Raises:
         Discrepancy: nothing of its kind is there, it has fallen over, or it may be another one.
     """
-    possible = [each for each in found if any(c.name == kind_name and c.is_upright for c in each.may_be)]
-    for each in possible:
-        others = sorted({_in_words(other) for other in each.may_be if not _is(other, kind_name)})
+    possible = [
+        standing_
+        for standing_ in found
+        if any(c.name == kind_name and c.is_upright for c in standing_.may_be)
+    ]
+    for standing_ in possible:
+        others = sorted({_in_words(other) for other in standing_.may_be if not _is(other, kind_name)})
         if others:
             raise Discrepancy(
                 f"{name} is ambiguous: what stands there may be a {kind_name} or {', '.join(others)}",
@@ -116,15 +120,15 @@ def identify(
                 cause=causes.AMBIGUOUS,
             )
     if not possible:
-        if any(c.name == kind_name for each in found for c in each.may_be):
+        if any(c.name == kind_name for standing_ in found for c in standing_.may_be):
             raise Discrepancy(f"{name} doesn't stand upright: it lies on a side", cause=causes.MISPLACED)
         unseen = Measured("DepthCamera", f"of {views} views those that show a {kind_name}", 0, 1)
-        words = ", ".join(describe(each) for each in found) or "nothing"
+        words = ", ".join(describe(standing_) for standing_ in found) or "nothing"
         raise Discrepancy(f"{name} isn't seen; seen: {words}", measured=unseen, cause=causes.NOT_SEEN)
-    mine = [_candidate(each, kind_name) for each in possible]
-    places = np.array([(base_T_surface @ each.surface_T_solid)[:2, 3] for each in mine])
+    mine = [_candidate(standing_, kind_name) for standing_ in possible]
+    places = np.array([(base_T_surface @ candidate.surface_T_solid)[:2, 3] for candidate in mine])
     chosen = _assigned(name, kind_name, places, beliefs)
-    belief = next(each for each in beliefs if each.object == name)
+    belief = next(object_belief for object_belief in beliefs if object_belief.object == name)
     eye = possible[chosen].cluster.eye
     return _located(mine[chosen], kind, belief.heading, base_T_surface, eye)
 
@@ -142,8 +146,8 @@ def obstacles(
     """
     object_T_surface = inverse(base_T_object) @ base_T_surface
     half = np.array(kind.size[:2]) / 2 + CLEAR_M
-    for number, each in enumerate(found):
-        points = each.cluster.points
+    for number, standing_ in enumerate(found):
+        points = standing_.cluster.points
         local = points @ object_T_surface[:3, :3].T + object_T_surface[:3, 3]
         beside = points[(np.abs(local[:, :2]) > half).any(axis=1)]
         if len(beside) >= MIN_OBSTACLE_POINTS:
@@ -172,13 +176,13 @@ def contradiction(
     """
     place = (inverse(base_T_surface) @ base_T_object)[:2, 3]
     inner = INNER_SHARE * min(kind.size[:2]) / 2
-    for each in found:
-        points = each.cluster.points
+    for standing_ in found:
+        points = standing_.cluster.points
         heights = points[np.hypot(*(points[:, :2] - place).T) < inner, 2]
         if len(heights) < MIN_OBSTACLE_POINTS:
             continue
-        if each.may_be and all(other.name != kind_name for other in each.may_be):
-            return describe(each)
+        if standing_.may_be and all(other.name != kind_name for other in standing_.may_be):
+            return describe(standing_)
         height = float(np.median(heights))
         if abs(height - kind.size[2]) > HEIGHT_TOLERANCE_M:
             return f"something {1e3 * height:.0f} mm high"
@@ -188,7 +192,7 @@ def contradiction(
 def describe(found: Standing) -> str:
     """Return in words what something may be, or its size."""
     if found.may_be:
-        return " or ".join(dict.fromkeys(_in_words(each) for each in found.may_be))
+        return " or ".join(dict.fromkeys(_in_words(candidate) for candidate in found.may_be))
     x, y = 1e3 * np.ptp(found.cluster.points[:, :2], axis=0)
     return f"something {x:.0f} x {y:.0f} mm, {1e3 * found.cluster.top:.0f} mm high"
 
@@ -202,7 +206,7 @@ def _in_words(candidate: SolidCandidate) -> str:
 
 
 def _candidate(found: Standing, kind_name: str) -> SolidCandidate:
-    return next(each for each in found.may_be if _is(each, kind_name))
+    return next(candidate for candidate in found.may_be if _is(candidate, kind_name))
 
 
 def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[ObjectBelief]) -> int:
@@ -211,7 +215,7 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[O
     All places are assigned to objects of the kind. The best assignment has to be far likelier than all in
     which the object is elsewhere.
     """
-    mine = next(number for number, each in enumerate(beliefs) if each.object == name)
+    mine = next(number for number, object_belief in enumerate(beliefs) if object_belief.object == name)
     if len(places) > len(beliefs):
         many = Measured("DepthCamera", f"objects like a {kind_name}", len(places), len(beliefs))
         raise Discrepancy(
@@ -224,7 +228,7 @@ def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[O
         score = sum(_log_density(places[i], beliefs[owner]) for i, owner in enumerate(owners))
         spot = owners.index(mine) if mine in owners else None
         best[spot] = max(best.get(spot, -math.inf), score)
-    ranked = sorted(best.items(), key=lambda each: -each[1])
+    ranked = sorted(best.items(), key=lambda item: -item[1])
     chosen, score = ranked[0]
     if len(ranked) > 1 and score - ranked[1][1] < MIN_LOG_RATIO:
         likelier = Measured("DepthCamera", "likelihood over the next", math.exp(score - ranked[1][1]), 100.0)

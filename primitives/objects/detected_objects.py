@@ -61,10 +61,15 @@ def explained(
         base_T_surface: (4, 4) of the middle of the surface's top.
     """
     surface_T_base = inverse(base_T_surface)
-    there = [each._replace(base_T_object=surface_T_base @ each.base_T_object) for each in detected]
+    there = [
+        detected_object._replace(base_T_object=surface_T_base @ detected_object.base_T_object)
+        for detected_object in detected
+    ]
     turn = surface_T_base[:2, :2]
-    there = [each._replace(covariance=_turned(each.covariance, turn)) for each in there]
-    return [each._replace(may_be=tuple(_candidates(each, there)) or each.may_be) for each in found]
+    there = [item._replace(covariance=_turned(item.covariance, turn)) for item in there]
+    return [
+        standing._replace(may_be=tuple(_candidates(standing, there)) or standing.may_be) for standing in found
+    ]
 
 
 def _in_base(found: Detection, base_T_camera: Transform) -> DetectedObject:
@@ -86,26 +91,33 @@ def _candidates(standing: Standing, detected: Sequence[DetectedObject]) -> Itera
     flat = standing.cluster.points[:, :2]
     low, high = flat.min(axis=0) - AROUND_M, flat.max(axis=0) + AROUND_M
     here = [
-        each
-        for each in detected
-        if bool(((low <= each.base_T_object[:2, 3]) & (each.base_T_object[:2, 3] <= high)).all())
+        detected_object
+        for detected_object in detected
+        if bool(
+            (
+                (low <= detected_object.base_T_object[:2, 3]) & (detected_object.base_T_object[:2, 3] <= high)
+            ).all()
+        )
     ]
-    for kind in dict.fromkeys(each.kind for each in here):
-        yield _fused([each for each in here if each.kind == kind])
+    for kind in dict.fromkeys(detected_object.kind for detected_object in here):
+        yield _fused([detected_object for detected_object in here if detected_object.kind == kind])
 
 
 def _fused(same: Sequence[DetectedObject]) -> SolidCandidate:
     """Return the mean of detections by their covariances, widened where they disagree by more than those."""
     heading = _heading(same[0])
     values = np.array(
-        [[*each.base_T_object[:2, 3], heading + _turn(heading, _heading(each))] for each in same]
+        [
+            [*detected_object.base_T_object[:2, 3], heading + _turn(heading, _heading(detected_object))]
+            for detected_object in same
+        ]
     )
-    weights = np.array([np.linalg.inv(each.covariance) for each in same])
+    weights = np.array([np.linalg.inv(detected_object.covariance) for detected_object in same])
     covariance = np.linalg.inv(weights.sum(axis=0))
     mean = covariance @ np.einsum("nij,nj->i", weights, values)
     off = values - mean
     misfit = float(np.einsum("ni,nij,nj->", off, weights, off)) / max(3 * (len(same) - 1), 1)
-    upright = all(each.base_T_object[2, 2] > math.cos(MAX_TILT_RAD) for each in same)
+    upright = all(detected_object.base_T_object[2, 2] > math.cos(MAX_TILT_RAD) for detected_object in same)
     x, y, yaw = mean.tolist()
     pose = np.asarray(transform((x, y, 0.0), (0.0, 0.0, yaw)))
     return SolidCandidate(same[0].kind, pose, covariance * max(1.0, misfit), upright, 0.0)

@@ -96,6 +96,8 @@ def _tiles(robot: Robot, model: ModelView, below: FloatArray) -> Iterator[FloatA
         corners = square + np.array([x, y, 0.0])
         beside = robot.spec.footprint_shape.distances(corners[:, :2]).min()
         on_map = robot.pose.apply(corners[:, :2])
-        onto = max((each.margin(*corner) for each in surfaces for corner in on_map.tolist()), default=-1.0)
+        onto = max(
+            (surface.margin(*corner) for surface in surfaces for corner in on_map.tolist()), default=-1.0
+        )
         if beside > OWN_MARGIN_M and onto < -OWN_MARGIN_M:
             yield corners

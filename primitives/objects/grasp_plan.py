@@ -86,13 +86,13 @@ def plan_grasps(
                 price = TILT_PRICE_M * abs(grasp.tilt) + SIDE_PRICE_M * (grasp.face != "+z")
                 score = min(GOOD_CLEARANCE_M, lined_up.distance(before)) - price
                 found.append((score, before, grasp))
-    found.sort(key=lambda each: -each[0])
+    found.sort(key=lambda entry: -entry[0])
     planned = []
     for _, before, grasp in found[:GRASPS_TRIED]:
         one = _free_way(robot, grasp, before, base_T_object, around, opening)
         if one is not None:
             planned.append(one)
-    planned.sort(key=lambda each: -_rank(each))
+    planned.sort(key=lambda item: -_rank(item))
     return GraspChoice(tuple(planned), reached, tried)
 
 

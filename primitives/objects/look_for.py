@@ -107,7 +107,7 @@ class LookFor(ActionPrimitive):
         need = PoseNeed(self.tolerance_mm / 1e3, math.radians(self.tolerance_deg))
         require_determined(model, self.object, seen, need)
         others = self._others(robot, model, name)
-        kept = [each for each in objects.without(self.object) if each.object not in others]
+        kept = [item for item in objects.without(self.object) if item.object not in others]
         objects.sightings = (*kept, seen, *others.values())
         believed = objects.believed(self.object)
         if believed is not None:

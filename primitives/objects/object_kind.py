@@ -37,7 +37,7 @@ class ObjectKind(FileModel):
     @property
     def size(self) -> tuple[float, float, float]:
         """Along x, y and z, in [m]."""
-        x, y, z = (each / 1e3 for each in self.size_mm)
+        x, y, z = (item / 1e3 for item in self.size_mm)
         return x, y, z
 
     @model_validator(mode="after")

@@ -56,11 +56,11 @@ class ObjectLook:
 
     def of(self, name: str) -> list[ReadTag]:
         """Return the readings of an object's tags."""
-        return [each for each in self.reads if each.object == name]
+        return [read for read in self.reads if read.object == name]
 
     def others(self, name: str) -> str:
         """Return the names of everything else that was read, in words; "nothing" for none."""
-        found = dict.fromkeys(each.object or each.label for each in self.reads if each.object != name)
+        found = dict.fromkeys(read.object or read.label for read in self.reads if read.object != name)
         return ", ".join(found) or "nothing"
 
     def picture(
@@ -75,9 +75,9 @@ class ObjectLook:
             photo = robot.photo()
             found = read_objects(photo.pixels, photo.camera, photo.base_T_camera, model.of(Objects).objects)
             if found or not self.reads:
-                evidence.pictures["objects"] = draw_overlay(photo.pixels, [each.tag for each in found])
+                evidence.pictures["objects"] = draw_overlay(photo.pixels, [tag.tag for tag in found])
             self.reads += found
-            if any(each.object == name for each in found):
+            if any(tag.object == name for tag in found):
                 break
         taken = take_depth(robot)
         if taken is not None:
@@ -249,7 +249,7 @@ def _beliefs(
             found.append(ObjectBelief(other, (here.x, here.y), SEEN_SIGMA_M, here.theta))
         else:
             found.append(_of_file(robot, objects, other, surface))
-    return sorted(found, key=lambda each: each.object != name)
+    return sorted(found, key=lambda item: item.object != name)
 
 
 def _of_file(robot: Robot, objects: Objects, name: str, surface: str) -> ObjectBelief:

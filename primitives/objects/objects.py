@@ -101,7 +101,7 @@ class Objects(Section):
         if self.listed is None:
             return {"places": None}
         surfaces = self.objects.surfaces
-        computed = [name for name, each in surfaces.items() if each.place is None]
+        computed = [name for name, surface in surfaces.items() if surface.place is None]
         return {"objects": self.objects.objects, "surfaces": surfaces, "places": computed}
 
     @override
@@ -127,12 +127,12 @@ class Objects(Section):
 
     def seen(self, name: str) -> ObjectSighting | None:
         """Return where an object was last seen; None if it wasn't."""
-        return next((each for each in self.sightings if each.object == name), None)
+        return next((sighting for sighting in self.sightings if sighting.object == name), None)
 
     def surface(self, name: str) -> ObjectSurface:
         """Return a surface of the file, at its measured pose if it was measured."""
         surface = self.objects.surfaces[name]
-        measured = next((each.pose for each in self.surface_poses if each.surface == name), None)
+        measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
         return surface if measured is None else surface.moved_to(measured)
 
     def believed(self, name: str) -> Pose2 | None:
@@ -149,15 +149,17 @@ class Objects(Section):
 
     def without(self, name: str) -> tuple[ObjectSighting, ...]:
         """Return the sightings of all other objects."""
-        return tuple(each for each in self.sightings if each.object != name)
+        return tuple(sighting for sighting in self.sightings if sighting.object != name)
 
     @override
     def noted(self) -> dict[str, Any]:
         held = self.held_object
         return {
-            "sightings": [[*each[:2], list(each.pose), each.covariance] for each in self.sightings],
+            "sightings": [
+                [*sighting[:2], list(sighting.pose), sighting.covariance] for sighting in self.sightings
+            ],
             "surface_poses": [
-                [each.surface, list(each.pose), each.covariance] for each in self.surface_poses
+                [pose.surface, list(pose.pose), pose.covariance] for pose in self.surface_poses
             ],
             "held_object": None if held is None else [held.object, held.hand_T_object.round(6).tolist()],
         }

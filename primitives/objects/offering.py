@@ -17,11 +17,11 @@ from .object_kind import ObjectKind
 from .object_site import held_box
 
 AHEAD_M = (0.20, 0.30, 0.12, 0.40)  # of the object beyond the robot's outline
-BEARINGS_RAD = tuple(math.radians(each) for each in (0, 25, -25, 50, -50, 90, -90))
+BEARINGS_RAD = tuple(math.radians(value) for value in (0, 25, -25, 50, -50, 90, -90))
 METRES_PER_RADIAN = 0.3  # of height, that a bearing beside the way ahead costs
 HEIGHT_STEP_M = 0.08
 MAX_LOWER_M, MAX_HIGHER_M = 0.56, 0.16  # that the object may be off the wanted height
-TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
+TURNS_RAD = tuple(math.radians(index) for index in range(0, 360, 45))
 IK_RESTARTS = 1
 MAX_TRIES = 400  # of the inverse kinematics
 MORE_POSTURES = 12  # that are looked at once one is free
@@ -85,7 +85,7 @@ def _candidates(
             facing = METRES_PER_HALF_TURN * (1.0 - float(base_T_hand[:2, 0] @ out)) / 2.0
             beside = 0.5 * abs(ahead - AHEAD_M[0]) + METRES_PER_RADIAN * abs(bearing)
             found.append((abs(off) + beside + facing, base_T_hand))
-    yield from sorted(found, key=lambda each: each[0])
+    yield from sorted(found, key=lambda pair: pair[0])
 
 
 def _height_offsets() -> list[float]:

@@ -96,7 +96,7 @@ class Pick(ActionPrimitive):
         """Measure the object's pose, in the base frame; empty if it isn't seen."""
         objects = model.of(Objects)
         seen = objects.seen(self.object) or next(
-            (each for each in self._known if each.object == self.object), None
+            (item for item in self._known if item.object == self.object), None
         )
         if seen is None:
             return {}
@@ -162,8 +162,8 @@ class Pick(ActionPrimitive):
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Return the contacts with the object, and of the object with its surface."""
         seen, surfaces = model.of(Objects).seen(self.object), model.of(Objects).objects.surfaces
-        on = dict.fromkeys(each.surface for each in (seen, *self._known) if each is not None)
-        touched = [name for each in on for name in surfaces[each].contact_names(each)]
+        on = dict.fromkeys(item.surface for item in (seen, *self._known) if item is not None)
+        touched = [name for item in on for name in surfaces[item].contact_names(item)]
         return (
             MeantContact("hand", name_in_world(self.object)),
             *(MeantContact("held", name) for name in touched),
@@ -208,7 +208,7 @@ class Pick(ActionPrimitive):
         first = planned[0]
         if self.grasp == "best":
             return first
-        others = [each for each in planned if not _alike(each, first)]
+        others = [item for item in planned if not _alike(item, first)]
         if not others:
             raise Discrepancy(f"{self.object} has only one free grasp", cause=causes.NO_ARM_PATH)
         return others[0]
@@ -218,7 +218,7 @@ class Pick(ActionPrimitive):
     ) -> Sequence[Solid]:
         """Return boxes around what a depth camera saw beside the object, in the base frame."""
         seen = model.of(Objects).seen(self.object) or next(
-            (each for each in self._known if each.object == self.object), None
+            (item for item in self._known if item.object == self.object), None
         )
         if seen is None:
             return ()
@@ -239,17 +239,19 @@ class Pick(ActionPrimitive):
         place = model.places.get(surface.place or self.to)
         if place is None:
             return planned
-        every = [np.asarray(inverse(place.pose.lift()) @ each) for each in goals_on(surface, self.spot)]
+        every = [
+            np.asarray(inverse(place.pose.lift()) @ transform) for transform in goals_on(surface, self.spot)
+        ]
         goals = showing_tags(every, model.of(Objects).objects.tags_of(self.object))
         around = [box.seen_from(inverse(place.pose.lift())) for box in surface.boxes(self.to)]
         fits: list[PlannedGrasp] = []
         others: list[PlannedGrasp] = []
-        for each in planned:
-            hand_T_object = gripped(each.base_T_grip, base_T_object, kind.is_round)
+        for grasp in planned:
+            hand_T_object = gripped(grasp.base_T_grip, base_T_object, kind.is_round)
             found = yield from robot.compute(
-                plan_placing, robot, kind, hand_T_object, goals, around, each.grasp.width
+                plan_placing, robot, kind, hand_T_object, goals, around, grasp.grasp.width
             )
-            (others if found is None else fits).append(each)
+            (others if found is None else fits).append(grasp)
         self.found(grasps_leading_on=len(fits))
         return [*fits, *others]
 

@@ -167,7 +167,7 @@ class PlaceObject(ActionPrimitive):
         for place, any_heading in self._candidates(robot, model, surface, kind):
             around = surroundings(robot, model)
             to_base = base_T_map(robot)
-            every = [np.asarray(to_base @ each) for each in turned(place, surface.height_m, any_heading)]
+            every = [np.asarray(to_base @ item) for item in turned(place, surface.height_m, any_heading)]
             goals = showing_tags(every, model.of(Objects).objects.tags_of(held.object))
             plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
             if plan is None:
@@ -196,9 +196,9 @@ class PlaceObject(ActionPrimitive):
             return [(spot.pose, spot.heading_deg is None or kind.is_round)]
         radius = kind.foot_radius
         taken = [
-            (each.pose, kind_of(model, each.object).foot_radius)
-            for each in model.of(Objects).sightings
-            if each.surface == self.surface
+            (object_sighting.pose, kind_of(model, object_sighting.object).foot_radius)
+            for object_sighting in model.of(Objects).sightings
+            if object_sighting.surface == self.surface
         ]
         ahead = robot.pose.apply(np.array([[robot.spec.footprint_radius_m + 0.2, 0.0]]))[0]
         return [
@@ -296,7 +296,7 @@ def _showing_all(robot: Robot, kind: ObjectKind) -> list[float]:
     camera = robot.view_camera.model
     across = max(kind.size[:2]) + 2 * FOOT_MARGIN_M
     least = VIEW_SPARE * across * float(camera.K[0, 0]) / min(camera.width, camera.height)
-    return [max(each, least) for each in SPOT_VIEW_DISTANCES_M]
+    return [max(distance_m, least) for distance_m in SPOT_VIEW_DISTANCES_M]
 
 
 def _raised(base_T_hand: Transform, by: float) -> Transform:

@@ -29,7 +29,7 @@ FREE_ABOVE_M = 0.008  # over the goal, down to which the object must be clear of
 FOOT_MARGIN_M = 0.02  # between an object's foot and the edge of the surface, or other objects
 WITHDRAWAL_M = 0.07  # of the hand, the way it came from
 SPOT_STEP_M = 0.06  # between free spots that are tried
-ANY_TURNS_RAD = tuple(math.radians(each) for each in range(0, 360, 45))
+ANY_TURNS_RAD = tuple(math.radians(index) for index in range(0, 360, 45))
 MIN_FACING_COSINE = math.cos(math.radians(60.0))  # between a tag's normal and the direction to the robot
 IK_RESTARTS = 8
 SOLUTIONS_PER_GOAL = 4
@@ -154,8 +154,8 @@ def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float])
         for x in np.arange(-length / 2 + inset, length / 2 - inset + 1e-9, SPOT_STEP_M).tolist()
         for y in np.arange(-width / 2 + inset, width / 2 - inset + 1e-9, SPOT_STEP_M).tolist()
     ]
-    spots = [tuple(each) for each in surface.floor.apply(np.array(grid)).tolist()]
-    return sorted(spots, key=lambda each: math.hypot(each[0] - near[0], each[1] - near[1]))
+    spots = [tuple(item) for item in surface.floor.apply(np.array(grid)).tolist()]
+    return sorted(spots, key=lambda spot: math.hypot(spot[0] - near[0], spot[1] - near[1]))
 
 
 def _with_hand(robot: Robot, width: float) -> ArmModel:

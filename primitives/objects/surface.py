@@ -108,7 +108,7 @@ class ObjectSurface(LevelPose):
 
     def moved_to(self, pose: Pose2) -> Self:
         """Return the surface at another pose on the map, its spots with it."""
-        spots = {name: each.moved_by(self.floor, pose) for name, each in self.spots.items()}
+        spots = {name: spot.moved_by(self.floor, pose) for name, spot in self.spots.items()}
         heading = math.degrees(pose.theta)
         return self.model_copy(update={"x_m": pose.x, "y_m": pose.y, "heading_deg": heading, "spots": spots})
 

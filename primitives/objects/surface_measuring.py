@@ -51,7 +51,7 @@ def measure_surface(
     found = yield from robot.compute(
         fit_rectangle, scans, surface.size_m, expected, _prior(robot, expected), sigma
     )
-    others = tuple(each for each in objects.surface_poses if each.surface != name)
+    others = tuple(surface_pose for surface_pose in objects.surface_poses if surface_pose.surface != name)
     if found is None:
         objects.surface_poses = others
         return False

@@ -38,12 +38,12 @@ VIEW_DISTANCE_M = 0.35
 MAX_CANDIDATES = 40
 MAX_COMPARED = 5  # places from which everything is reached, that are compared by headings
 IK_RESTARTS = 4
-PITCHES_RAD = tuple(math.radians(each) for each in (90.0, 55.0, 30.0))
+PITCHES_RAD = tuple(math.radians(value) for value in (90.0, 55.0, 30.0))
 """Postures of a hand over a surface: pointing down, and slanting ahead."""
-TURNS_RAD = tuple(math.radians(each) for each in (0.0, 90.0, 180.0, -90.0))
+TURNS_RAD = tuple(math.radians(value) for value in (0.0, 90.0, 180.0, -90.0))
 SIDES = ("-x", "-y", "+x", "+y")
 """Sides of a surface that the base faces with these turns."""
-HEADINGS_RAD = tuple(math.radians(each) for each in (0.0, 45.0, 90.0, 135.0))
+HEADINGS_RAD = tuple(math.radians(value) for value in (0.0, 45.0, 90.0, 135.0))
 """Of a hand that comes from above; half a turn further it grips alike."""
 
 
@@ -93,7 +93,7 @@ def standing_place(
                 if fit[-1][0] == 0 or len(fit) >= MAX_COMPARED:
                     break
         if fit:
-            best = min(fit, key=lambda each: each[0])[1]
+            best = min(fit, key=lambda pair: pair[0])[1]
             return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
         if (tall <= HIGHEST_TIP_M).all():
             break
@@ -106,11 +106,11 @@ def standing_place(
 
 def _work(file: ObjectsFile, name: str) -> FloatArray:
     """Return (n, 2) points on the map where objects are believed to be or go."""
-    spots = [(each.x_m, each.y_m) for each in file.surfaces[name].spots.values()]
+    spots = [(spot.x_m, spot.y_m) for spot in file.surfaces[name].spots.values()]
     believed = [
-        (each.x_m, each.y_m)
-        for each in file.objects.values()
-        if each.on == name and each.x_m is not None and each.y_m is not None
+        (object_.x_m, object_.y_m)
+        for object_ in file.objects.values()
+        if object_.on == name and object_.x_m is not None and object_.y_m is not None
     ]
     return np.array([*believed, *spots]).reshape(-1, 2)
 
@@ -124,7 +124,11 @@ def _tip_heights(file: ObjectsFile, name: str) -> FloatArray:
     surface = file.surfaces[name]
     heights = {label: _tips_on(kind) for label, kind in file.kinds.items() if surface.allows(label)}
     least = min(heights.values(), default=HIGHEST_TIP_M)
-    own = [_tips_on(file.kind_of(label)) for label, each in file.objects.items() if _is_believed(each, name)]
+    own = [
+        _tips_on(file.kind_of(label))
+        for label, object_ in file.objects.items()
+        if _is_believed(object_, name)
+    ]
     return np.array([*own, *[least] * len(surface.spots)] or [least])
 
 
@@ -152,18 +156,18 @@ def _around(robot: RobotFile, surface: ObjectSurface, work: FloatArray) -> Itera
                 away = depth / 2 + robot.footprint_radius_m + gap + before_wall
                 poses.append(surface.floor.compose(side).compose(Pose2(-away, along, 0.0)))
     middle = work if len(work) else np.array([[surface.x_m, surface.y_m]])
-    poses.sort(key=lambda each: float(np.hypot(middle[:, 0] - each.x, middle[:, 1] - each.y).max()))
+    poses.sort(key=lambda pose: float(np.hypot(middle[:, 0] - pose.x, middle[:, 1] - pose.y).max()))
     yield from poses
 
 
 def _free(robot: RobotFile, grid: GridMap, poses: Sequence[Pose2], places: Sequence[Place]) -> list[Pose2]:
     """Return the poses with room on the map and, if places are known, with a route from one of them."""
     radius = robot.footprint_radius_m + ROOM_AT_GOAL
-    bases = np.array([tuple(each) for each in poses])
+    bases = np.array([tuple(pose2) for pose2 in poses])
     clear = Clearances(grid, grid.blocked, walled=True).at(bases[:, :2]) >= radius
     if places:
         floor = OpenFloor(grid, radius)
-        reached = np.any([floor.reached_from((each.x_m, each.y_m)) for each in places], axis=0)
+        reached = np.any([floor.reached_from((place.x_m, place.y_m)) for place in places], axis=0)
         if reached.any():
             clear &= floor.leads_to(bases, reached)
     return [pose for pose, fits in zip(poses, clear, strict=True) if fits]

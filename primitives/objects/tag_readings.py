@@ -75,9 +75,11 @@ def _likelier(poses: Sequence[TagPose], base_T_camera: Transform, object_T_tag: 
 
     Where another pose fits within the corners' errors too, the one with the object nearer to upright.
     """
-    fitting = [each for number, each in enumerate(poses) if number == 0 or each.rms_px < AMBIGUOUS_RMS_PX]
+    fitting = [
+        tag_pose for number, tag_pose in enumerate(poses) if number == 0 or tag_pose.rms_px < AMBIGUOUS_RMS_PX
+    ]
     tag_T_object = inverse(object_T_tag)
-    found = [np.asarray(base_T_camera @ each.camera_T_tag @ tag_T_object) for each in fitting]
+    found = [np.asarray(base_T_camera @ item.camera_T_tag @ tag_T_object) for item in fitting]
     return max(found, key=lambda pose: float(pose[2, 2]))
 
 
@@ -114,8 +116,8 @@ def locate(
         kind: its kind.
         surface: surface that should carry it.
     """
-    poses = [each.base_T_object for each in reads if each.base_T_object is not None]
-    views = [each.view for each in reads if each.view is not None]
+    poses = [read.base_T_object for read in reads if read.base_T_object is not None]
+    views = [read.view for read in reads if read.view is not None]
     middles = np.array(
         [_on_height(pose, view, surface.height_m) for pose, view in zip(poses, views, strict=True)]
     )

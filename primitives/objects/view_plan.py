@@ -27,7 +27,7 @@ IK_RESTARTS = 3
 ABOVE_RAD = (0.0, math.radians(15.0))
 SLANTED_RAD = (math.radians(35.0), math.radians(50.0))
 SIDE_TAG_TILT_RAD = math.radians(55.0)
-ROBOT_AZIMUTHS_RAD = tuple(math.radians(each) for each in (180.0, 140.0, -140.0, 90.0, -90.0))
+ROBOT_AZIMUTHS_RAD = tuple(math.radians(value) for value in (180.0, 140.0, -140.0, 90.0, -90.0))
 """Directions from a point ahead of the robot to the camera: back towards it first."""
 
 
@@ -71,7 +71,7 @@ def directions(tags: Sequence[PrintedTag], heading: float | None, wanted: Direct
         heading: expected heading of the object in the base frame, in [rad]; None if unknown.
         wanted: restricts them.
     """
-    on_top = any(each.face == "+z" for each in tags) or not tags
+    on_top = any(printed_tag.face == "+z" for printed_tag in tags) or not tags
     if on_top and wanted != "slanted":
         yield from (from_direction(tilt, math.pi) for tilt in ABOVE_RAD)
     if heading is not None and wanted != "above":

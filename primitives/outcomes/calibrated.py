@@ -25,5 +25,5 @@ def as_facts(found: Mapping[str, Calibrated]) -> dict[str, float | str]:
 
 def _short(value: float | tuple[float, ...]) -> float | str:
     if isinstance(value, tuple):
-        return ", ".join(f"{each:.4g}" for each in value)
+        return ", ".join(f"{item:.4g}" for item in value)
     return float(f"{value:.5g}")

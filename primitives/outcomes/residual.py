@@ -126,8 +126,8 @@ class Residuals(Mapping[str, float]):
     def words_with_limits(self) -> str:
         """Values and limits for people: `base_mm 312 (at most 25)`."""
         return ", ".join(
-            f"{each.label} {each.value:.3g} (at most {math.nan if each.limit is None else each.limit:.3g})"
-            for each in self.all
+            f"{item.label} {item.value:.3g} (at most {math.nan if item.limit is None else item.limit:.3g})"
+            for item in self.all
         )
 
     def __getitem__(self, label: str) -> float:

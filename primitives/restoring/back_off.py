@@ -67,7 +67,7 @@ def _way_in(trace: Trace, blocked: Blocked, length: float) -> tuple[FloatArray, 
     """
     moments = trace.moments[: trace.nearest(blocked.pose) + 1]
     turned = Pose2(0.0, 0.0, blocked.direction)
-    poses = [(each.odometry_pose or each.pose).compose(turned) for each in reversed(moments)]
+    poses = [(moment.odometry_pose or moment.pose).compose(turned) for moment in reversed(moments)]
     distances, headings, last = [0.0], [poses[0].theta], poses[0]
     for pose in poses[1:]:
         step = pose.distance(last)

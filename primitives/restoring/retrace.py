@@ -154,7 +154,7 @@ def _way_back(stretch: Sequence[Moment]) -> tuple[FloatArray, FloatArray]:
 
     Estimated poses jitter: points closer than `POINT_SPACING_M` would give a wrong direction.
     """
-    ends = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
+    ends = np.array([[moment.pose.x, moment.pose.y] for moment in reversed(stretch)])
     kept, along = [ends[0]], [0.0]
     for point in ends[1:]:
         step = float(np.hypot(*(point - kept[-1])))

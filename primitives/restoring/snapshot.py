@@ -140,7 +140,7 @@ def _of_joints(start: Snapshot, now: Snapshot, spec: RobotFile) -> Iterator[Resi
     """Yield the largest change of the rotating joints and of the sliding ones; a full turn of a continuous
     joint does not count.
     """
-    slides, endless = (np.array(each, dtype=bool) for each in spec.joint_units[1:])
+    slides, endless = (np.array(unit, dtype=bool) for unit in spec.joint_units[1:])
     off = np.abs(now.joints - start.joints)
     if endless.any():
         off = np.where(endless, np.abs(np.remainder(off + math.pi, 2.0 * math.pi) - math.pi), off)

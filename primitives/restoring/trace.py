@@ -48,8 +48,8 @@ class Trace:
     def nearest(self, pose: Pose2) -> int:
         """Return the number of the moment whose base was nearest to a pose, among the last ones."""
         begin = max(0, len(self.moments) - NEAR_PERIODS)
-        poses = [each.odometry_pose or each.pose for each in self.moments[begin:]]
-        off = [each.distance(pose) + RAD_M * each.turn(pose) for each in poses]
+        poses = [moment.odometry_pose or moment.pose for moment in self.moments[begin:]]
+        off = [item.distance(pose) + RAD_M * item.turn(pose) for item in poses]
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:

@@ -65,7 +65,7 @@ class Divide(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work
-        boxes = tuple(each.box for each in known.work_piece.boxes) if known.work_piece else ()
+        boxes = tuple(box.box for box in known.work_piece.boxes) if known.work_piece else ()
         avoided = avoided_points(robot, model)
         grid = map_with_cells(model)
         room = StandingRoom(robot.spec, robot.arm_model, grid, avoided, robot.pose, boxes, work.avoided)
@@ -93,8 +93,8 @@ class Divide(ActionPrimitive):
 
     def _divided(self, robot: Robot, rest: ToolPath, room: StandingRoom, tracked: int) -> Placements:
         spec, how = robot.spec, f"{self.placements} {self.move_m} {self.base}"
-        given = [each.encode() for each in (how, spec.model_dump_json(), spec.urdf_text())]
-        path = [np.ascontiguousarray(each).tobytes() for each in rest]
+        given = [item.encode() for item in (how, spec.model_dump_json(), spec.urdf_text())]
+        path = [np.ascontiguousarray(item).tobytes() for item in rest]
         try:
             return _KEPT.division(
                 (*given, *path, *room.key), lambda: self.divided(placer_of(spec), rest, room)

@@ -22,8 +22,8 @@ class KeptDivisions:
         Without one, call `find`, which may raise, and keep its result.
         """
         whole = hashlib.sha256()
-        for each in follows_from:
-            whole.update(len(each).to_bytes(8, "little") + each)
+        for chunk in follows_from:
+            whole.update(len(chunk).to_bytes(8, "little") + chunk)
         key = whole.digest()
         if key not in self._kept:
             found = find()

@@ -39,5 +39,5 @@ class Seam(Section):
     def noted(self) -> dict[str, Any]:
         return {
             "seam_tracked": self.seam_work.tracked,
-            "seam_rest": [list(each) for each in self.seam_work.rest],
+            "seam_rest": [list(item) for item in self.seam_work.rest],
         }

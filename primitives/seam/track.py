@@ -151,7 +151,7 @@ class Track(ActionPrimitive):
         yield from _away(robot, placer_of(robot.spec, self.speed_m_s))
         yield from move_to_joints(robot, start.joint_command, None, _around(robot, model))
         folded = Trace(robot)
-        folded.moments = [each._replace(joints=start.joint_command) for each in trace.moments]
+        folded.moments = [moment._replace(joints=start.joint_command) for moment in trace.moments]
         yield from retrace(robot, start, folded)
 
     def _planned(self, robot: Robot, placer: Placer, part: ToolPath, start: Pose2 | None) -> _Plan:
@@ -231,7 +231,7 @@ def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:
     if work.work_piece is None:
         return ()
     base_T_map = robot.pose.inverse().lift()
-    boxes = (each.box for each in work.work_piece.boxes)
+    boxes = (item.box for item in work.work_piece.boxes)
     return tuple(box.seen_from(base_T_map) for box in boxes)
 
 

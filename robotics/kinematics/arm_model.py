@@ -70,7 +70,7 @@ class ArmModel:
         self.followers = tuple(led)
         self._spread, self._offset = following(led, joint_names, self._index, int(self._model.nq))
         self._led = np.array([self._index(name) for name in led], dtype=np.intp)
-        types = {each.get("name"): each.get("type") for each in known_urdf(urdf_text).findall("joint")}
+        types = {match.get("name"): match.get("type") for match in known_urdf(urdf_text).findall("joint")}
         self.endless = np.array([types[name] == "continuous" for name in joint_names], dtype=bool)
         self.lower: FloatArray = self._model.lowerPositionLimit[self._order]
         self.upper: FloatArray = self._model.upperPositionLimit[self._order]

@@ -92,13 +92,13 @@ def hull_of_mesh(mesh: object, name: str) -> object:
 @lru_cache(maxsize=256)
 def _convex(points: bytes, count: int) -> object:
     corners: FloatArray = np.frombuffer(points).reshape(count, 3)
-    for each, how in (
+    for item, how in (
         (corners, "Qt"),
         (corners, "QJ"),
         *((_thinned(corners, cells), "QJ") for cells in _CELLS),
     ):
         listed = pin.coal.StdVec_Vec3s()
-        for corner in each:
+        for corner in item:
             listed.append(corner)
         try:
             return pin.coal.Convex.convexHull(listed, True, how)

@@ -15,10 +15,10 @@ def disabled_pairs(text: str) -> list[tuple[str, str]]:
     if robot.tag != "robot":
         raise UrdfFaults([robot.fault(f"the SRDF's root is <{robot.tag}>; allowed: <robot>")])
     found = []
-    for each in robot.iter("disable_collisions"):
-        first, second = each.get("link1", ""), each.get("link2", "")
+    for item in robot.iter("disable_collisions"):
+        first, second = item.get("link1", ""), item.get("link2", "")
         if not (first and second):
             wrong = "a <disable_collisions> names no two links; needed: link1=... and link2=..."
-            raise UrdfFaults([each.fault(wrong)])  # type: ignore[attr-defined]
+            raise UrdfFaults([item.fault(wrong)])  # type: ignore[attr-defined]
         found.append((first, second))
     return found

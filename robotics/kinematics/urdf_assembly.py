@@ -42,9 +42,9 @@ def with_part(urdf_text: str, part: Part) -> str:
             raise ValueError(f"both have a {kind} {both[0]!r}; allowed: a prefix that distinguishes them")
     known = _names(robot, "material")
     robot.extend(
-        each
-        for each in added
-        if each.tag in ("link", "joint") or (each.tag == "material" and each.get("name") not in known)
+        item
+        for item in added
+        if item.tag in ("link", "joint") or (item.tag == "material" and item.get("name") not in known)
     )
     robot.append(_mount(part, root))
     return ElementTree.tostring(robot, encoding="unicode")
@@ -127,13 +127,13 @@ def _rename(robot: ElementTree.Element, kind: str, old: str, new: str, now: Name
 
 
 def _put_name(robot: ElementTree.Element, kind: str, old: str, new: str) -> None:
-    for each in robot.findall(kind):
-        if each.get("name") == old:
-            each.set("name", new)
+    for match in robot.findall(kind):
+        if match.get("name") == old:
+            match.set("name", new)
     for tag, key in _REFERENCES:
-        for each in robot.findall(f"joint/{tag}"):
-            if key == kind and each.get(key) == old:
-                each.set(key, new)
+        for match in robot.findall(f"joint/{tag}"):
+            if key == kind and match.get(key) == old:
+                match.set(key, new)
 
 
 def _frame(robot: ElementTree.Element, onto: str, name: str) -> ElementTree.Element:
@@ -156,16 +156,16 @@ def root_link(robot: ElementTree.Element) -> str:
 
 
 def _names(robot: ElementTree.Element, kind: str) -> list[str]:
-    return [each.get("name", "") for each in robot.findall(kind)]
+    return [match.get("name", "") for match in robot.findall(kind)]
 
 
 def _prefix(robot: ElementTree.Element, prefix: str) -> None:
     for kind in ("link", "joint"):
-        for each in robot.findall(kind):
-            each.set("name", prefix + each.get("name", ""))
+        for match in robot.findall(kind):
+            match.set("name", prefix + match.get("name", ""))
     for tag, key in _REFERENCES:
-        for each in robot.findall(f"joint/{tag}"):
-            each.set(key, prefix + each.get(key, ""))
+        for match in robot.findall(f"joint/{tag}"):
+            match.set(key, prefix + match.get(key, ""))
 
 
 def _mount(part: Part, root: str) -> ElementTree.Element:

@@ -64,7 +64,7 @@ def link_names(urdf_text: str) -> list[str]:
     Raises:
         ValueError: the text is not a URDF.
     """
-    return [each.get("name", "") for each in known_urdf(urdf_text).findall("link")]
+    return [match.get("name", "") for match in known_urdf(urdf_text).findall("link")]
 
 
 def joints_of(urdf_text: str) -> list[JointFacts]:
@@ -73,8 +73,8 @@ def joints_of(urdf_text: str) -> list[JointFacts]:
     Raises:
         ValueError: the text is not a URDF.
     """
-    moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE_KINDS]
-    return [_joint(each) for each in moving]
+    moving = [match for match in known_urdf(urdf_text).findall("joint") if match.get("type") in MOVABLE_KINDS]
+    return [_joint(item) for item in moving]
 
 
 def links_of(urdf_text: str) -> list[LinkFacts]:
@@ -83,21 +83,21 @@ def links_of(urdf_text: str) -> list[LinkFacts]:
     Raises:
         ValueError: the text is not a URDF.
     """
-    return [_link(each) for each in known_urdf(urdf_text).findall("link")]
+    return [_link(match) for match in known_urdf(urdf_text).findall("link")]
 
 
 def link_joints(urdf_text: str) -> list[tuple[str, str, str]]:
     """Return name, parent link and child link of all joints, fixed ones too; raises as `joints_of`."""
     return [
-        (each.get("name", ""), _end(each, "parent"), _end(each, "child"))
-        for each in known_urdf(urdf_text).findall("joint")
+        (match.get("name", ""), _end(match, "parent"), _end(match, "child"))
+        for match in known_urdf(urdf_text).findall("joint")
     ]
 
 
 def links_with_bodies(urdf_text: str) -> list[str]:
     """Return the names of the links that have collision bodies; raises as `joints_of`."""
     links = known_urdf(urdf_text).findall("link")
-    return [each.get("name", "") for each in links if each.find("collision") is not None]
+    return [link.get("name", "") for link in links if link.find("collision") is not None]
 
 
 def meshes_of(urdf_text: str) -> list[MeshUse]:

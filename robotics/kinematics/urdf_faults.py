@@ -50,51 +50,51 @@ def urdf_faults(text: str, without: Sequence[str] = ()) -> list[UrdfFault]:
     found = [*_names(links, "link"), *_names(joints, "joint")]
     if not links:
         found.append(robot.fault("the URDF has no link; allowed: at least one"))
-    known = {each.get("name", ""): each for each in links}
+    known = {item.get("name", ""): item for item in links}
     for link in links:
         found += _link_faults(link)
-    by_name = {each.get("name", ""): each for each in joints}
+    by_name = {item.get("name", ""): item for item in joints}
     for joint in joints:
         found += _joint_faults(joint, known, by_name)
     # A tree of links is asked for only where all references lead somewhere.
-    grave = any(not each.mild for each in found)
+    grave = any(not item.mild for item in found)
     return sorted(found if grave else [*found, *_tree_faults(robot, joints, known), *joint_doubts(by_name)])
 
 
 def _expression(robot: UrdfElement) -> UrdfFault | None:
     """Return a fault if the file is a xacro file, or holds unexpanded xacro expressions."""
     how = "allowed: what `xacro FILE > robot.urdf` makes of it"
-    for each in _elements(robot):
-        if "xacro" in str(each.tag):
-            name = str(each.tag).rpartition("}")[2].removeprefix("xacro:")
-            return each.fault(f"<xacro:{name}> is xacro, not yet URDF; {how}")
-        for key, value in each.attrib.items():
+    for element in _elements(robot):
+        if "xacro" in str(element.tag):
+            name = str(element.tag).rpartition("}")[2].removeprefix("xacro:")
+            return element.fault(f"<xacro:{name}> is xacro, not yet URDF; {how}")
+        for key, value in element.attrib.items():
             if "$(" in value or "${" in value:
-                words = f"{each.tag} {key} is {value[:60]!r}, an expression of xacro"
-                return each.fault(f"{_within(robot, each)}{words}; {how}")
+                words = f"{element.tag} {key} is {value[:60]!r}, an expression of xacro"
+                return element.fault(f"{_within(robot, element)}{words}; {how}")
     return None
 
 
 def _within(robot: UrdfElement, element: UrdfElement) -> str:
     """Return the link or joint that holds an element, as the head of a message."""
     for kind in ("link", "joint"):
-        for each in _children(robot, kind):
-            if any(element is part for part in each.iter()):
-                return f"{_title(each)}: "
+        for child in _children(robot, kind):
+            if any(element is part for part in child.iter()):
+                return f"{_title(child)}: "
     return ""
 
 
 def _names(elements: Sequence[UrdfElement], kind: str) -> Iterator[UrdfFault]:
     seen: dict[str, int] = {}
-    for each in elements:
-        name = each.get("name", "")
+    for element in elements:
+        name = element.get("name", "")
         if not name.strip():
-            yield each.fault(f"a {kind} has no name; allowed: one of its own")
+            yield element.fault(f"a {kind} has no name; allowed: one of its own")
         elif name in seen:
-            yield each.fault(
+            yield element.fault(
                 f"{kind} {name!r}: line {seen[name]} has one of that name; allowed: another name"
             )
-        seen.setdefault(name, each.line)
+        seen.setdefault(name, element.line)
 
 
 def _link_faults(link: UrdfElement) -> Iterator[UrdfFault]:
@@ -127,7 +127,7 @@ def _inertial_faults(title: str, inertial: UrdfElement) -> Iterator[UrdfFault]:
 
 def _geometry_faults(title: str, collision: UrdfElement) -> Iterator[UrdfFault]:
     geometry = _child(collision, "geometry")
-    solids = [] if geometry is None else [each for each in geometry if isinstance(each, UrdfElement)]
+    solids = [] if geometry is None else [item for item in geometry if isinstance(item, UrdfElement)]
     if not solids:
         yield collision.fault(f"{title}: a collision body has no geometry; allowed: {_listed(_SOLIDS)}")
         return
@@ -255,7 +255,7 @@ def _tree_faults(
     if len(roots) > 1:
         element = links[roots[1]]
         words = (
-            f"it hangs on no joint, and neither does {_listed(each for each in roots if each != roots[1])}"
+            f"it hangs on no joint, and neither does {_listed(root for root in roots if root != roots[1])}"
         )
         yield element.fault(f"{_title(element)}: {words}; allowed: one root link")
     yield from _rings(parent, moved)
@@ -369,11 +369,11 @@ def _child(element: UrdfElement, tag: str) -> UrdfElement | None:
 
 
 def _children(element: UrdfElement, tag: str) -> list[UrdfElement]:
-    return [each for each in element.findall(tag) if isinstance(each, UrdfElement)]
+    return [match for match in element.findall(tag) if isinstance(match, UrdfElement)]
 
 
 def _elements(element: UrdfElement) -> Iterator[UrdfElement]:
-    return (each for each in element.iter() if isinstance(each, UrdfElement))
+    return (item for item in element.iter() if isinstance(item, UrdfElement))
 
 
 def _suggested(name: str, allowed: Iterable[str]) -> str:

@@ -35,12 +35,12 @@ def prune(robot: ElementTree.Element, names: Sequence[str]) -> None:
     Raises:
         UnknownJoint: the URDF has no such joint.
     """
-    joints = {each.get("name", ""): each for each in robot.findall("joint")}
+    joints = {match.get("name", ""): match for match in robot.findall("joint")}
     for name in names:
         if name not in joints:
             raise UnknownJoint(name, list(joints))
     gone = {_end(joints[name], "child") for name in names}
-    while more := {_end(each, "child") for each in joints.values() if _end(each, "parent") in gone} - gone:
+    while more := {_end(joint, "child") for joint in joints.values() if _end(joint, "parent") in gone} - gone:
         gone |= more
     for element in list(robot):
         link = element.get("name") if element.tag == "link" else _end(element, "child")

@@ -27,7 +27,7 @@ class UrdfFaults(ValueError):
 
     def __init__(self, faults: Iterable[UrdfFault]) -> None:
         self.faults = tuple(faults)
-        super().__init__("; ".join(f"line {each.line}: {each.message}" for each in self.faults))
+        super().__init__("; ".join(f"line {fault.line}: {fault.message}" for fault in self.faults))
 
 
 class UrdfElement(ElementTree.Element):

@@ -128,12 +128,12 @@ def _kinematic(robot: Element) -> Element:
     result = Element("robot", {"name": robot.get("name") or "robot"})
     for link in robot.findall("link"):
         kept = ElementTree.SubElement(result, "link", {"name": link.get("name", "")})
-        kept.extend(_copied(each) for each in link if each.tag in ("inertial", "collision"))
+        kept.extend(_copied(item) for item in link if item.tag in ("inertial", "collision"))
     for joint in robot.findall("joint"):
         kind = joint.get("type", "")
         names = {"name": joint.get("name", ""), "type": "fixed" if kind in _FREE else kind}
         kept = ElementTree.SubElement(result, "joint", names)
-        kept.extend(_copied(each) for each in joint if each.tag in _OF_JOINT)
+        kept.extend(_copied(item) for item in joint if item.tag in _OF_JOINT)
         for limit in kept.findall("limit"):  # urdfdom asks for both, of joints without end too
             limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
     return result
@@ -144,7 +144,7 @@ def _copied(element: Element) -> Element:
     copy = Element(element.tag)
     for key, value in element.attrib.items():
         copy.set(key, value if key in _WORDS else " ".join(_plain(word) for word in value.split()))
-    copy.extend(_copied(each) for each in element)
+    copy.extend(_copied(item) for item in element)
     return copy
 
 

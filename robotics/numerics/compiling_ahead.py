@@ -38,10 +38,10 @@ def compiling_ahead() -> Iterator[None]:
         try:
             yield
         finally:
-            for each in begun:
-                each.kill()
-            for each in begun:
-                each.communicate()
+            for popen in begun:
+                popen.kill()
+            for popen in begun:
+                popen.communicate()
 
 
 def compile_modules(modules: list[str]) -> None:
@@ -60,7 +60,8 @@ def types_of(arguments: Arguments) -> tuple[Any, ...]:
         found: tuple[Any, ...] = cast(Any, normalize_signature)(arguments)[0]
         return found
     return tuple(
-        _tuple_of(each) if isinstance(each, Fields) else types_of(f"({each},)")[0] for each in arguments
+        _tuple_of(argument) if isinstance(argument, Fields) else types_of(f"({argument},)")[0]
+        for argument in arguments
     )
 
 

@@ -25,8 +25,8 @@ def uniform_limits(bounds: FloatArray, sigmas: FloatArray) -> FloatArray:
     spread = np.maximum(np.maximum(sigmas, MIN_SIGMA_RATIO * total), 1e-12)
     at = (np.arange(FREQUENCY_COUNT) + 0.5) * (6.0 / FREQUENCY_COUNT) / spread[:, None]
     values = np.exp(-0.5 * (at * spread[:, None]) ** 2)
-    for each in bounds.T:
-        values = values * np.sinc(at * each[:, None] / np.pi)
+    for item in bounds.T:
+        values = values * np.sinc(at * item[:, None] / np.pi)
     step = (6.0 / FREQUENCY_COUNT) / spread
     low, high = np.zeros(len(total)), total + 4.0 * spread
     for _ in range(BISECTION_COUNT):

@@ -25,7 +25,7 @@ def main() -> int:
     """Print each bug and whether it was noticed; 1: too many were missed, 2: tests fail without any."""
     wanted = _arguments()
     table = read_table(wanted.table, f"{wanted.only or '*'}.yaml")
-    mutants = [each for each in table if wanted.file in each.file and wanted.name in each.name]
+    mutants = [mutant for mutant in table if wanted.file in mutant.file and wanted.name in mutant.name]
     if wanted.sample:
         mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
     took: dict[tuple[str, ...], float] = {}

@@ -54,8 +54,8 @@ def _in_a_line(text: str, replacement: str) -> str:
     """Return the change as "old -> new", without the common beginning and end."""
     front = _alike(text, replacement)
     back = _alike(text[front:][::-1], replacement[front:][::-1])
-    cut = [" ".join(each[front : len(each) - back].split()) for each in (text, replacement)]
-    return " -> ".join(each or "nothing" for each in cut)
+    cut = [" ".join(item[front : len(item) - back].split()) for item in (text, replacement)]
+    return " -> ".join(item or "nothing" for item in cut)
 
 
 def _alike(a: str, b: str) -> int:

@@ -92,9 +92,9 @@ def _confirmed(verdicts: Sequence[Verdict], bed: WarmBed) -> list[Verdict]:
 
 
 def _report(verdicts: Sequence[Verdict], seed: str, least: float) -> int:
-    count = {word: sum(each.word == word for each in verdicts) for word in ("timed out", "equivalent")}
+    count = {word: sum(verdict.word == word for verdict in verdicts) for word in ("timed out", "equivalent")}
     tried = len(verdicts) - count["equivalent"]
-    killed = sum(each.word in ("killed", "timed out") for each in verdicts)
+    killed = sum(verdict.word in ("killed", "timed out") for verdict in verdicts)
     share = 100.0 * killed / max(1, tried)
     print(
         f"{len(verdicts)} mutants drawn with seed {seed}: {killed} of {tried} killed ({share:.1f} %), "

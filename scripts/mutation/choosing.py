@@ -96,7 +96,11 @@ def statement_at(tree: ast.Module, line: int) -> Statement:
     path: list[ast.stmt] = []
     node: ast.AST = tree
     while True:
-        inner = [each for each in _statements(node) if _first(each) <= line <= (each.end_lineno or 0)]
+        inner = [
+            statement
+            for statement in _statements(node)
+            if _first(statement) <= line <= (statement.end_lineno or 0)
+        ]
         if not inner:
             break
         node = inner[-1]
@@ -104,7 +108,7 @@ def statement_at(tree: ast.Module, line: int) -> Statement:
     if not path:
         return Statement(range(line, line + 1), True, range(0), ())
     last = path[-1]
-    functions = [each for each in path[:-1] if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
+    functions = [stmt for stmt in path[:-1] if isinstance(stmt, ast.FunctionDef | ast.AsyncFunctionDef)]
     body = getattr(last, "body", None)
     end = _first(body[0]) if body else (last.end_lineno or line) + 1
     lines = range(_first(last), max(end, line + 1))
@@ -123,7 +127,7 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 def _first(node: ast.stmt) -> int:
     decorators = getattr(node, "decorator_list", [])
-    return min([node.lineno, *(each.lineno for each in decorators)])
+    return min([node.lineno, *(decorator.lineno for decorator in decorators)])
 
 
 def _bound(path: Sequence[ast.stmt]) -> Iterator[str]:
@@ -160,7 +164,7 @@ def nearest_tests(project: Path, file: str) -> list[str]:
     """Return files of tests, nearest first: of that name, importing it, beside those, two imports away."""
     module, stem = "handcart." + file.removesuffix(".py").replace("/", "."), Path(file).stem
     importers = _importers(project)
-    direct = {each for each in importers.get(module, ()) if each.startswith("tests/")}
+    direct = {item for item in importers.get(module, ()) if item.startswith("tests/")}
     beside = {
         path.relative_to(project).as_posix()
         for path in (project / "tests" / Path(file).parent).glob("test_*.py")
@@ -182,7 +186,7 @@ def nearest_tests(project: Path, file: str) -> list[str]:
             (project / test).stat().st_size,
         )
 
-    tests = {each for each in direct | beside | far if Path(each).name.startswith("test_")}
+    tests = {item for item in direct | beside | far if Path(item).name.startswith("test_")}
     return sorted(tests, key=lambda test: (nearness(test), test))
 
 

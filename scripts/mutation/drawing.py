@@ -116,9 +116,9 @@ def _files(project: Path, module: str) -> list[Path]:
     nested = [folder for folders in MODULE_GROUPS.values() for folder in folders]
     found = set()
     for folder in MODULE_GROUPS[module]:
-        inner = [project / each for each in nested if each.startswith(f"{folder}/")]
+        inner = [project / item for item in nested if item.startswith(f"{folder}/")]
         for path in (project / folder).rglob("*.py"):
-            if not any(each in path.parents for each in inner):
+            if not any(item in path.parents for item in inner):
                 found.add(path)
     return sorted(found)
 

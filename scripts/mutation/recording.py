@@ -69,7 +69,14 @@ class Recording:
     def tests_of(self, file: str) -> dict[int, list[str]]:
         """Return, for each line of a file, the node ids of the tests that execute it."""
         if file not in self._known:
-            path = next((each for each in self.data.measured_files() if each.endswith(f"/{file}")), None)
+            path = next(
+                (
+                    measured_file
+                    for measured_file in self.data.measured_files()
+                    if measured_file.endswith(f"/{file}")
+                ),
+                None,
+            )
             self._known[file] = self.data.contexts_by_lineno(path) if path else {}
         return self._known[file]
 

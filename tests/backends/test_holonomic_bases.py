@@ -43,8 +43,8 @@ def make(tmp_path: Path) -> Iterator[Make]:
         return made[-1]
 
     yield one
-    for each in made:
-        each.close()
+    for backend in made:
+        backend.close()
 
 
 def base_of(backend: Backend) -> HolonomicBase:

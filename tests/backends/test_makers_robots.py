@@ -70,7 +70,7 @@ def changed(file: Path, old: str, new: str) -> str:
 def test_links_and_joints_are_mapped(file: Path) -> None:
     urdf = load_robot(str(file)).urdf_text()
     assert {"base", "hand", "imu", "left_wheel", "right_1_wheel", "right_2_wheel"} <= set(link_names(urdf))
-    assert driven_wheels(each.name for each in joints_of(urdf)).right == ("right_1_wheel", "right_2_wheel")
+    assert driven_wheels(item.name for item in joints_of(urdf)).right == ("right_1_wheel", "right_2_wheel")
 
 
 @pytest.mark.parametrize(

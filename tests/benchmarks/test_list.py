@@ -36,5 +36,5 @@ def test_each_tells_how_it_is_called() -> None:
     names = [name for name, _ in listed()]
     found = benchmark_helps(names)
     assert len(found) == len(names) > 40
-    shown = [name for name, each in found.items() if each.text.lower().lstrip().startswith("usage")]
+    shown = [name for name, help_ in found.items() if help_.text.lower().lstrip().startswith("usage")]
     assert [name for name in names if name not in shown or found[name].status] == []

@@ -33,7 +33,7 @@ def test_those_of_the_group_come_by_their_names(path: Path) -> None:
     package(path, "one", f"[{GROUP}]\nzinnia = one:Z\nmint = one:M\n\n[console_scripts]\nbasil = one:main\n")
     package(path, "two", f"[other.{GROUP}]\nmint = two:M\n")
     package(path, "three", f"[{GROUP}]\naster = three:A\n")
-    assert [(each.name, each.value) for each in entry_points_of(GROUP)] == [
+    assert [(point.name, point.value) for point in entry_points_of(GROUP)] == [
         ("aster", "three:A"),
         ("mint", "one:M"),
         ("zinnia", "one:Z"),
@@ -54,7 +54,7 @@ def test_an_archive_on_the_path_is_looked_into(path: Path) -> None:
         packed.writestr("packed-1.0.dist-info/METADATA", METADATA.format("packed"))
         packed.writestr("packed-1.0.dist-info/entry_points.txt", f"[{GROUP}]\nmint = packed:M\n")
     sys.path.append(str(archive))
-    assert [each.name for each in entry_points_of(GROUP)] == ["mint"]
+    assert [point.name for point in entry_points_of(GROUP)] == ["mint"]
 
 
 def test_declarations_that_are_rewritten_in_place_are_read_again(path: Path) -> None:
@@ -65,4 +65,4 @@ def test_declarations_that_are_rewritten_in_place_are_read_again(path: Path) -> 
     for name in ("mint", "aster"):
         file.write_text(f"[{GROUP}]\n{name} = one:M\n", encoding="utf-8")
         assert path.stat().st_mtime_ns == changed
-        assert [each.name for each in entry_points_of(GROUP)] == [name]
+        assert [point.name for point in entry_points_of(GROUP)] == [name]

@@ -97,7 +97,7 @@ def test_coefficients_of_the_lens_are_named_in_opencvs_order() -> None:
     sigmas = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.02, 0.03, 0.04, 0.0])
     found: Any = SimpleNamespace(camera=camera, sigmas=sigmas)
     learned = {
-        name.rpartition(".")[2]: (each.value, each.sigma)
-        for name, each in _lens("camera.calibrated", found).items()
+        name.rpartition(".")[2]: (item.value, item.sigma)
+        for name, item in _lens("camera.calibrated", found).items()
     }
     assert learned == {"k1": (0.1, 0.01), "k2": (0.2, 0.02), "p1": (0.3, 0.03), "p2": (0.4, 0.04)}

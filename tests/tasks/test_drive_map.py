@@ -173,7 +173,7 @@ def test_patrol_charges_its_battery_and_goes_on(tmp_path: Path) -> None:
     summary, status = run_task(TASK.parent / "patrol.yaml", tmp_path, RunOptions(seed=1))
     assert (status, summary["actions"], summary["metrics"]["untrue"]) == (0, 6, [])
     aims = [r for r in read_journal(tmp_path / "patrol-1" / JOURNAL_FILE).records if r["kind"] == "AIM"]
-    assert [(each["what"], each["situation"]) for each in aims] == [
+    assert [(aim["what"], aim["situation"]) for aim in aims] == [
         ("interrupt", "in the meeting room (goal 3)"),
         ("round", "docked (goal 3)"),
     ]

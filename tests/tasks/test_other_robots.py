@@ -27,7 +27,7 @@ def test_no_line_of_code_knows_the_robot() -> None:
         if f'"{word}' in path.read_text(encoding="utf-8")
     ]
     defaults = {"librarian"}  # robot that commands use by default
-    assert [each for each in known if each[1] not in defaults] == []
+    assert [item for item in known if item[1] not in defaults] == []
 
 
 def test_its_hand_and_tray_are_elsewhere() -> None:

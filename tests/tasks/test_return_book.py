@@ -102,7 +102,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
         assert {"wall_time_s", "seed", "backend", "run_dir", "metrics"} <= report.keys()
         folder = Path(report["run_dir"])
         assert (folder / "overview.svg").stat().st_size > 10_000
-        journals.append([without_wall(each) for each in read_journal(folder / "journal.jsonl").records])
+        journals.append([without_wall(record) for record in read_journal(folder / "journal.jsonl").records])
     assert journals[0] == journals[1]
 
 

@@ -70,9 +70,9 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path: Path) -> None:
         assert status == 130
         ramp = _stopping_ramp(operator.robot)
         *_, start, stop, end = (
-            each
-            for each in read_journal(folder / "journal.jsonl").records
-            if each["kind"] in ("START", "STOP", "END")
+            record
+            for record in read_journal(folder / "journal.jsonl").records
+            if record["kind"] in ("START", "STOP", "END")
         )
         assert (stop["kind"], end["outcome"]) == ("STOP", "Cancelled")
         stopped.add(start["action"]["do"])

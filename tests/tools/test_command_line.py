@@ -87,7 +87,7 @@ def test_a_tree_that_asks_the_robot_while_it_is_built_is_not_shown(
 def test_schema_is_json(handcart: Callable[..., Said], kind: str) -> None:
     schema = json.loads(handcart("schema", kind).out)
     assert schema["$schema"]
-    ways = [schema["$defs"][each["$ref"].rpartition("/")[2]] for each in schema.get("anyOf", ())]
+    ways = [schema["$defs"][item["$ref"].rpartition("/")[2]] for item in schema.get("anyOf", ())]
     assert all("format" in way["properties"] for way in ways or [schema])
     assert len(ways) == (2 if kind == "task" else 0)  # written, and generated from conditions
 
@@ -112,9 +112,9 @@ def test_check_as_json_lists_findings(handcart: Callable[..., Said], tmp_path: P
     said = handcart("check", path, "--json")
     assert said.status == 2
     findings = json.loads(said.out)["findings"]
-    assert {(each["line"], "y_m" in each["message"] or each["column"] > 1) for each in findings} == {
-        (2, True)
-    }
+    assert {
+        (finding["line"], "y_m" in finding["message"] or finding["column"] > 1) for finding in findings
+    } == {(2, True)}
 
 
 def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Said]) -> None:

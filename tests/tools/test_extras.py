@@ -46,8 +46,8 @@ def test_the_extras_are_those_of_the_project() -> None:
     modules |= dict.fromkeys(("ros-rclpy", "ros-rmw-fastrtps-cpp", "ros-common-interfaces"), "rclpy")
     modules |= {"arro3-core": "arro3", "arro3-io": "arro3", "foxglove-sdk": "foxglove"}
     for extra, brought in EXTRA_MODULES.items():
-        names = [re.split("[>;]", each)[0] for each in extras[extra]]
-        assert {modules.get(each, each) for each in names} == set(brought)
+        names = [re.split("[>;]", item)[0] for item in extras[extra]]
+        assert {modules.get(item, item) for item in names} == set(brought)
     beside = [extra for extra in EXTRA_MODULES if extra != "ros2"]  # it needs an environment of its own
     assert f"handcart[{','.join((*beside, 'docs'))}]" in extras["dev"]
     assert IMPORT_NAMES["python-fcl"] == "fcl"
@@ -157,7 +157,7 @@ def test_of_extras_only_what_is_installed_must_be_new_enough(
     ]
     (info / "METADATA").write_text("\n".join(["Name: handcart", *lines, "", "text"]), encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    assert [each.extra for each in required()] == ["", "arm", "arm", "sim"]
+    assert [requirement.extra for requirement in required()] == ["", "arm", "arm", "sim"]
     said = handcart("list", "backends")
     assert said.status == 2
     assert "the library pin is 2.7; needed: >=3.4; to install: " in said.err

@@ -27,7 +27,7 @@ def run_with(
 
     def run(kind: str) -> subprocess.CompletedProcess[str]:
         lines = whole.read_bytes().splitlines(keepends=True)
-        before = [each["kind"] for each in read_journal(whole).records].index(kind)
+        before = [record["kind"] for record in read_journal(whole).records].index(kind)
         most = sum(map(len, lines[:before])) + 20
         return subprocess.run(
             [sys.executable, "-m", "handcart", "run", tour, "--runs", tmp_path / "runs", "--json"],
@@ -52,7 +52,7 @@ def test_full_before_the_start_nothing_moves(
     assert "Traceback" not in said.stderr
     assert json.loads(said.stdout)["outcome"] == "Error"
     contents = read_journal(tmp_path / "runs" / f"{tour.stem}-0" / "journal.jsonl")
-    assert [each["kind"] for each in contents.records] == ["RUN", "PLAN"]
+    assert [record["kind"] for record in contents.records] == ["RUN", "PLAN"]
     assert contents.torn_at is None
 
 
@@ -65,7 +65,7 @@ def test_full_at_a_result_the_run_ends_and_tells_it(
     assert said.returncode == 5
     assert "how action 1 ended is not in the journal for good" in said.stderr
     contents = read_journal(tmp_path / "runs" / f"{tour.stem}-0" / "journal.jsonl")
-    assert [each["kind"] for each in contents.records] == ["RUN", "PLAN", "START"]
+    assert [record["kind"] for record in contents.records] == ["RUN", "PLAN", "START"]
 
 
 def test_a_folder_that_takes_no_file_is_refused_before_anything_moves(

@@ -48,10 +48,10 @@ def write(path: Path, log: FieldLog, header: str = "", columns: dict[str, str] |
     lines += ["---", ",".join(COLUMNS)]
     for row, (pose, travel) in enumerate(zip(log.drive.poses, 1e3 * log.wheels, strict=True)):
         turn = math.degrees(log.rates[row, 2])
-        place = [f"{each:.3f}" for each in fixes[row]] if row in fixes else ["", ""]
+        place = [f"{item:.3f}" for item in fixes[row]] if row in fixes else ["", ""]
         true = (pose[0], pose[1], math.degrees(pose[2]))
-        cells = [f"{1e3 * PERIOD_S * row:.0f}", f"{turn:.4f}", *(f"{each:.3f}" for each in travel), *place]
-        lines.append(",".join([*cells, *(f"{each:.3f}" for each in true)]))
+        cells = [f"{1e3 * PERIOD_S * row:.0f}", f"{turn:.4f}", *(f"{item:.3f}" for item in travel), *place]
+        lines.append(",".join([*cells, *(f"{item:.3f}" for item in true)]))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
 
@@ -130,7 +130,7 @@ def test_speed_and_steering_are_an_odometry(
     lines += ["---", "time,speed,steering,gps_east,gps_north,true_x,true_y"]
     fixes = dict(zip(drive.fix_rows.tolist(), drive.fixes, strict=True))
     for row, (way, bend) in enumerate(driven):
-        place = ",".join(f"{each:.3f}" for each in fixes[row]) if row in fixes else ","
+        place = ",".join(f"{item:.3f}" for item in fixes[row]) if row in fixes else ","
         steer = math.degrees(math.atan(0.9 * bend))
         x, y = drive.drive.poses[row, :2]
         lines.append(f"{PERIOD_S * row:.3f},{3.6 * way / PERIOD_S:.4f},{steer:.4f},{place},{x:.3f},{y:.3f}")

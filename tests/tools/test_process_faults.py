@@ -66,7 +66,7 @@ def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
     assert process.returncode == 5
     assert b"Too many open files" in said
     journals = list((tmp_path / "runs").rglob("journal.jsonl"))
-    assert all(b'"kind":"START"' not in each.read_bytes() for each in journals)
+    assert all(b'"kind":"START"' not in journal.read_bytes() for journal in journals)
 
 
 @pytest.mark.slow
@@ -144,7 +144,7 @@ def test_every_command_names_libraries_that_are_too_old_or_missing(
     handcart_itself = tmp_path / "handcart-0.1.0.dist-info"
     handcart_itself.mkdir()
     needs = ["numpy>=2.0", "opencv-python-headless<5,>=4.10", "scipy>=1.14", "no-such-library>=1.0"]
-    lines = "".join(f"Requires-Dist: {each}\n" for each in needs)
+    lines = "".join(f"Requires-Dist: {need}\n" for need in needs)
     (handcart_itself / "METADATA").write_text(f"Name: handcart\n{lines}\nRequires-Dist: text>=1\n")
     monkeypatch.syspath_prepend(tmp_path)
     for command in OWN_COMMANDS:
@@ -203,7 +203,7 @@ def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path, st
     )
     os.close(writing)
     end = time.monotonic() + LATEST_S
-    while not any(b'"kind":"START"' in each.read_bytes() for each in (tmp_path / "runs").rglob("*.jsonl")):
+    while not any(b'"kind":"START"' in path.read_bytes() for path in (tmp_path / "runs").rglob("*.jsonl")):
         assert time.monotonic() < end
         assert process.poll() is None
         time.sleep(0.02)

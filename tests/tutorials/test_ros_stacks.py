@@ -27,7 +27,7 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Import the package without installing it."""
     monkeypatch.syspath_prepend(str(PACKAGE))
     yield
-    for name in [each for each in sys.modules if each.partition(".")[0] == "ros_stacks"]:
+    for name in [module for module in sys.modules if module.partition(".")[0] == "ros_stacks"]:
         del sys.modules[name]
 
 
@@ -142,7 +142,7 @@ class FakeMoveIt:
             points[2, 0] = math.nan
         names = self._names
         if self._kind == "is for another arm":
-            names = [f"left_{each}" for each in names]
+            names = [f"left_{name}" for name in names]
         if self._kind == "is in another order":
             return self._waypoints(names[::-1], points[:, ::-1].tolist())
         return self._waypoints(names, points.tolist())

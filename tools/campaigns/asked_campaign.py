@@ -185,7 +185,7 @@ class AskedCampaign:
             "first": self.first,
             "trials": self.trials,
             "level": self.level,
-            "learned_from": [str(each) for each in self.learned_from],
+            "learned_from": [str(path) for path in self.learned_from],
             "vary_file": None if self.vary is None else str(self.vary),
             "vary": None if setting.varied is None else setting.varied.model_dump(mode="json"),
             "faults": None if self.faults is None else str(self.faults),
@@ -233,7 +233,7 @@ class OpenCampaign:
             yield from self._counted.count_all()
             return
         jobs = jobs or (1 if self.setting.walks else 2)
-        if self.settling is not None and any(self.settling.hear(each) for each in self.log.trials()):
+        if self.settling is not None and any(self.settling.hear(item) for item in self.log.trials()):
             return
         with closing(run_campaign(self.setting, self.seeds, jobs, self.log, cluster)) as running:
             for trial in running:
@@ -293,7 +293,7 @@ def _worlds(words: Sequence[str]) -> WorldGenerator:
     known = {name: path for domain in domains() for name, path in domain.worlds.items()}
     named = [word.partition(".") for word in words]
     name = named[0][0]
-    if other := next((each for each, _, _ in named if each != name), None):
+    if other := next((item for item, _, _ in named if item != name), None):
         raise NotPossible(f"--generate {name} and {other}; allowed: worlds of one kind")
     if name not in known:
         raise NotPossible(f"--generate {name}: no worlds of that name{suggest(name, known)}")

@@ -93,7 +93,7 @@ def campaign(
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
-    chosen = dict(split_setting(each) for each in words)
+    chosen = dict(split_setting(word) for word in words)
     asked = AskedCampaign(
         task=task_path(task),
         trials=trials,

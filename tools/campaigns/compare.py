@@ -49,10 +49,10 @@ def _lines(found: Comparison) -> Iterator[str]:
     least = "none, with so few pairs" if found.smallest is None else f"{100 * found.smallest:.2f} %"
     yield f"smallest difference that would have been seen (power 80 %): {least}"
     yield f"\n{'metric':<24}{'pairs':>8}{'B less A':>14}{'p':>11}{'by Holm':>11}"
-    for each in found.changes:
-        end = "  proven" if each.proven else ""
-        figures = f"{each.mean:>+14.4g}{each.p_value:>11.3g}{each.adjusted:>11.3g}"
-        yield f"{each.name:<24}{each.pairs:>8}{figures}{end}"
+    for change in found.changes:
+        end = "  proven" if change.proven else ""
+        figures = f"{change.mean:>+14.4g}{change.p_value:>11.3g}{change.adjusted:>11.3g}"
+        yield f"{change.name:<24}{change.pairs:>8}{figures}{end}"
     if found.partings:
         yield "\nwhere pairs part of which one alone succeeded"
     for kind, parting in found.partings.items():

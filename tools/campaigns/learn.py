@@ -44,7 +44,7 @@ def learn(
     file = task_path(str(task or folders[0].arguments["task"]))
     read = load_task(file)
     found = count_entries(read, (trial for folder in folders for trial in folder.trials()))
-    date = _date(max((each.folder / TRIALS).stat().st_mtime for each in folders))
+    date = _date(max((campaign_folder.folder / TRIALS).stat().st_mtime for campaign_folder in folders))
     verdict = _verdict(read, found)
     before = file.read_text(encoding="utf-8")
     after = _changed(before, read, found, date, verdict)
@@ -70,16 +70,17 @@ def _date(seconds: float) -> str:
 
 def _table(task: Task, found: Sequence[EntryCounts]) -> Iterator[str]:
     yield f"{'action':<44}{'attempts':>9}{'p':>8}{'95 %':>17}{'GiveUps':>9}{'mean s':>9}{'95 %':>17}"
-    for entry, each in zip(task.file.actions, found, strict=True):
+    for entry, entry_counts in zip(task.file.actions, found, strict=True):
         name = f"{entry.do} ({entry.source} to {entry.target})"
-        counts = each.counts
+        counts = entry_counts.counts
         if not counts.attempts:
             yield f"{name:<44}{0:>9}   never started: its values stay"
             continue
-        (low, high), (short, long) = each.p_95, each.mean_95_s
-        p = f"{each.p:>8.3f}{f'{low:.3f} to {high:.3f}':>17}{counts.give_ups:>9}"
-        yield f"{name:<44}{counts.attempts:>9}{p}{each.mean_s:>9.1f}{f'{short:.1f} to {long:.1f}':>17}"
-        yield from _share_rows(entry, each)
+        (low, high), (short, long) = entry_counts.p_95, entry_counts.mean_95_s
+        p = f"{entry_counts.p:>8.3f}{f'{low:.3f} to {high:.3f}':>17}{counts.give_ups:>9}"
+        mean = f"{entry_counts.mean_s:>9.1f}{f'{short:.1f} to {long:.1f}':>17}"
+        yield f"{name:<44}{counts.attempts:>9}{p}{mean}"
+        yield from _share_rows(entry, entry_counts)
 
 
 def _share_rows(entry: TaskEntry, each: EntryCounts) -> Iterator[str]:
@@ -102,13 +103,13 @@ def _entry_counts(task: Task, found: Sequence[EntryCounts]) -> list[OutcomeCount
     from handcart.networks.deciding.posterior import OutcomeCounts
 
     counts = []
-    for entry, each in zip(task.file.actions, found, strict=True):
-        if each.counts.attempts or entry.p_success is None:
-            counts.append(each.counts)
+    for entry, entry_counts in zip(task.file.actions, found, strict=True):
+        if entry_counts.counts.attempts or entry.p_success is None:
+            counts.append(entry_counts.counts)
             continue
         successes, give_ups = round(entry.p_success * FILE_WEIGHT), round(entry.p_give_up * FILE_WEIGHT)
         counts.append(OutcomeCounts(successes, FILE_WEIGHT - successes - give_ups, give_ups))
-    return counts if all(each.attempts for each in counts) else None
+    return counts if all(count.attempts for count in counts) else None
 
 
 def _verdict(task: Task, found: Sequence[EntryCounts]) -> SwitchVerdict | None:
@@ -141,14 +142,14 @@ def _changed(
     from handcart.tools.terminal.yaml_editing import edited
 
     def change(data: Any) -> None:
-        for number, (entry, each) in enumerate(zip(task.file.actions, found, strict=True)):
-            if not each.counts.attempts:
+        for number, (entry, item) in enumerate(zip(task.file.actions, found, strict=True)):
+            if not item.counts.attempts:
                 continue
             row = data["actions"][number]
             if entry.route_from is None:  # otherwise cost_s is the part besides the route
-                row["cost_s"] = _rounded(each.mean_s, row["cost_s"])
-            _write_chances(row, entry, each)
-            data["actions"].yaml_add_eol_comment(f"{date}: {each.words()}", number, column=0)
+                row["cost_s"] = _rounded(item.mean_s, row["cost_s"])
+            _write_chances(row, entry, item)
+            data["actions"].yaml_add_eol_comment(f"{date}: {item.words()}", number, column=0)
         if verdict is not None and verdict.is_sure and task.network.policy == "rule":
             data.insert(list(data).index("goal") + 1, "policy", "expected_cost")
 
@@ -212,17 +213,17 @@ def _print_json(task: Task, found: Sequence[EntryCounts], verdict: SwitchVerdict
     rows = [
         {
             "action": f"{entry.do} ({entry.source} to {entry.target})",
-            **each.counts._asdict(),
-            "p": each.p,
-            "p_95": each.p_95,
-            "p_give_up": each.p_give_up,
-            "mean_s": each.mean_s,
-            "mean_95_s": each.mean_95_s,
-            "causes": each.causes,
-            "by_cause": {name: share._asdict() for name, share in each.by_cause.items()},
-            "by_result": [share._asdict() for share in each.by_result],
+            **counts.counts._asdict(),
+            "p": counts.p,
+            "p_95": counts.p_95,
+            "p_give_up": counts.p_give_up,
+            "mean_s": counts.mean_s,
+            "mean_95_s": counts.mean_95_s,
+            "causes": counts.causes,
+            "by_cause": {name: share._asdict() for name, share in counts.by_cause.items()},
+            "by_result": [share._asdict() for share in counts.by_result],
         }
-        for entry, each in zip(task.file.actions, found, strict=True)
+        for entry, counts in zip(task.file.actions, found, strict=True)
     ]
     switch = None if verdict is None else {**verdict._asdict(), "is_sure": verdict.is_sure}
     print(orjson.dumps({"actions": rows, "switch": switch}).decode())

@@ -56,10 +56,10 @@ def air_facts(
     document = read_document(robot_path(name))
     return {
         "format": robot.format,
-        "errors": [document.finding(each.key, each.words) for each in report.faults],
-        "warnings": [str(document.finding(each.key, each.words)) for each in report.remarks],
+        "errors": [document.finding(fault.key, fault.words) for fault in report.faults],
+        "warnings": [str(document.finding(remark.key, remark.words)) for remark in report.remarks],
         "lines": lines_of(_table(report)),
-        "robot": {"topics": [each._asdict() for each in report.topics], "nodes": report.nodes},
+        "robot": {"topics": [topic._asdict() for topic in report.topics], "nodes": report.nodes},
     }
 
 
@@ -69,17 +69,17 @@ def _table(report: AirReport) -> Any:
 
     rows = [
         (
-            each.topic,
-            each.kind,
-            f"{each.rate_hz:.1f} Hz" if each.rate_hz else "-",
-            f"{1e3 * each.max_gap_s:.0f} ms" if each.messages else "-",
-            "-" if each.age_s is None else f"{1e3 * each.age_s:.1f} ms",
-            ", ".join(each.frames),
-            _names(report.nodes[each.topic]),
+            item.topic,
+            item.kind,
+            f"{item.rate_hz:.1f} Hz" if item.rate_hz else "-",
+            f"{1e3 * item.max_gap_s:.0f} ms" if item.messages else "-",
+            "-" if item.age_s is None else f"{1e3 * item.age_s:.1f} ms",
+            ", ".join(item.frames),
+            _names(report.nodes[item.topic]),
         )
-        for each in report.topics
+        for item in report.topics
     ]
-    known = {each.topic for each in report.topics}
+    known = {item.topic for item in report.topics}
     rows += [
         (
             topic,

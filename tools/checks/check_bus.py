@@ -26,14 +26,14 @@ def bus_tables(load: BusLoad) -> Iterator[Any]:
 
     rows = [
         (
-            f"{each.cob_id:03X}h",
-            each.what,
-            f"{each.length}",
-            f"{each.bits}",
-            f"{1e3 * each.period_s:g} ms",
-            f"{load.share_of(each):.2%}",
+            f"{frame.cob_id:03X}h",
+            frame.what,
+            f"{frame.length}",
+            f"{frame.bits}",
+            f"{1e3 * frame.period_s:g} ms",
+            f"{load.share_of(frame):.2%}",
         )
-        for each in load.frames
+        for frame in load.frames
     ]
     yield table_of("frame", "what", "bytes", "bits at worst", "every", "of the bus", rows=rows)
     yield (
@@ -50,7 +50,7 @@ def bus_figures(load: BusLoad) -> dict[str, Any]:
         "share": round(load.share, 5),
         "burst_s": round(load.burst_s, 6),
         "frames": [
-            {**each._asdict(), "bits": each.bits, "share": round(load.share_of(each), 6)}
-            for each in load.frames
+            {**frame._asdict(), "bits": frame.bits, "share": round(load.share_of(frame), 6)}
+            for frame in load.frames
         ],
     }

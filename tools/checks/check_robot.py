@@ -94,9 +94,9 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
     """Joints, links and meshes as tables: all of them, or the `chosen` joints and what the others come to."""
     if every:
         return lines_of(*(part for table in _tables(contents) for part in (table, "")))
-    rows = [_joint(each) for each in contents.joints if each.name in chosen]
-    others = Counter(each.kind for each in contents.joints if each.name not in chosen)
-    weighed = sorted(((each.mass_kg or 0.0, each.name) for each in contents.links), reverse=True)
+    rows = [_joint(joint) for joint in contents.joints if joint.name in chosen]
+    others = Counter(joint.kind for joint in contents.joints if joint.name not in chosen)
+    weighed = sorted(((link.mass_kg or 0.0, link.name) for link in contents.links), reverse=True)
     heaviest = ", ".join(f"{name} {mass:.3g} kg" for mass, name in weighed[:MAX_HEAVY_LINKS] if mass > 0.0)
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
     parts: list[Any] = [_joint_table(rows), ""] if rows else []
@@ -114,7 +114,7 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
         pairs = report.contact.pairs
         parts += [
             report.contact.words,
-            *(f"  {each}" for each in (pairs if every else pairs[:MAX_TOUCHING_PAIRS])),
+            *(f"  {pair}" for pair in (pairs if every else pairs[:MAX_TOUCHING_PAIRS])),
         ]
         parts += (
             [f"  and {len(pairs) - MAX_TOUCHING_PAIRS} pairs more"]
@@ -138,32 +138,32 @@ def lines_of(*parts: Any) -> list[str]:
     from rich.text import Text
 
     console = Console(file=io.StringIO(), width=TABLE_WIDTH_CHARS, color_system=None)
-    for each in parts:
+    for part in parts:
         # A maker's name may look like markup.
-        console.print(Text(each) if isinstance(each, str) else each)
+        console.print(Text(part) if isinstance(part, str) else part)
     text = console.file.getvalue()  # type: ignore[attr-defined]
     return [line.rstrip() for line in text.splitlines()]
 
 
 def _tables(contents: Contents) -> list[Table]:
     tables = [
-        _joint_table([_joint(each) for each in contents.joints]),
+        _joint_table([_joint(joint) for joint in contents.joints]),
         table_of(
             "link",
             "mass",
             "remark",
             rows=[
                 (
-                    each.name,
-                    "frame only" if each.mass_kg is None else f"{each.mass_kg:.3g} kg",
-                    "; ".join(each.faults),
+                    link.name,
+                    "frame only" if link.mass_kg is None else f"{link.mass_kg:.3g} kg",
+                    "; ".join(link.faults),
                 )
-                for each in contents.links
+                for link in contents.links
             ],
         ),
     ]
     if contents.meshes:
-        rows = [(each.link, each.kind, each.file, each.fault or "") for each in contents.meshes]
+        rows = [(mesh.link, mesh.kind, mesh.file, mesh.fault or "") for mesh in contents.meshes]
         tables.append(table_of("mesh of", "kind", "file", "remark", rows=rows))
     return tables
 
@@ -193,4 +193,4 @@ def _reach_words(reach: HandReach) -> str:
 
 def _domain_tables(report: RobotReport) -> list[Any]:
     tables = [table for facts in report.domains.values() for table in facts.tables]
-    return [part for each in tables for part in (each.heading, table_of(*each.columns, rows=each.rows))]
+    return [part for item in tables for part in (item.heading, table_of(*item.columns, rows=item.rows))]

@@ -66,7 +66,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         "warnings": list(map(str, warnings)),
         "short": short,
         **figures,
-        "lines": [*([SHORT_HEADING] if short else []), *_first([f"  {each}" for each in short]), *lines],
+        "lines": [*([SHORT_HEADING] if short else []), *_first([f"  {item}" for item in short]), *lines],
     }
 
 
@@ -102,7 +102,7 @@ def _longest(cases: WorstCases) -> str:
 
 def _looked_at(cases: WorstCases) -> str:
     """Return which parts of the network were not looked at completely, in words."""
-    parts = sorted({f"{each.part} ({each.count} states looked at)" for each in cases.too_large})
+    parts = sorted({f"{item.part} ({item.count} states looked at)" for item in cases.too_large})
     return f"not all states were looked at {'; '.join(parts)}; fewer attempts make a part smaller"
 
 
@@ -147,7 +147,7 @@ def _lines(found: Figures) -> list[str]:
         f"  {_cost(now)}",
         "influence on P(goal) (slope by p), and change of P(goal) and cost by more attempts:",
         f"{head}{'one more attempt':>22}{'an alternative':>22}",
-        *_first([_row(each, now) for each in found.influences]),
+        *_first([_row(influence, now) for influence in found.influences]),
     ]
 
 

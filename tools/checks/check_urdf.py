@@ -51,7 +51,7 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
         write_draft(draft, file, report)
     return {
         "format": "URDF",
-        "warnings": [str(each) for each in contents.remarks],
+        "warnings": [str(remark) for remark in contents.remarks],
         "grouped": grouped(contents.remarks),
         "lines": [
             *([f"expanded into {file}"] if file != given else ()),
@@ -122,5 +122,5 @@ def _next(file: Path, draft: Path | None) -> list[str]:
         return [f"written to {draft}; next: handcart check {draft}"]
     beside = robots_beside(file)
     if beside:
-        return [f"{each} names it: handcart check {each}" for each in beside]
+        return [f"{path} names it: handcart check {path}" for path in beside]
     return [f"a first one: handcart check {file} --draft {file.parent / 'robot.yaml'}"]

@@ -72,7 +72,14 @@ def _optional_faults(text: str, error: FileError) -> dict[str, str]:
     lines, found = text.splitlines(), dict[str, str]()
     for finding in error.findings:
         line = lines[finding.line - 1].strip() if 0 < finding.line <= len(lines) else ""
-        section = next((each for each in OPTIONAL_SECTIONS if line.startswith(f"{each}:")), None)
+        section = next(
+            (
+                optional_section
+                for optional_section in OPTIONAL_SECTIONS
+                if line.startswith(f"{optional_section}:")
+            ),
+            None,
+        )
         if section is not None:
             found[section] = " ".join(finding.message.split())
     return found

@@ -28,7 +28,7 @@ def dry_run(
     from handcart.networks.task.preparing import check
 
     outcomes = None if script is None else load_script(script)
-    chosen = dict(split_setting(each) for each in settings)
+    chosen = dict(split_setting(setting) for setting in settings)
     checked = check(task, backend, chosen, seed, situation)
     network, robot = checked.task.network, checked.task.robot
     places = [place.words() for place in checked.places]
@@ -38,7 +38,7 @@ def dry_run(
     doubts = [*checked.warnings, *map(str, posture_findings(robot, load_robot(robot)))]
     imagined = follow(network, outcomes.outcomes if outcomes else ())
     if as_json:
-        rooms = [each.for_programs() for each in checked.places]
+        rooms = [item.for_programs() for item in checked.places]
         print(orjson.dumps({**imagined.summary(), "places": rooms, "warnings": doubts}).decode())
     else:
         for line in imagined.lines:

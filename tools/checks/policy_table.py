@@ -23,7 +23,7 @@ def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
     """Yield the table of both policies, and the decisions in which they differ."""
     yield f"policies side by side (price: time, and {person_s:g} s for each end short of the goal):"
     yield f"  {'policy':<18}{'P(goal)':>20}{'mean':>12}{'95 %':>12}{'price':>20}"
-    yield from (f"  {_row(each)}" for each in (found.rule, found.best))
+    yield from (f"  {_row(item)}" for item in (found.rule, found.best))
     if found.follows_rule:
         yield "  no better policy than the rule was found within the budget: the rule is followed"
         return
@@ -67,9 +67,9 @@ def _ranged(bounds: tuple[float, float], form: str, same: float) -> str:
 def _differences(found: PolicyComparison) -> Iterator[str]:
     """Yield a line for each difference; copies for the elements of a `repeat` share one."""
     alike: dict[str, list[PolicyDifference]] = {}
-    for each in found.differences:
-        words = f"{each.situation} {each.fails} {each.rule} {each.best}"
-        alike.setdefault(COPY_NUMBER.sub("[]", words), []).append(each)
+    for difference in found.differences:
+        words = f"{difference.situation} {difference.fails} {difference.rule} {difference.best}"
+        alike.setdefault(COPY_NUMBER.sub("[]", words), []).append(difference)
     for first, *others in alike.values():
         after = f" after {first.fails}" if first.fails else ""
         like = f", {len(others)} more like it" if others else ""

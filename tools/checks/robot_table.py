@@ -61,10 +61,8 @@ def robot_table(robots: dict[str, Path] | None = None) -> Iterator[RobotRow]:
             yield RobotRow(name, (), (), _short(str(error)))
             continue
         kinds = list(kinds_of(robot))
-        able = tuple(each for each, kind in primitives.items() if _has_all(kinds, kind.needs))
-        yield RobotRow(
-            name, tuple(each for each, kind in backends.items() if _takes(each, kind, robot)), able
-        )
+        able = tuple(key for key, kind in primitives.items() if _has_all(kinds, kind.needs))
+        yield RobotRow(name, tuple(key for key, kind in backends.items() if _takes(key, kind, robot)), able)
 
 
 def kinds_of(robot: RobotFile) -> Iterator[type[Capability]]:

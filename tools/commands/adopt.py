@@ -75,8 +75,8 @@ def _changed(text: str, found: Calibration) -> str:
     from handcart.tools.terminal.yaml_editing import edited, flow_list, put
 
     def change(data: Any) -> None:
-        for key, each in found.found.items():
-            put(data, key, flow_list(each.value) if isinstance(each.value, tuple) else each.value)
+        for key, item in found.found.items():
+            put(data, key, flow_list(item.value) if isinstance(item.value, tuple) else item.value)
 
     return edited(text, change)
 
@@ -98,8 +98,8 @@ def _check(text: str, file: Path) -> None:
             load_document(document, model_for(document))
         except FileError as error:
             raise FileError(
-                Finding(f"{file}, calibrated", each.line, each.column, each.message)
-                for each in error.findings
+                Finding(f"{file}, calibrated", finding.line, finding.column, finding.message)
+                for finding in error.findings
             ) from None
 
 
@@ -107,8 +107,8 @@ def _deviations(found: Calibration) -> list[str]:
     """Return the found values with their standard deviations, in words."""
     width = max(len(key) for key in found.found)
     words = [f"found by the backend {found.backend}; standard deviations:"]
-    for key, each in found.found.items():
-        sigmas = each.sigma if isinstance(each.sigma, tuple) else (each.sigma,)
+    for key, item in found.found.items():
+        sigmas = item.sigma if isinstance(item.sigma, tuple) else (item.sigma,)
         words.append(f"  {key:{width}}  {', '.join(f'{sigma:g}' for sigma in sigmas)}")
     return words
 

@@ -84,7 +84,7 @@ def check(
     try:
         if (bench or bag) and not ros2:
             raise InputError(f"{'--bag' if bag else '--bench'} without --ros2; needed: both")
-        given = dict(split_setting(each) for each in settings or [])
+        given = dict(split_setting(setting) for setting in settings or [])
         given |= {"policy": policy} if policy else {}
         with announced(f"checking {file}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)
@@ -104,8 +104,8 @@ def check(
         print(orjson.dumps({"ok": not errors, **found, **facts}).decode())
         sys.exit(InputError.exit_status if errors else 0)
     warnings = facts.pop("warnings", ())
-    for each in errors:
-        print(each, file=sys.stderr)
+    for item in errors:
+        print(item, file=sys.stderr)
     faults = counted(len(errors), "fault") if errors else "no fault found"
     also = f", {counted(len(warnings), 'warning')}" if warnings else ""
     print(f"{file}: {faults}{also}")
@@ -168,8 +168,8 @@ def _findings(error: InputError) -> list[dict[str, Any]]:
 
 def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     return [
-        {"file": each.file, "line": each.line, "column": each.column, "message": each.message}
-        for each in findings
+        {"file": finding.file, "line": finding.line, "column": finding.column, "message": finding.message}
+        for finding in findings
     ]
 
 
@@ -208,7 +208,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in kinds():
-        allowed = [f"handcart-{each}/1" for each in kinds()]
+        allowed = [f"handcart-{item}/1" for item in kinds()]
         wrong = f"the key 'format' doesn't name a kind of file{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
@@ -267,8 +267,8 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
         facts |= _domain_facts(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
-    lines = [*(each.words() for each in checked.places), *facts.get("lines", ())]
-    places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
+    lines = [*(place.words() for place in checked.places), *facts.get("lines", ())]
+    places = {"places": [place.for_programs() for place in checked.places]} if checked.places else {}
     facts |= {"lines": lines, "warnings": [*checked.warnings, *postures, *facts["warnings"]]}
     return {**facts, **places, "errors": [*checked.errors, *facts["errors"]]}
 
@@ -321,6 +321,6 @@ def _table_facts(file: Path) -> dict[str, Any]:
             f"if each succeeds with {p}, independently: {shares}; {steps:.4f} ± {sigma:.4f} primitives"
         )
         figures[str(p)] = {"ends": ends, "steps": steps, "steps_sigma": sigma}
-    warnings = [str(each) for each in table_warnings(loaded)]
+    warnings = [str(warning) for warning in table_warnings(loaded)]
     facts = {"title": loaded.value.title, "warnings": warnings, "errors": table_errors(loaded)}
     return {**facts, "lines": lines, "figures": figures}

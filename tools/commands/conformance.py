@@ -61,7 +61,7 @@ def conformance(
     from handcart.tasks.task_names import task_path
 
     chosen = _chosen(parts or [], [*(primitives or []), *(rehearse or [])], tasks or [])
-    own = [task_path(each) for each in rehearse or []]
+    own = [task_path(path) for path in rehearse or []]
     robot = robot or default_robot(own)
     setting = KitSetting(
         backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or (), own, bench

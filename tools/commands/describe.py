@@ -25,7 +25,7 @@ def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE
         raise typer.BadParameter(str(unknown.args[0])) from None
     print(f"{name}\n\n{inspect.getdoc(kind)}\n")
     print("\n".join(_parameters(kind)) or "  no parameters")
-    print(f"\nneeds:  {', '.join(each.__name__ for each in kind.needs) or 'nothing'}")
+    print(f"\nneeds:  {', '.join(need.__name__ for need in kind.needs) or 'nothing'}")
     print(f"reads:  {', '.join(kind.reads) or 'nothing'}")
     print(f"writes: {', '.join(kind.writes) or 'nothing'}")
     print("\n".join(_causes(kind)))
@@ -39,7 +39,9 @@ def _causes(kind: type[ActionPrimitive]) -> list[str]:
 
     own = causes_of(kind)
     lines = [f"  {cause.name}: {cause.text}" for cause in own]
-    every = ", ".join(each.name for each in framework_causes() if each not in own)
+    every = ", ".join(
+        framework_cause.name for framework_cause in framework_causes() if framework_cause not in own
+    )
     return ["\ncauses of Fails and GiveUps:", *lines, f"  as of any primitive: {every}"]
 
 

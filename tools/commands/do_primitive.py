@@ -140,6 +140,6 @@ def _check_names(made: ActionPrimitive, knowledge: TaskKnowledge) -> None:
         name, entry = getattr(made, key), named_entry(field)
         if entry and name is not None and name not in (there := known.get(entry, ())):
             allowed = (
-                suggest(str(name), [str(each) for each in there]) if there else f"; no {entry} are known"
+                suggest(str(name), [str(item) for item in there]) if there else f"; no {entry} are known"
             )
             raise typer.BadParameter(f"{key}={name}: unknown {entry[:-1]} {name!r}{allowed}")

@@ -31,9 +31,9 @@ def robot(
             "needed: --from-ros; `handcart new robot` and `check URDF --draft` begin otherwise"
         )
     urdf, srdf = file.with_suffix(".urdf"), file.with_suffix(".srdf")
-    for each in (file, urdf, srdf):
-        if each.exists():
-            raise InputError(f"{each} is there already; allowed: a folder without it")
+    for item in (file, urdf, srdf):
+        if item.exists():
+            raise InputError(f"{item} is there already; allowed: a folder without it")
     _write(file, urdf, srdf, _description(namespace, domain, seconds, bench))
     print(f"written to {file}, its URDF beside it; next: handcart check {file} --ros2")
 

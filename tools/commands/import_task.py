@@ -30,7 +30,7 @@ def import_task(
     if "robot" not in data:
         head = {"format": data["format"], "title": data["title"], "robot": robot}
         data = {**head, **{key: value for key, value in data.items() if key not in head}}
-    lost = [str(each.finding(str(file))) for each in imported.lost]
+    lost = [str(item.finding(str(file))) for item in imported.lost]
     unknown = sorted(set(primitives_in(imported)) - set(primitive_names()))
     comments = [f"Read from {file.name}."]
     if "robot" not in imported.data:

@@ -181,6 +181,6 @@ def _write_track(path: Path, replayed: Replayed) -> None:
         replayed.times, replayed.poses, replayed.covariances, replayed.known, strict=True
     ):
         upper = spread[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
-        cells = [f"{time:.3f}", *(f"{each:.4f}" for each in pose), *(f"{each:.6g}" for each in upper)]
+        cells = [f"{time:.3f}", *(f"{item:.4f}" for item in pose), *(f"{item:.6g}" for item in upper)]
         lines.append(",".join([*cells, str(int(known))]))
     write_text(path, "\n".join(lines) + "\n")

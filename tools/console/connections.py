@@ -59,11 +59,11 @@ class Connections:
 
     def _count(self) -> None:
         assert self.of is not None
-        opened = [each for each in self.of.connections if _is_open(each)]
+        opened = [connection for connection in self.of.connections if _is_open(connection)]
         self._known &= set(opened)
-        unknown = [each for each in opened if each not in self._known]
-        for each in unknown[: len(unknown) - MOST_UNKNOWN] if len(unknown) > MOST_UNKNOWN else []:
-            _close(each)
+        unknown = [item for item in opened if item not in self._known]
+        for item in unknown[: len(unknown) - MOST_UNKNOWN] if len(unknown) > MOST_UNKNOWN else []:
+            _close(item)
 
     def _look(self, protocol: asyncio.BaseProtocol) -> None:
         if protocol in self._silent:

@@ -83,7 +83,7 @@ class Handlers:
         """Send the details of a run."""
         name = request.match_info["run"]
         folder = self._folder(request)
-        state: Mapping[str, Any] = next(each for each in self._watcher.states() if each["name"] == name)
+        state: Mapping[str, Any] = next(item for item in self._watcher.states() if item["name"] == name)
         details = await self._details.of(folder, state["alive"], state.get("situation"), self._away)
         if isinstance(details, web.Response):
             return said(details.status, orjson.loads(details.text or "{}")["error"])
@@ -92,7 +92,7 @@ class Handlers:
     async def after(self, request: web.Request) -> web.Response:
         """Answer how a permission changes the probability of the goal."""
         folder, action = self._folder(request), request.match_info["action"]
-        state = next(each for each in self._watcher.states() if each["name"] == request.match_info["run"])
+        state = next(item for item in self._watcher.states() if item["name"] == request.match_info["run"])
         asks = state.get("asks")
         if not asks or str(asks["index"]) != action:
             return said(409, "that action doesn't wait")
@@ -204,7 +204,7 @@ class Handlers:
 
 def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, Any]:
     """Send the message for each situation in one box of the drawing."""
-    if not isinstance(places, list) or not places or not all(isinstance(each, str) for each in places):
+    if not isinstance(places, list) or not places or not all(isinstance(item, str) for item in places):
         return {"ok": False, "error": "places is not a list of situations"}
     reply: dict[str, Any] = {}
     for number, place in enumerate(places):

@@ -51,7 +51,7 @@ class RunDetails:
             "task": run.header["task"],
             "situation": situation or last,
             "reason": str(end["reason"]) if end else "",
-            "actions": [_action(each) for each in run.actions[-MOST_ACTIONS:]],
+            "actions": [_action(action) for action in run.actions[-MOST_ACTIONS:]],
             "network": self._network(),
             "waits": [] if self._alive else self._waits(),
             "moved": self._moved(),
@@ -86,7 +86,7 @@ class RunDetails:
             JournalError: the journal's content is inconsistent.
         """
         run = self._run
-        action = next((each for each in run.actions if each.number == number), None)
+        action = next((item for item in run.actions if item.number == number), None)
         if action is None:
             return {"unknown": f"no action {number} was started"}
         with relying_on_the_journal(run):
@@ -99,7 +99,7 @@ class RunDetails:
         kept = self._run.network
         if kept is None:
             return None
-        picture = draw_network(kept.network, [(each.index, each.outcome) for each in self._run.actions])
+        picture = draw_network(kept.network, [(action.index, action.outcome) for action in self._run.actions])
         boxes = [
             {
                 "x": box.x,
@@ -132,12 +132,12 @@ class RunDetails:
         found: Sequence[Mapping[str, Any]] = self._run.records
         return [
             {
-                "record": each["q"],
-                "residuals": each.get("residuals") or {},
-                "unknown": each.get("unknown") or [],
+                "record": entry["q"],
+                "residuals": entry.get("residuals") or {},
+                "unknown": entry.get("unknown") or [],
             }
-            for each in found
-            if each["kind"] == "RECON"
+            for entry in found
+            if entry["kind"] == "RECON"
         ]
 
     def _pictures(self) -> list[dict[str, Any]]:
@@ -146,9 +146,9 @@ class RunDetails:
         if not folder.is_dir() or folder.is_symlink():
             return []
         names = [
-            each.name
-            for each in folder.iterdir()
-            if each.suffix in EVIDENCE_SUFFIXES and not each.is_symlink()
+            path.name
+            for path in folder.iterdir()
+            if path.suffix in EVIDENCE_SUFFIXES and not path.is_symlink()
         ]
         numbered = [(int(name[:3]) if name[:3].isdigit() else 0, name) for name in names]
         return [{"action": number, "file": f"{EVIDENCE_PATH}/{name}"} for number, name in sorted(numbered)]
@@ -173,8 +173,8 @@ def _fails(run: PastRun) -> dict[int, int]:
     """Return the number of Fails of each action; its number of attempts if a Fail was for good."""
     assert run.network is not None
     fails: Counter[int] = Counter()
-    for each in run.actions:
-        if each.outcome == "Fail":
-            attempts = run.network.network.actions[each.index].attempts
-            fails[each.index] = attempts if each.result.get("permanent") else fails[each.index] + 1
+    for action in run.actions:
+        if action.outcome == "Fail":
+            attempts = run.network.network.actions[action.index].attempts
+            fails[action.index] = attempts if action.result.get("permanent") else fails[action.index] + 1
     return dict(fails)

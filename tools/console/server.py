@@ -55,8 +55,8 @@ class Server:
         self._sockets = _sockets((host,) if host else LOOPBACK_ADDRESSES, port)
         self.port = int(self._sockets[0].getsockname()[1])
         names = [host] if host else ["127.0.0.1", "localhost", "::1"]
-        shown = [f"[{each}]" if ":" in each else each for each in names]
-        self._guard = Guard([f"{each}:{self.port}" for each in shown])
+        shown = [f"[{name}]" if ":" in name else name for name in names]
+        self._guard = Guard([f"{item}:{self.port}" for item in shown])
         self.address = f"http://{shown[0]}:{self.port}/#token={self._guard.token}"
         """With the token behind `#`, which no browser sends or logs."""
 
@@ -66,8 +66,8 @@ class Server:
 
     def close(self) -> None:
         """Release the port; a second call does nothing."""
-        for each in self._sockets:
-            each.close()
+        for item in self._sockets:
+            item.close()
 
     async def _serve(self, over: Callable[[], bool]) -> None:
         watcher, connections = Watcher(self._runs), Connections(self._guard.has_token)
@@ -83,11 +83,11 @@ class Server:
         connections.of = runner.server
         loop = asyncio.get_running_loop()
         listening = [
-            await loop.create_server(connections, sock=each, backlog=ACCEPTED_AT_ONCE)
-            for each in self._sockets
+            await loop.create_server(connections, sock=item, backlog=ACCEPTED_AT_ONCE)
+            for item in self._sockets
         ]
-        for each in self._sockets:
-            each.listen(WAITING_TO_BE_ACCEPTED)
+        for item in self._sockets:
+            item.listen(WAITING_TO_BE_ACCEPTED)
         watching = asyncio.create_task(watcher.watch())
         try:
             while not over():
@@ -138,8 +138,8 @@ def _sockets(hosts: Sequence[str], port: int | None) -> list[socket.socket]:
         except OSError as error:
             if opened and hosts == LOOPBACK_ADDRESSES and not _has_ipv6():
                 return opened
-            for each in opened:
-                each.close()
+            for socket_ in opened:
+                socket_.close()
             wrong = error.strerror or str(error)
             continue
         return opened

@@ -92,7 +92,7 @@ class Watcher:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:
-        return {each.folder.name: each for each in list_runs(self.folder)[:MAX_SHOWN_RUNS]}
+        return {run.folder.name: run for run in list_runs(self.folder)[:MAX_SHOWN_RUNS]}
 
     async def _look(self, name: str) -> None:
         """Ask a run that may be running for its status.

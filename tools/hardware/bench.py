@@ -115,7 +115,7 @@ def _serve_drives(
     spec = load_robot(robot)
     if spec.can is None:
         raise NoDrives()
-    planned = [_planned(each) for each in faults]
+    planned = [_planned(fault) for fault in faults]
     backend, world, seed = simulated
     inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
     interface = interface or BETWEEN_PROCESSES
@@ -135,12 +135,12 @@ def _serve_drives(
     try:
         if range_port is not None:
             scans = _scans(made, range_port)
-            looks.append(lambda each: scans.send(each.time))
+            looks.append(lambda item: scans.send(item.time))
         for name, at, node in planned:
             inject(made, name, at, node)
         nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
         print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
-        server = BenchServer(made, spec.period_s, look=lambda each: [look(each) for look in looks])
+        server = BenchServer(made, spec.period_s, look=lambda item: [look(item) for look in looks])
         server.serve(lambda: bool(over) or (end is not None and time.monotonic() >= end))
     finally:
         made.close()
@@ -201,9 +201,9 @@ def _planned(words: str) -> tuple[str, float, int | None]:
 def _list_faults() -> None:
     from handcart.backends.can.bench.injected_faults import INJECTED_FAULTS
 
-    for name, each in INJECTED_FAULTS.items():
+    for name, fault in INJECTED_FAULTS.items():
         here = " (not in a process of its own)" if name in AT_THE_PROGRAM else ""
-        print(f"{name:<18} {each.rows:<9} {each.what}{here}")
+        print(f"{name:<18} {fault.rows:<9} {fault.what}{here}")
 
 
 class _Log:

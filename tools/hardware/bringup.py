@@ -54,12 +54,12 @@ def bringup(
         ladder.again(again)
     climbed = _climb(ladder, everything) if not status else []
     done = ladder.records()
-    failed = [each for each in climbed if not each.passed]
+    failed = [item for item in climbed if not item.passed]
     if as_json:
         _print_json(ladder, done, climbed)
     else:
-        for each in ladder.rungs[len(done) :]:
-            print(f"  {each.name}: {each.summary}" + ("  <- next" if each is ladder.next else ""))
+        for rung in ladder.rungs[len(done) :]:
+            print(f"  {rung.name}: {rung.summary}" + ("  <- next" if rung is ladder.next else ""))
         print(f"{len(done)} of {len(ladder.rungs)} steps passed; records in {site.folder}")
     sys.exit(4 if failed else 0)
 
@@ -143,8 +143,8 @@ def _print_json(ladder: Ladder, done: list[RungRecord], climbed: list[RungRecord
 
     summary = {
         "folder": str(ladder.site.folder),
-        "climbed": [each.rung for each in done],
+        "climbed": [record.rung for record in done],
         "next": ladder.next.name if ladder.next else None,
-        "tried": [each.model_dump(mode="json") for each in climbed],
+        "tried": [record.model_dump(mode="json") for record in climbed],
     }
     print(orjson.dumps(summary).decode())

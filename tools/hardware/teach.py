@@ -100,7 +100,7 @@ def _aim(hand: str | None, way: str, roll: float | None) -> HandAim:
 def _triple(text: str) -> tuple[float, float, float] | None:
     """Three finite numbers with commas, or None."""
     try:
-        x, y, z = (float(each) for each in text.split(","))
+        x, y, z = (float(part) for part in text.split(","))
     except ValueError:
         return None
     return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
@@ -113,11 +113,11 @@ def _found(spec: RobotFile, aim: HandAim) -> list[float]:
     found = posture_at(spec, aim)
     if found.angles is not None:
         return found.angles
-    at = f"the hand at {','.join(f'{each:g}' for each in aim.place)} m"
+    at = f"the hand at {','.join(f'{item:g}' for item in aim.place)} m"
     if not found.reached:
         reach = "the reach that `handcart check` reports, or another --pointing"
         raise typer.BadParameter(f"no posture has {at}, pointing that way; allowed: {reach}")
-    pairs = "; ".join(touching_words(*each) for each in found.touching[:MAX_NAMED_PAIRS])
+    pairs = "; ".join(touching_words(*item) for item in found.touching[:MAX_NAMED_PAIRS])
     wrong = f"none of {found.reached} postures that have {at} is free of the robot itself: {pairs}"
     raise typer.BadParameter(f"{wrong}; allowed: another place, or `handcart check --allow`")
 
@@ -130,7 +130,7 @@ def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[
     assert joints is not None
     count = len(arm.joints)
     try:
-        return [float(each) for each in joints.split(",")]
+        return [float(part) for part in joints.split(",")]
     except ValueError:
         raise typer.BadParameter(f"invalid angles {joints!r}; allowed: {count} numbers with commas") from None
 

@@ -56,7 +56,7 @@ def numbers(text: str, option: str, count: int | None = None) -> list[float]:
     """
     found = [number_in(word.strip()) for word in text.split(",")]
     is_right = len(found) == count if count is not None else len(found) >= 6 and len(found) % 2 == 0
-    if not is_right or not all(math.isfinite(each) and abs(each) < 1e7 for each in found):
+    if not is_right or not all(math.isfinite(value) and abs(value) < 1e7 for value in found):
         needed = f"{count} numbers" if count is not None else "x,y of at least three corners"
         raise typer.BadParameter(f"{option} {text!r}; allowed: {needed}, with commas between, in m")
     return found

@@ -28,7 +28,7 @@ def node(
 
     from .run_desk import RunDesk, service_names, state_text
 
-    named = service_names([task_path(each) for each in tasks])
+    named = service_names([task_path(path) for path in tasks])
     given = {} if robot is None else {"robot": robot}
     for task in named.values():
         if errors := check(task, backend, given).errors:

@@ -132,10 +132,10 @@ class RunDesk:
 
     def _alive(self) -> Path | None:
         """Return the folder of a run that is alive and listens; None if there is none."""
-        for each in list_runs(self._runs) if self._runs.is_dir() else ():
+        for run in list_runs(self._runs) if self._runs.is_dir() else ():
             try:
-                if (each.folder / CONTROL_SOCKET).exists() and goes_on(each.folder):
-                    return each.folder
+                if (run.folder / CONTROL_SOCKET).exists() and goes_on(run.folder):
+                    return run.folder
             except OSError:
                 continue
         return None
@@ -143,16 +143,16 @@ class RunDesk:
     def _waits(self) -> WaitingRecord | None:
         """Return what waits in the newest run that is not alive."""
         listed = list_runs(self._runs) if self._runs.is_dir() else []
-        for each in listed[:1]:
+        for run in listed[:1]:
             try:
-                if not (each.folder / JOURNAL_FILE).exists() or goes_on(each.folder):
+                if not (run.folder / JOURNAL_FILE).exists() or goes_on(run.folder):
                     return None
-                contents = read_run_journal(each.folder)
+                contents = read_run_journal(run.folder)
             except (HandcartError, OSError):
                 return None
             for record, reason in waiting(contents).items():
                 cause, real = str(cause_of(contents, record)["h"]), not is_simulated(contents)
-                return WaitingRecord(each.folder, record, cause, reason, real)
+                return WaitingRecord(run.folder, record, cause, reason, real)
         return None
 
 

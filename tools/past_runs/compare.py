@@ -30,7 +30,7 @@ def compare(
     from handcart.networks.run_files.run_archive import opened_run
 
     with ExitStack() as stack:
-        folders = [stack.enter_context(opened_run(each)) for each in (one, other)]
+        folders = [stack.enter_context(opened_run(item)) for item in (one, other)]
         found = compare_runs(*map(read_run, folders))
     if as_json:
         print(orjson.dumps(_facts(found), option=orjson.OPT_INDENT_2).decode())
@@ -71,7 +71,7 @@ def _short(value: Any) -> str:
 
 def _table(found: RunComparison) -> Iterator[str]:
     head = ("", "action", "A", "B", "A s", "B s", "differs in")
-    rows = [head, *(_row(each, each is found.first) for each in found.actions)]
+    rows = [head, *(_row(action, action is found.first) for action in found.actions)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
@@ -108,12 +108,12 @@ def _parting(each: ComparedAction) -> str:
 
 
 def _residual_lines(found: RunComparison) -> Iterator[str]:
-    for each in found.actions:
-        if each.one is None or each.other is None:
+    for action in found.actions:
+        if action.one is None or action.other is None:
             continue
-        for name, mine, theirs in each.residuals():
+        for name, mine, theirs in action.residuals():
             sizes = " ".join(f"{letter} {_size(size)}" for letter, size in (("A", mine), ("B", theirs)))
-            yield f"residual {name} of {each.action.do} (action {each.one.number} of A): {sizes}"
+            yield f"residual {name} of {action.action.do} (action {action.one.number} of A): {sizes}"
 
 
 def _size(size: float | None) -> str:
@@ -129,7 +129,7 @@ def _facts(found: RunComparison) -> dict[str, Any]:
         "outcomes": [run.end and run.end["outcome"] for run in (found.one, found.other)],
         "first_difference": None if found.first is None else found.actions.index(found.first),
         "first_record": None if found.first_record is None else record_words(found.first_record),
-        "actions": [_action_facts(each) for each in found.actions],
+        "actions": [_action_facts(action) for action in found.actions],
     }
 
 

@@ -54,8 +54,8 @@ def _task(path: Path, to: str, file: Path | None) -> None:
     if to not in FORMAT_WRITERS:
         raise typer.BadParameter(f"unknown format {to!r}{suggest(to, FORMAT_WRITERS)}")
     text, lost = exported(load_task(task_path(path)), to)
-    for each in lost:
-        print(printable(f"{path}: kept, but not carried out: {each}"), file=sys.stderr)
+    for item in lost:
+        print(printable(f"{path}: kept, but not carried out: {item}"), file=sys.stderr)
     if file is None:
         print(text, end="")
     else:

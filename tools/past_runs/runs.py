@@ -24,14 +24,14 @@ def runs(
 
     found = list_runs(folder)
     if as_json:
-        rows = [{**vars(each), "folder": str(each.folder)} for each in found]
+        rows = [{**vars(run), "folder": str(run.folder)} for run in found]
         print(orjson.dumps(rows, option=orjson.OPT_INDENT_2).decode())
         return
     if not found:
         print(printable(f"no runs in {folder}; `handcart run TASK` makes one"))
         return
     head = ("run", "task", "seed", "backend", "outcome", "begun")
-    table = [head, *(_row(each) for each in found)]
+    table = [head, *(_row(run) for run in found)]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for row in table:
         print("  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip())

@@ -77,11 +77,12 @@ class CampaignWords:
 
     def _metric_lines(self) -> Iterator[str]:
         names = ("trials", "least", "median", "95 %", "most")
-        yield f"\n{'metric':<20}" + "".join(f"{each:>11}" for each in names) + f"{'95 % interval':>25}"
-        for name, each in self._report.spreads().items():
-            figures = (each.least, each.median, each.most_95, each.most)
+        yield f"\n{'metric':<20}" + "".join(f"{item:>11}" for item in names) + f"{'95 % interval':>25}"
+        for name, spread in self._report.spreads().items():
+            figures = (spread.least, spread.median, spread.most_95, spread.most)
             shown = "".join(f"{figure:>11.2f}" for figure in figures)
-            yield f"{name:<20}{each.count:>11}{shown}{_interval(each, name in self._report.tally.yes_no):>25}"
+            interval = _interval(spread, name in self._report.tally.yes_no)
+            yield f"{name:<20}{spread.count:>11}{shown}{interval:>25}"
 
     def _action_lines(self) -> Iterator[str]:
         yield f"\n{'action':<56}{'attempts':>9}{'p':>7}{'95 %':>15}{'p_give_up':>11}"
@@ -136,28 +137,28 @@ class CampaignWords:
             "learned": None if self._learned is None else self._learned.facts(),
             "untrue": {str(trial.seed): list(trial.untrue) for trial in report.untrue},
             "outcomes": dict(report.outcomes),
-            "metrics": {name: asdict(each) for name, each in report.spreads().items()},
+            "metrics": {name: asdict(spread) for name, spread in report.spreads().items()},
             "actions": [
                 {
-                    "action": each.action,
-                    "attempts": each.attempts,
-                    "p": each.p,
-                    "p_wilson": each.wilson,
-                    "p_give_up": each.give_up / each.attempts,
+                    "action": share.action,
+                    "attempts": share.attempts,
+                    "p": share.p,
+                    "p_wilson": share.wilson,
+                    "p_give_up": share.give_up / share.attempts,
                 }
-                for each in report.shares
+                for share in report.shares
             ],
             "blames": [{**blame._asdict(), "times": times} for blame, times in report.blames],
             "median_seed": None if median is None else median.seed,
             "worst": [
                 {
-                    "seed": each.seed,
-                    "outcome": each.summary["outcome"],
-                    "reason": each.summary["reason"],
-                    "rerun": rerun(self._arguments, each.seed),
-                    "differs": None if median is None else _difference(first_difference(each, median)),
+                    "seed": trial_.seed,
+                    "outcome": trial_.summary["outcome"],
+                    "reason": trial_.summary["reason"],
+                    "rerun": rerun(self._arguments, trial_.seed),
+                    "differs": None if median is None else _difference(first_difference(trial_, median)),
                 }
-                for each in report.worst()
+                for trial_ in report.worst()
             ],
         }
 

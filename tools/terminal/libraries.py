@@ -43,7 +43,7 @@ class NoLibrary(InputError):
     """A library that handcart needs is missing, too old, or can't be imported. Status 2 (row K13)."""
 
     def __init__(self, wrong: Iterable[str], install: Iterable[str]) -> None:
-        line = " ".join(f"'{each}'" for each in install)
+        line = " ".join(f"'{text}'" for text in install)
         super().__init__(f"{'; '.join(wrong)}; to install: {sys.executable} -m pip install {line}")
 
     @classmethod
@@ -57,7 +57,7 @@ class NoLibrary(InputError):
         extra = extra_of(error)
         if extra is not None:
             return cls([f"the library {root} can't be imported: {error}"], [f"handcart[{extra}]"])
-        found = {_module(each.name).partition(".")[0]: each for each in required()}
+        found = {_module(requirement.name).partition(".")[0]: requirement for requirement in required()}
         install = str(found[root]) if root in found else root or "handcart"
         return cls([f"the library {root or '?'} can't be imported: {error}"], [install])
 
@@ -82,17 +82,17 @@ def check_libraries() -> None:
         NoLibrary: with all that is missing, too old or too new.
     """
     installed, wrong, install = dict(_installed()), [], []
-    for each in required():
-        version = installed.get(_plain(each.name))
-        if version is None and (each.extra or is_there(_module(each.name))):
+    for requirement in required():
+        version = installed.get(_plain(requirement.name))
+        if version is None and (requirement.extra or is_there(_module(requirement.name))):
             continue  # asked for where it is needed; or from a distribution of another name
         if version is None:
-            wrong.append(f"the library {each.name} is missing")
-        elif not _fits(version, each.versions):
-            wrong.append(f"the library {each.name} is {version}; needed: {each.versions}")
+            wrong.append(f"the library {requirement.name} is missing")
+        elif not _fits(version, requirement.versions):
+            wrong.append(f"the library {requirement.name} is {version}; needed: {requirement.versions}")
         else:
             continue
-        install.append(str(each))
+        install.append(str(requirement))
     if wrong:
         raise NoLibrary(wrong, install)
 
@@ -102,8 +102,12 @@ def required() -> list[Requirement]:
     for folder in sys.path:
         for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
             head = found.read_text(encoding="utf-8").partition("\n\n")[0]
-            every = (Requirement(*each) for each in _REQUIRED.findall(head))
-            return [each for each in every if not each.extra or each.extra in EXTRA_MODULES]
+            every = (Requirement(*match) for match in _REQUIRED.findall(head))
+            return [
+                requirement
+                for requirement in every
+                if not requirement.extra or requirement.extra in EXTRA_MODULES
+            ]
     return []
 
 
@@ -113,9 +117,9 @@ def _installed() -> Iterator[tuple[str, str]]:
             names = os.listdir(folder or ".")
         except OSError:
             continue
-        for each in names:
-            if each.endswith((".dist-info", ".egg-info")):
-                name, _, version = each.rpartition(".")[0].partition("-")
+        for item in names:
+            if item.endswith((".dist-info", ".egg-info")):
+                name, _, version = item.rpartition(".")[0].partition("-")
                 yield _plain(name), version.partition("-")[0]
 
 
@@ -129,8 +133,8 @@ def _module(name: str) -> str:
 
 def _fits(version: str, wanted: str) -> bool:
     has = _numbers(version)
-    for each in filter(None, wanted.split(",")):
-        how, than = re.match(r"([<>=!~]+)(.*)", each).groups()  # type: ignore[union-attr]
+    for part in filter(None, wanted.split(",")):
+        how, than = re.match(r"([<>=!~]+)(.*)", part).groups()  # type: ignore[union-attr]
         least = _numbers(than)
         if (how == ">=" and has < least) or (how == "<" and has >= least):
             return False
@@ -139,7 +143,7 @@ def _fits(version: str, wanted: str) -> bool:
 
 def _numbers(version: str) -> tuple[int, ...]:
     found = re.match(r"(?:\d+!)?(\d+(?:\.\d+)*)", version)
-    numbers = [int(each) for each in found.group(1).split(".")] if found else []
+    numbers = [int(part) for part in found.group(1).split(".")] if found else []
     while numbers and not numbers[-1]:
         numbers.pop()  # 2.0 is 2
     return tuple(numbers)

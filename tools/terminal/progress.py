@@ -86,7 +86,7 @@ class Progress(RunObserver):
                 again = f", failed {fails} times before" if fails else ""
                 self._begun, self._cost = time, action.cost_s
                 after = self._way[self._way.index(action) + 1 :] if action in self._way else ()
-                self._rest = sum(each.cost_s for each in after)
+                self._rest = sum(item.cost_s for item in after)
                 self._tell(f"{number}. {action.name}: {action.source} to {action.target}{again}")
             case Restoring(time, action, reason):
                 self._begun, self._cost = time, 0.0
@@ -131,8 +131,8 @@ class Progress(RunObserver):
 
     def offer(self, commands: Sequence[str]) -> None:
         """Print the possible next commands, ready to be pasted."""
-        for each in commands:
-            self._print(f"[dim]  {escape(printable(each))}[/dim]")
+        for command in commands:
+            self._print(f"[dim]  {escape(printable(command))}[/dim]")
 
     def typed(self) -> bool | None:
         """Return the typed answer: True for y, False for n, each with Enter; None for other input."""

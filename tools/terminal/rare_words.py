@@ -31,7 +31,7 @@ class RareWords:
 
     @cached_property
     def _untrue(self) -> list[str]:
-        return [f"seed {trial.seed}: {each}" for trial in self._trials for each in trial.untrue]
+        return [f"seed {trial.seed}: {item}" for trial in self._trials for item in trial.untrue]
 
     def lines(self) -> Iterator[str]:
         """Yield the report as lines for people."""
@@ -50,10 +50,10 @@ class RareWords:
         if self._interrupted:
             yield f"interrupted after {count} of {self._arguments['trials']} populations"
         yield f"outcomes that the ground truth contradicts: {len(self._untrue)}"
-        yield from (f"  {each}" for each in self._untrue[:10])
+        yield from (f"  {text}" for text in self._untrue[:10])
         counted = {"fails": "Fails", "attempts": "attempts of one action"}[self._event["importance"]]
         names = ("share of runs", "begun", "came nearer", self._event["outcome"], "adds")
-        yield f"\n{counted:<24}" + "".join(f"{each:>14}" for each in names)
+        yield f"\n{counted:<24}" + "".join(f"{item:>14}" for item in names)
         for number, level in enumerate(found.levels):
             figures = f"{level.runs:>14}{level.reached:>14}{level.hits:>14}{level.part:>14.3g}"
             yield f"{number:<24}{level.share:>14.3g}{figures}"

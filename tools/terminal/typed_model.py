@@ -32,7 +32,7 @@ def typed_model(kind: type[Model], words: Sequence[str], command: str) -> Model:
         content = dict(_value(kind, word) for word in words)
         return load_part(Document(command, b"", Node(content, command, 0, 0, 0, 0)), (), kind)
     except FileError as error:
-        findings = (replace(each, file=each.file.removeprefix("--set ")) for each in error.findings)
+        findings = (replace(finding, file=finding.file.removeprefix("--set ")) for finding in error.findings)
         raise FileError(findings) from None
 
 

@@ -22,7 +22,7 @@ def check_folder(folder: Path) -> None:
     Raises:
         NotWritable: its nearest existing parent is not a folder, or may not be written into.
     """
-    there = next(each for each in (folder, *folder.absolute().parents) if os.path.lexists(each))
+    there = next(parent for parent in (folder, *folder.absolute().parents) if os.path.lexists(parent))
     if not there.is_dir():
         raise NotWritable(folder, f"{there} is not a folder", "a folder that exists or can be made")
     if not os.access(there, os.W_OK | os.X_OK):

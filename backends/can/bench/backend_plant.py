@@ -37,7 +37,7 @@ class BackendPlant(Plant):
         self._arm = inner.get(Arm) if self._axes.joints else None  # type: ignore[type-abstract]
         self._gripper = inner.get(Gripper) if self._axes.gripper else None  # type: ignore[type-abstract]
         self._model: ArmModel | None = robot.arm_model() if self._arm else None
-        self._rated = np.array([each.rated_effort for each in spec.joints])
+        self._rated = np.array([joint.rated_effort for joint in spec.joints])
         self._driven: dict[int, float] = {}
 
     def place(self, drives: Mapping[int, DriveNode]) -> None:
@@ -88,8 +88,8 @@ class BackendPlant(Plant):
     def _move_arm(self, arm: Arm, drives: Mapping[int, DriveNode]) -> None:
         held, limits = arm.command(), [axis.limits for axis in self._axes.joints]
         asked = np.array([self._asked(drives, axis) for axis in self._axes.joints])
-        most = np.array([each.speed for each in limits]) * self.inner.period
-        lower, upper = (np.array([getattr(each, end) for each in limits]) for end in ("lower", "upper"))
+        most = np.array([limit.speed for limit in limits]) * self.inner.period
+        lower, upper = (np.array([getattr(limit, end) for limit in limits]) for end in ("lower", "upper"))
         arm.move(np.clip(np.clip(asked, held - most, held + most), lower, upper))
 
     def _tell(self, drives: Mapping[int, DriveNode], seconds: float) -> None:

@@ -96,7 +96,7 @@ class Bench:
 
     def _inject_what_is_due(self) -> None:
         due = [act for at, act in self._planned if at <= self.time + 1e-9]
-        self._planned = [each for each in self._planned if each[0] > self.time + 1e-9]
+        self._planned = [pair for pair in self._planned if pair[0] > self.time + 1e-9]
         for act in due:
             act()
 

@@ -51,7 +51,7 @@ class BusLoad:
     @classmethod
     def of(cls, frames: Iterable[CyclicFrame], bitrate: int) -> BusLoad:
         """Return the load of frames on a bus of that bit rate, in [bit/s]."""
-        return cls(tuple(sorted(frames, key=lambda each: each.cob_id)), bitrate)
+        return cls(tuple(sorted(frames, key=lambda frame: frame.cob_id)), bitrate)
 
     def share_of(self, frame: CyclicFrame) -> float:
         """Share of the bus that one of the frames takes."""
@@ -65,7 +65,7 @@ class BusLoad:
     @property
     def burst_s(self) -> float:
         """Duration of all frames sent once, in [s]: the largest delay of the last one in a period."""
-        return sum(each.bits for each in self.frames) / self.bitrate
+        return sum(frame.bits for frame in self.frames) / self.bitrate
 
     @property
     def too_much(self) -> bool:

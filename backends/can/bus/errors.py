@@ -154,7 +154,7 @@ class ReadBackDiffers(CanFault):
 
     def __init__(self, differences: Sequence[Difference]) -> None:
         self.differences = tuple(differences)
-        super().__init__("\n".join(str(each) for each in self.differences))
+        super().__init__("\n".join(str(difference) for difference in self.differences))
 
 
 class Emergency(CanFault):

@@ -131,7 +131,7 @@ class FrameLog(Recording):
         self._marked = []
         if not noted or self.lost is not None:
             return
-        lines = [f"({each.time + self._later:f}){each.line.partition(')')[2]}" for each in noted]
+        lines = [f"({item.time + self._later:f}){item.line.partition(')')[2]}" for item in noted]
         try:
             stem.parent.mkdir(exist_ok=True)
             write_whole(stem.with_name(stem.name + self.suffix), "".join(lines), sync=False)

@@ -46,16 +46,16 @@ def names_of(network: canopen.Network, time: str) -> FrameNames:
     pdos = {}
     for number, node in network.items():
         for what, maps in (("TPDO", node.tpdo), ("RPDO", node.rpdo)):
-            for place, each in maps.items():
-                if each.enabled and each.cob_id:
-                    fields = tuple(_fields(each))
-                    pdos[each.cob_id] = PdoNames(node=number, what=f"{what}{place}", fields=fields)
+            for place, map_ in maps.items():
+                if map_.enabled and map_.cob_id:
+                    fields = tuple(_fields(map_))
+                    pdos[map_.cob_id] = PdoNames(node=number, what=f"{what}{place}", fields=fields)
     return FrameNames(time=time, nodes=nodes, pdos=pdos)
 
 
 def _fields(pdo: PdoMap) -> Iterator[PdoField]:
-    for each in pdo.map:
-        signed = each.od.data_type in canopen.objectdictionary.datatypes.SIGNED_TYPES
+    for item in pdo.map:
+        signed = item.od.data_type in canopen.objectdictionary.datatypes.SIGNED_TYPES
         yield PdoField(
-            index=each.index, subindex=each.subindex, name=each.od.name, bits=each.length, signed=signed
+            index=item.index, subindex=item.subindex, name=item.od.name, bits=item.length, signed=signed
         )

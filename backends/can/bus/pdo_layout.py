@@ -42,7 +42,7 @@ class Pdo(NamedTuple):
     @property
     def length(self) -> int:
         """Length of the data in [bytes]."""
-        return sum(OBJECT_BITS[each] for each in self.objects) // 8
+        return sum(OBJECT_BITS[object_] for object_ in self.objects) // 8
 
 
 class Layout(NamedTuple):
@@ -63,8 +63,8 @@ def layout(mode: int, left_out: Collection[int] = ()) -> Layout:
     when = ON_SYNC if mode in (CYCLIC_POSITION, CYCLIC_VELOCITY) else AT_ONCE
     command = Pdo(1, (0x6040, target), when)
     answers = tuple(
-        each._replace(objects=tuple(index for index in each.objects if index not in left_out))
-        for each in _ANSWERS
+        answer._replace(objects=tuple(index for index in answer.objects if index not in left_out))
+        for answer in _ANSWERS
     )
     if mode == PROFILE_POSITION:
         return Layout((command, Pdo(2, (0x6081,), AT_ONCE)), answers)

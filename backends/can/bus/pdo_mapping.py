@@ -9,8 +9,8 @@ def save_mapping(pdo: PdoMap) -> None:
     """Write the mapping of a PDO into its drive; the COB-ID stays the drive's own."""
     pdo.com_record[2].raw = pdo.trans_type or 0
     pdo.map_array[0].raw = 0
-    for place, each in enumerate(pdo.map, 1):
-        pdo.map_array[place].raw = each.index << 16 | each.subindex << 8 | each.length
+    for place, item in enumerate(pdo.map, 1):
+        pdo.map_array[place].raw = item.index << 16 | item.subindex << 8 | item.length
     pdo.map_array[0].raw = len(pdo.map)
     pdo.subscribe()
 

@@ -29,7 +29,7 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *(_interface(spec), _load(robot, spec), _nodes(spec), _held(spec)),
         *(_counts(robot, spec), _periods(robot, spec), _files(robot, spec)),
     )
-    found = [document.finding(("can", *place), words) for each in own for place, words in each]
+    found = [document.finding(("can", *place), words) for item in own for place, words in item]
     found += _eds_findings(robot, spec, document)
     return found or _wrap_findings(robot, spec, document)
 
@@ -70,7 +70,7 @@ def _eds_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[F
     named = [
         (place, axis, robot.folder / axis.eds) for place, axis in placed_axes(spec) if axis.eds is not None
     ]
-    there = [each for each in named if each[2].is_file()]
+    there = [item for item in named if item[2].is_file()]
     if not there:
         return []
     from .eds_needs import eds_findings  # it reads with canopen, which takes a while to import

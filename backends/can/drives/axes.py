@@ -39,8 +39,8 @@ class Axes(Mapping[str, Axis]):
         """
         self._spec, self._period = spec, robot.period_s
         self._axes = {
-            name: _axis(name, each, units, limits, robot)
-            for name, each, units, limits in planned_axes(robot, spec)
+            name: _axis(name, item, units, limits, robot)
+            for name, item, units, limits in planned_axes(robot, spec)
         }
         self.left, self.right = self._axes["left wheel"], self._axes["right wheel"]
         self.joints = [self._axes[f"joint {number}"] for number in range(1, len(spec.joints) + 1)]

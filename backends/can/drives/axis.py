@@ -73,7 +73,7 @@ class Axis(canopen.RemoteNode):
         self.name = f"the {name} drive (node {spec.node})"
         self.spec, self.mode, self.units, self.limits, self.period = spec, mode, units, limits, period
         most = max(limits.speed, limits.acceleration, limits.braking) * abs(units.scale)
-        ends = [units.counts(each) for each in (limits.lower, limits.upper) if math.isfinite(each)]
+        ends = [units.counts(item) for item in (limits.lower, limits.upper) if math.isfinite(item)]
         if not max([most, *map(abs, ends)]) < 2**31:
             raise TooManyCounts(self.name, max([most, *map(abs, ends)]))
         self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
@@ -101,7 +101,9 @@ class Axis(canopen.RemoteNode):
         """Number of impossible positions in a row."""
         self.ignored = 0
         """Number of set-points in a row that the drive hasn't accepted."""
-        self._reported = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
+        self._reported = dict.fromkeys(
+            (index for answer in self.layout.answers for index in answer.objects), 0
+        )
         self.travel = 0.0
         """Travel since it was built, in [m] or [rad]."""
         self.contradiction = 0.0
@@ -115,11 +117,11 @@ class Axis(canopen.RemoteNode):
 
     @property
     def _commands(self) -> list[PdoMap]:
-        return [self.rpdo[each.number] for each in self.layout.commands]
+        return [self.rpdo[command.number] for command in self.layout.commands]
 
     @property
     def _answers(self) -> list[PdoMap]:
-        return [self.tpdo[each.number] for each in self.layout.answers]
+        return [self.tpdo[answer.number] for answer in self.layout.answers]
 
     # Single objects, at rest
 
@@ -272,7 +274,7 @@ class Axis(canopen.RemoteNode):
     @property
     def missing(self) -> list[Pdo]:
         """Answers to the last SYNC that have not arrived."""
-        return [each for each in self.layout.answers if each.objects[0] not in self._fresh]
+        return [answer for answer in self.layout.answers if answer.objects[0] not in self._fresh]
 
     @property
     def answered(self) -> bool:
@@ -283,8 +285,8 @@ class Axis(canopen.RemoteNode):
         if 8 * len(pdo.data) != pdo.length:
             raise ValueError(f"{len(pdo.data)} bytes")  # counted as malformed
         self._fresh.add(pdo.map[0].index)
-        for each in pdo:
-            self._reported[each.index] = int(each.raw)
+        for item in pdo:
+            self._reported[item.index] = int(item.raw)
         if self.answered:
             self._answered = self._asked
             self._take_position(self._reported[0x6064])

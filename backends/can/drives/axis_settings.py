@@ -38,9 +38,9 @@ class ObjectValue:
 def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
     """Return all settings of a drive except its PDOs; `period` is the time between two SYNCs [s]."""
     planned = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
-    wanted = [each for each in planned if each.index not in axis.left_out]
-    optional = [each for each in wanted if (each.index, each.subindex) in _IF_THERE]
-    return [each for each in wanted if each not in optional or _has(axis, each)]
+    wanted = [item for item in planned if item.index not in axis.left_out]
+    optional = [item for item in wanted if (item.index, item.subindex) in _IF_THERE]
+    return [item for item in wanted if item not in optional or _has(axis, item)]
 
 
 def mapping(axis: Axis) -> Iterator[ObjectValue]:

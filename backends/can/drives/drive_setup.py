@@ -50,10 +50,10 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
         axis.leave()
         _check_kind(axis)
         _check_range(axis)
-        for each in settings(axis, spec, period):
-            _write(axis, each)
+        for setting in settings(axis, spec, period):
+            _write(axis, setting)
         _save_pdos(axis)
-    differences = [each for axis in axes for each in read_back(axis, spec, period)]
+    differences = [difference for axis in axes for difference in read_back(axis, spec, period)]
     if differences:
         raise ReadBackDiffers(differences)
     look(axes)
@@ -63,19 +63,19 @@ def look(axes: Iterable[Axis]) -> None:
     """Read the positions of the drives; raise `CanFault` if one can't be read."""
     for axis in axes:
         readings = [
-            0 if each in axis.left_out else _known(axis, ObjectValue(each, 0, 0))
-            for each in (0x6064, 0x606C, 0x6077)
+            0 if value in axis.left_out else _known(axis, ObjectValue(value, 0, 0))
+            for value in (0x6064, 0x606C, 0x6077)
         ]
         axis.place(*readings)
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
     """Yield every setting of a drive that is not as it should be; raises `SilentDrive`."""
-    for each in (*settings(axis, spec, period), *mapping(axis)):
-        got = _read(axis, each)
-        if got != each.value:
-            name = _name(axis, each)
-            yield Difference(axis.name, each.index, each.subindex, name, each.value, got)
+    for setting in (*settings(axis, spec, period), *mapping(axis)):
+        got = _read(axis, setting)
+        if got != setting.value:
+            name = _name(axis, setting)
+            yield Difference(axis.name, setting.index, setting.subindex, name, setting.value, got)
 
 
 def _check_kind(axis: Axis) -> None:
@@ -97,7 +97,7 @@ def _check_kind(axis: Axis) -> None:
 def _check_range(axis: Axis) -> None:
     """Learn where the counts of a drive start over; raises `WrongDrive` if inside the travel."""
     if RANGE_LIMIT in axis.object_dictionary:
-        ends = (_read(axis, ObjectValue(RANGE_LIMIT, each, 0)) for each in (1, 2))
+        ends = (_read(axis, ObjectValue(RANGE_LIMIT, value, 0)) for value in (1, 2))
         axis.counted = narrowed(INTEGER32_RANGE, *ends)
     wrong = wrap_inside_travel(axis.units, axis.limits, axis.period, axis.counted, axis.positioned)
     if wrong:

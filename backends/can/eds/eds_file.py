@@ -116,9 +116,9 @@ def _sections(text: str) -> list[_Section]:
 
 def _findings(name: str, sections: list[_Section]) -> Iterator[Finding]:
     """Find entries that the library would reject without naming the place."""
-    if all(each.name != "DeviceInfo" for each in sections):
+    if all(section_.name != "DeviceInfo" for section_ in sections):
         yield Finding(name, 1, 1, "the section [DeviceInfo] is missing; needed by CiA 306")
-    objects = {int(each.name, 16): each for each in sections if _OBJECT.fullmatch(each.name)}
+    objects = {int(section_.name, 16): section_ for section_ in sections if _OBJECT.fullmatch(section_.name)}
     for section in sections:
         member = _MEMBER.fullmatch(section.name)
         is_object = bool(_OBJECT.fullmatch(section.name) or member)

@@ -63,7 +63,7 @@ DEVICE_LACKS: Mapping[Without, Lack] = {
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
     """Return the objects that an axis is used without."""
-    return frozenset(index for each in axis.without for index in DEVICE_LACKS[each].objects)
+    return frozenset(index for item in axis.without for index in DEVICE_LACKS[item].objects)
 
 
 def lack_of(index: int) -> Without | None:
@@ -83,4 +83,4 @@ def accepting(index: int) -> str:
 
 def not_watched(axis: AxisSpec) -> list[str]:
     """Return what the missing objects that the robot's file accepts for an axis leave unchecked, as text."""
-    return [f"without {DEVICE_LACKS[each].what}: {DEVICE_LACKS[each].then}" for each in axis.without]
+    return [f"without {DEVICE_LACKS[item].what}: {DEVICE_LACKS[item].then}" for item in axis.without]

@@ -41,8 +41,8 @@ class LinePort:
         *whole, self._begun = came.split(b"\n")
         if len(self._begun) > _LONGEST:
             self._begun = b""
-        for each in whole:
-            line = each.strip()
+        for item in whole:
+            line = item.strip()
             if line:
                 yield line
 

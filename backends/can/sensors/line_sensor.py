@@ -39,11 +39,11 @@ class LineSensor(LiveSensor):
         if self.trouble:
             return
         try:
-            lines = [read_line(each) for each in self._port.lines()]
+            lines = [read_line(line) for line in self._port.lines()]
         except OSError as error:
             self.trouble = f"it can't be read: {error}"
             return
-        good = [each.values for each in lines if each is not None and self._new(each)]
+        good = [line.values for line in lines if line is not None and self._new(line)]
         self.rejected += len(lines) - len(good)
         if good:
             self._good()

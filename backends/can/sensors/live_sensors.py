@@ -44,8 +44,8 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
                     )
                 opened.append(_open(key, robot, sensors, clock))
     except BaseException:
-        for each in opened:
-            each.close()
+        for sensor in opened:
+            sensor.close()
         raise
     return opened
 
@@ -57,11 +57,11 @@ def await_first(sensors: list[LiveSensor], seconds: float = _FIRST) -> None:
         NoSensor: one gave none.
     """
     end = time.monotonic() + seconds
-    waited = [each for each in sensors if not isinstance(each, Gps)]
+    waited = [sensor for sensor in sensors if not isinstance(sensor, Gps)]
     while True:
-        for each in sensors:
-            each.advance()
-        silent = [each for each in waited if each.age is None]
+        for sensor in sensors:
+            sensor.advance()
+        silent = [sensor for sensor in waited if sensor.age is None]
         if not silent:
             return
         if time.monotonic() > end:

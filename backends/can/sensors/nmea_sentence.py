@@ -108,7 +108,7 @@ def _degrees(fields: Mapping[str, str], axis: str) -> float:
 
 
 def _utc(fields: Mapping[str, str]) -> float:
-    hour, minute, second = (strict_number(fields[each]) for each in ("hour", "minute", "second"))
+    hour, minute, second = (strict_number(fields[name]) for name in ("hour", "minute", "second"))
     if hour >= 24.0 or minute >= 60.0 or second >= 61.0:  # a leap second is one
         raise ValueError("no such time")
     return 3600.0 * hour + 60.0 * minute + second

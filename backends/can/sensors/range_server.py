@@ -33,16 +33,16 @@ class RangeServer:
         if not self._heard:
             return
         line = sensor_line("RANGE", round(1e3 * time), self._sensor.scan().ranges)
-        for each in list(self._heard):
+        for item in list(self._heard):
             try:
-                sent = each.send(line)
+                sent = item.send(line)
             except OSError:
                 sent = 0
             if sent != len(line):
-                each.close()
-                self._heard.remove(each)
+                item.close()
+                self._heard.remove(item)
 
     def close(self) -> None:
         """Close the connection."""
-        for each in (self._listening, *self._heard):
-            each.close()
+        for item in (self._listening, *self._heard):
+            item.close()

@@ -53,7 +53,7 @@ def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
         stamp: the sensor's clock, as an integer.
         values: (n,) in the units of the kind; infinity is sent as an empty field.
     """
-    fields = ",".join("" if each == math.inf else f"{each:.4f}" for each in values)
+    fields = ",".join("" if value == math.inf else f"{value:.4f}" for value in values)
     body = f"{kind},{stamp},{fields}".encode()
     return b"$%b*%02X\n" % (body, checksum(body))
 
@@ -65,7 +65,7 @@ def read_line(line: bytes) -> SensorLine | None:
         if not _STAMP.fullmatch(stamp):
             return None
         number = _range if kind == "RANGE" else strict_number
-        values = np.array([number(each) if each else math.inf for each in fields])
+        values = np.array([number(field) if field else math.inf for field in fields])
         return SensorLine(kind, int(stamp), values)
     except ValueError:
         return None

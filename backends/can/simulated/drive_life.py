@@ -26,7 +26,10 @@ _TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "_reset", "source": [FAULT], "dest": OFF},  # 15
 ]
 _THERE = {
-    (each["trigger"], state) for each in _TRANSITIONS for state in DRIVE_STATES if state in each["source"]
+    (transition["trigger"], state)
+    for transition in _TRANSITIONS
+    for state in DRIVE_STATES
+    if state in transition["source"]
 }
 _STAYING = range(5, 9)  # quick stop option codes (605Ah) that end in QUICK STOP ACTIVE
 

@@ -143,9 +143,9 @@ class DriveNode(canopen.LocalNode):
         if self.nmt.state != "OPERATIONAL" or 8 * len(pdo.data) != pdo.length:
             return
         self._commanded = 0.0
-        values = [(each.index, each.subindex, int(each.raw)) for each in pdo]
+        values = [(item.index, item.subindex, int(item.raw)) for item in pdo]
         # A new set-point comes with the controlword that makes it count.
-        values.sort(key=lambda each: each[0] == 0x6040)
+        values.sort(key=lambda value: value[0] == 0x6040)
         if (pdo.trans_type or 0) <= MAX_SYNCHRONOUS_TYPE:
             self._waiting = values
         else:

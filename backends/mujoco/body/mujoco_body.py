@@ -75,12 +75,12 @@ class MujocoBody(RobotBody):
             add_planar_drive(child)
         spec = engine.world.spec
         spec.attach(child, prefix=ROBOT_PREFIX, frame=spec.worldbody.add_frame())
-        root = next(each for each in spec.bodies if each.name.startswith(ROBOT_PREFIX))
+        root = next(body for body in spec.bodies if body.name.startswith(ROBOT_PREFIX))
         root.add_freejoint(name=f"{self.id}")
         root.sleep = mujoco().mjtSleepPolicy.mjSLEEP_NEVER
         self._root_name, self._root = root.name, root.name.removeprefix(ROBOT_PREFIX)
         names = [
-            each.name.removeprefix(ROBOT_PREFIX) for each in spec.bodies if each.name.startswith(ROBOT_PREFIX)
+            body.name.removeprefix(ROBOT_PREFIX) for body in spec.bodies if body.name.startswith(ROBOT_PREFIX)
         ]
         self.link_index = {name: number - 1 for number, name in enumerate(names)}
         self.link_names = {number: name for name, number in self.link_index.items()}
@@ -130,7 +130,7 @@ class MujocoBody(RobotBody):
             pairs |= {frozenset((name, above)) for above in self._above(name)}
         if self.sprung:
             rolling = (*self.wheels.all, *self.casters)
-            pairs |= {frozenset((name, each)) for name in rolling for each in self.link_index}
+            pairs |= {frozenset((name, text)) for name in rolling for text in self.link_index}
         for one, other in sorted(sorted(pair) for pair in pairs if len(pair) == 2):
             spec.add_exclude(bodyname1=ROBOT_PREFIX + one, bodyname2=ROBOT_PREFIX + other)
 
@@ -199,7 +199,7 @@ class MujocoBody(RobotBody):
         """See `RobotBody`; MuJoCo's contacts give as `CONTACT_COMPLIANCE` says, and stick by themselves."""
         spec = self._engine.world.spec
         for link, geometry in [
-            (name, each) for name in links for each in spec.body(ROBOT_PREFIX + name).geoms
+            (name, geom) for name in links for geom in spec.body(ROBOT_PREFIX + name).geoms
         ]:
             if surface.friction is not None:
                 geometry.priority = 1  # its friction alone counts for a pair
@@ -237,7 +237,7 @@ class MujocoBody(RobotBody):
     @override
     def links_behind(self, joint: str) -> set[int]:
         moved = self._engine.world.spec.joint(ROBOT_PREFIX + joint).parent
-        names = [moved.name, *(each.name for each in moved.find_all("body"))]
+        names = [moved.name, *(item.name for item in moved.find_all("body"))]
         return {self.link_index[name.removeprefix(ROBOT_PREFIX)] for name in names}
 
 

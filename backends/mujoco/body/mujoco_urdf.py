@@ -44,7 +44,7 @@ def _triangles(file: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the corners (3 n,) in [m] and triangles (3 m,) of a mesh file that coal reads."""
     mesh: Any = read_mesh(file)
     triangles = (mesh.tri_indices(number) for number in range(mesh.num_tris))
-    faces = np.array([[each[0], each[1], each[2]] for each in triangles], dtype=np.int32)
+    faces = np.array([[triangle[0], triangle[1], triangle[2]] for triangle in triangles], dtype=np.int32)
     return np.array(mesh.vertices()).ravel(), faces.ravel()
 
 
@@ -59,4 +59,4 @@ def _without_a_world(urdf: str) -> str:
 
 
 def _named_links(robot: ElementTree.Element) -> Iterator[ElementTree.Element]:
-    return (each for each in robot.iter() if each.tag in ("link", "parent", "child"))
+    return (item for item in robot.iter() if item.tag in ("link", "parent", "child"))

@@ -56,7 +56,7 @@ class LidarBeams:
         self._boxes = model.geom_type[self._others] == kinds.mjGEOM_BOX
         self._grounds = model.geom_type[self._others] == kinds.mjGEOM_HFIELD
         self._reach = model.geom_rbound[self._others, None]
-        self._fields = {int(each): _Field.of(model, int(each)) for each in self._others[self._grounds]}
+        self._fields = {int(item): _Field.of(model, int(item)) for item in self._others[self._grounds]}
 
     def free_shares(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
         """Return how much of each way from a point is free of all but the robot; see `Engine.free_shares`.

@@ -57,7 +57,7 @@ class Numbering:
         self._numbers = np.array(list(self.things), np.int64)
         first, last = (
             np.array(
-                [each.position + less * (each.coordinates - 1) for each in self.things.values()], np.int64
+                [thing.position + less * (thing.coordinates - 1) for thing in self.things.values()], np.int64
             )
             for less in (0, 1)
         )

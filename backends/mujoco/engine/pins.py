@@ -31,7 +31,7 @@ class Pins:
         """Add the constraints to a model, inactive; `other` is any other body."""
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         self._first = len(spec.equalities)
-        assert all(each.type == kinds.mjEQ_JOINT for each in spec.equalities)
+        assert all(equality.type == kinds.mjEQ_JOINT for equality in spec.equalities)
         for number in range(MAX_PIN_POINTS):
             pin = spec.add_equality(name=_NAME.format(number), name1=hand, name2=other, active=False)
             pin.type, pin.objtype, pin.solref = kinds.mjEQ_CONNECT, what.mjOBJ_BODY, CONTACT_COMPLIANCE
@@ -65,8 +65,8 @@ class Pins:
         """Hold two of MuJoCo's bodies together."""
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
-        for each, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
-            number = self._first + each
+        for item, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
+            number = self._first + item
             model.eq_obj1id[number], model.eq_obj2id[number] = hand, other
             model.eq_data[number, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
             model.eq_data[number, 3:6] = there

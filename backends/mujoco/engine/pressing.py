@@ -43,7 +43,7 @@ class Pressing:
             one, other = self._owners[first], self._owners[second]
             found.setdefault(one[0], set()).add(Touching(one[1], *other))
             found.setdefault(other[0], set()).add(Touching(other[1], *one))
-        return {body: frozenset(each) for body, each in found.items()}
+        return {body: frozenset(group) for body, group in found.items()}
 
     def contacts(self, data: Any, body: int) -> list[ContactPoint]:
         """Return the contact points of one body, with normals and forces in the world's frame."""

@@ -219,5 +219,5 @@ class StageSpec:
                 name = shape["meshname"] = f"robot {number}"
                 self.spec.add_mesh(name=name, uservert=part.mesh[0].ravel(), userface=part.mesh[1].ravel())
             made = self._shape(bodies[part.link], **shape)
-            red, green, blue, _ = (float(each) for each in part.rgba)
+            red, green, blue, _ = (float(item) for item in part.rgba)
             self._paint(made, round(255 * green), Material(red, green, blue, 0.3))

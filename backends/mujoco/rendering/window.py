@@ -38,7 +38,7 @@ class Window:
         self._handle: Any = viewer.launch_passive(
             self._stage.model, self._stage.data, show_left_ui=False, show_right_ui=False
         )
-        self._threads = [each for each in threading.enumerate() if each not in before]
+        self._threads = [item for item in threading.enumerate() if item not in before]
         camera = self._handle.cam
         camera.lookat = world_T_base[:3, 3] + (0.0, 0.0, 0.5)
         camera.distance, camera.elevation = _FROM["distance"], _FROM["elevation"]
@@ -66,8 +66,8 @@ class Window:
     def close(self) -> None:
         """Close it; a second call does nothing."""
         self._handle.close()
-        for each in self._threads:  # it draws in a thread of its own, which mustn't outlive it
-            each.join(_PATIENCE)
+        for thread in self._threads:  # it draws in a thread of its own, which mustn't outlive it
+            thread.join(_PATIENCE)
 
 
 def check_display() -> None:

@@ -41,11 +41,11 @@ class ContactReader:
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]
-        if not {each.link for each in self._touching(self._body.id)} >= set(self._fingers):
+        if not {item.link for item in self._touching(self._body.id)} >= set(self._fingers):
             return None
         points = self._engine.contacts(self._body.id)
         sides = [
-            {each.other for each in points if each.link == finger and abs(across @ each.normal) > _ACROSS}
+            {point.other for point in points if point.link == finger and abs(across @ point.normal) > _ACROSS}
             for finger in self._fingers
         ]
         both = set.intersection(*sides)
@@ -60,12 +60,12 @@ class ContactReader:
         total, mine, hand = np.zeros(3), self._body.id, self._hand
         if held in self._world.fixed:
             return self._force_of_fixed()
-        if any(each.link in hand and each.other not in (held, mine) for each in self._touching(mine)):
+        if any(item.link in hand and item.other not in (held, mine) for item in self._touching(mine)):
             for point in self._engine.contacts(mine):
                 if point.link in hand and point.other not in (held, mine):
                     total += point.force
         if held is not None and any(
-            each.other != mine or each.other_link not in hand for each in self._touching(held)
+            item.other != mine or item.other_link not in hand for item in self._touching(held)
         ):
             for point in self._engine.contacts(held):
                 if point.other != mine or point.other_link not in hand:

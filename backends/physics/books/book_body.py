@@ -65,7 +65,7 @@ class BookBody(ThingBody):
         # Pixels as dark as the cloth or darker are ink, lighter ones are paper.
         ink, paper = np.minimum(spine / grey, 1.0), np.clip((spine - grey) / (255.0 - grey), 0.0, 1.0)
         shown = 255.0 * ((1.0 - paper) * ink * cloth + paper)
-        strips = [np.full((len(spine), _STRIP // 2, 3), 255.0) * each for each in (cloth, _LEAVES)]
+        strips = [np.full((len(spine), _STRIP // 2, 3), 255.0) * item for item in (cloth, _LEAVES)]
         return np.hstack((shown, *strips)).astype(np.uint8)
 
     @override

@@ -41,7 +41,7 @@ def form_mesh(size: Sequence[float], uvs: Sequence[Uvs], is_round: bool) -> Form
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     following = np.roll(ring, -1, axis=0)
     low, high = np.full((CYLINDER_STRIP_COUNT, 1), -1.0), np.full((CYLINDER_STRIP_COUNT, 1), 1.0)
-    sides = [np.hstack(each) for each in ((ring, low), (following, low), (following, high), (ring, high))]
+    sides = [np.hstack(item) for item in ((ring, low), (following, low), (following, high), (ring, high))]
     middles = (ring + following) / np.linalg.norm(ring + following, axis=1, keepdims=True)
     fan = np.array([(0, 2 * k + 1, 2 * k + 2, 2 * k + 3) for k in range((CYLINDER_STRIP_COUNT - 2) // 2)])
     ends = np.dstack([ring[fan], np.ones(fan.shape)])

@@ -76,8 +76,8 @@ class EngineCamera(SimulatedCamera):
         Args:
             world_T_camera: (4, 4) pose of the optical frame.
         """
-        for each in self._world.things.values():
-            each.look(world_T_camera[:3, 3])
+        for thing in self._world.things.values():
+            thing.look(world_T_camera[:3, 3])
         width, height = self._lens.size
         K = self._lens.K * [[SAMPLES_PER_SIDE], [SAMPLES_PER_SIDE], [1.0]]
         K[:2, 2] += (SAMPLES_PER_SIDE - 1) / 2

@@ -48,8 +48,8 @@ def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transfo
     poses, carrier = link_poses(urdf), _carriers(urdf)
     moving = _moving(urdf, ())
     floor_T_root = inverse(poses[_BASE]) if _BASE in poses else np.eye(4)
-    wheels = [each for each in bodies_of(urdf) if each.name in rolling]
-    heights = [_bottom_at(floor_T_root @ poses[each.name], each) for each in wheels]
+    wheels = [item for item in bodies_of(urdf) if item.name in rolling]
+    heights = [_bottom_at(floor_T_root @ poses[wheel.name], wheel) for wheel in wheels]
     floor_T_root[2, 3] -= min(heights, default=0.0)
     base = _carried_by(_BASE, carrier, moving)
     return {
@@ -69,7 +69,7 @@ def _carriers(urdf: str) -> dict[str, tuple[str, str]]:
 
 
 def _moving(urdf: str, still: Collection[str]) -> set[str]:
-    return {each.name for each in joints_of(urdf)} - set(still)
+    return {item.name for item in joints_of(urdf)} - set(still)
 
 
 def _carried_by(link: str, carrier: Mapping[str, tuple[str, str]], moving: Collection[str]) -> str:

@@ -38,13 +38,13 @@ def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
         ValueError: a mesh can't be read, or encloses nothing.
     """
     robot, poses, bodies = read_urdf(urdf), link_poses(urdf), bodies_of(urdf)
-    links = {each.get("name", ""): each for each in robot.findall("link")}
+    links = {match.get("name", ""): match for match in robot.findall("link")}
     base_T_root = np.linalg.inv(poses.get("base", np.eye(4)))
     for joint in robot.findall("joint"):
         child = joint.find("child")
         name = "" if child is None else child.get("link", "")
-        hulls = [each for each in bodies if each.name == name and isinstance(each, Hull)]
-        if joint.get("name") in wheels and hulls and len(hulls) == sum(each.name == name for each in bodies):
+        hulls = [body for body in bodies if body.name == name and isinstance(body, Hull)]
+        if joint.get("name") in wheels and hulls and len(hulls) == sum(body.name == name for body in bodies):
             disc = _disc(hulls, base_T_root @ poses[name], _axis(joint), tread)
             if disc is not None:
                 _put_disc(links[name], *disc)
@@ -67,7 +67,7 @@ def _disc(
     across = float(base_T_wheel[1, :3] @ axis)
     if abs(across) < MIN_AXLE_COSINE:
         return None
-    low = min(bottom(_posed(each, base_T_wheel)) for each in hulls)
+    low = min(bottom(_posed(hull, base_T_wheel)) for hull in hulls)
     radius = float(base_T_wheel[2, 3]) - low
     along = np.concatenate(list(_corners(hulls))) @ axis
     y = float(base_T_wheel[1, 3])
@@ -81,7 +81,7 @@ def _posed(hull: Hull, base_T_wheel: Transform) -> Shape:
 
 def _corners(hulls: list[Hull]) -> Iterator[FloatArray]:
     """Corners (n, 3) in the wheel's frame."""
-    return (each.points @ each.pose[:3, :3].T + each.pose[:3, 3] for each in hulls)
+    return (hull.points @ hull.pose[:3, :3].T + hull.pose[:3, 3] for hull in hulls)
 
 
 def _put_disc(link: Element, middle: FloatArray, axis: FloatArray, radius: float) -> None:

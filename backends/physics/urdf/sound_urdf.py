@@ -44,7 +44,7 @@ def sound_urdf(robot: RobotFile) -> SoundUrdf:
         ValueError: a mesh cannot be read, or encloses no volume.
     """
     text, repairs = repaired(robot.urdf_text())
-    wheels = driven_wheels(each.name for each in joints_of(text)).all
+    wheels = driven_wheels(item.name for item in joints_of(text)).all
     text = with_wheel_efforts(text, wheels, robot.drive.wheel_radius_m)
     text = with_round_wheels(text, wheels, robot.drive.tread_m)
     if robot.errors.lean_mrad_per_m > 0.0:

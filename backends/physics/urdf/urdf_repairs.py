@@ -28,8 +28,8 @@ def repaired(urdf: str) -> tuple[str, list[Repair]]:
     A massless frame fixed to its parent silently becomes nearly weightless.
     """
     robot = ElementTree.fromstring(urdf)
-    links = {each.get("name", ""): each for each in robot.findall("link")}
-    moved = {each.child for each in joints_of(urdf)}
+    links = {match.get("name", ""): match for match in robot.findall("link")}
+    moved = {item.child for item in joints_of(urdf)}
     done = []
     for facts in links_of(urdf):
         link = links[facts.name]

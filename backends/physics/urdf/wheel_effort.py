@@ -34,10 +34,10 @@ def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str
         wheels: names of the joints that drive it.
         radius: radius of the wheels, in [m].
     """
-    limp = {each.name for each in joints_of(urdf) if each.name in wheels and each.effort <= 0.0}
+    limp = {item.name for item in joints_of(urdf) if item.name in wheels and item.effort <= 0.0}
     if not limp:
         return urdf
-    mass = sum(each.mass or 0.0 for each in links_of(urdf))
+    mass = sum(facts.mass or 0.0 for facts in links_of(urdf))
     torque = slipping_torque(mass, radius, len(wheels))
     robot = ElementTree.fromstring(urdf)
     for joint in robot.findall("joint"):

@@ -84,7 +84,7 @@ class ThingBody:
         size = white.shape[0]
         for number, side in enumerate(BOX_SIDES):
             if side not in faces:
-                white[:, number * size : (number + 1) * size] = [round(255 * each) for each in material[:3]]
+                white[:, number * size : (number + 1) * size] = [round(255 * item) for item in material[:3]]
         return white
 
     def asleep(self) -> bool:
@@ -117,7 +117,7 @@ def _part_of(number: int, printed: bool) -> Uvs:
 def _picture(faces: Mapping[Side, ByteArray], grey: int) -> ByteArray:
     """Return all sides beside each other, each as wide and high as the largest picture of one."""
     shades = [min(255, round(grey * share)) for share in _SHADE]
-    size = min(_MOST, max((max(each.shape) for each in faces.values()), default=_STRIP))
+    size = min(_MOST, max((max(face.shape) for face in faces.values()), default=_STRIP))
     return np.hstack(
         [_part(faces.get(side), shade, size) for side, shade in zip(BOX_SIDES, shades, strict=True)]
     )

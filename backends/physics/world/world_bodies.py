@@ -95,8 +95,8 @@ class WorldBodies:
         for thing in self._scene.things():
             if thing.name not in self.things:
                 self.add(thing)
-        for each in self._weighed:
-            each.keep()
+        for body in self._weighed:
+            body.keep()
 
     def reach(self, x: float, y: float) -> None:
         """Make sure that there is ground around a place, x and y in the world, in [m]."""
@@ -117,11 +117,11 @@ class WorldBodies:
         begun = list(wanted[: len(self._made)]) == self._made
         if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MAX_LATE_BODIES:
             raise NotAState("no saved state: its world was made in another order")
-        for each in wanted[len(self._made) :]:
-            if isinstance(each, str):
-                self._add_named(each)
+        for item in wanted[len(self._made) :]:
+            if isinstance(item, str):
+                self._add_named(item)
             else:
-                self._add_tile(each)
+                self._add_tile(item)
 
     def _add_named(self, name: str) -> None:
         thing = self._scene.thing_named(name)

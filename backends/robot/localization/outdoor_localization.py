@@ -192,5 +192,5 @@ class OutdoorLocalization(Localization):
             **super()._parts(),
             "filter": (self._filter, self._filter.STATE),
             "wheels and gyros": (odometry, odometry.STATE),
-            **{f"filter {k}": (each, each.STATE) for k, each in enumerate(self._filter.parts, start=1)},
+            **{f"filter {k}": (part, part.STATE) for k, part in enumerate(self._filter.parts, start=1)},
         }

@@ -108,7 +108,7 @@ def controller_of(name: str) -> str:
 def _in_use(link: Link, kind: str) -> list[str]:
     """Return the topics of a type that are published or, for a command, have a subscriber."""
     look = link.listeners if kind in COMMAND_KINDS else link.publishers
-    return [topic for topic in link.topics_of(kind) if any(f"({kind})" in each for each in look(topic))]
+    return [topic for topic in link.topics_of(kind) if any(f"({kind})" in item for item in look(topic))]
 
 
 def _kept(into: dict[str, Any], topic: str, content: Callable[[Any], Any]) -> Callable[[Any], None]:

@@ -66,16 +66,16 @@ def listen(
         *sensor_findings(heard),
         *frame_findings(heard),
     ]
-    topics = tuple(each.measured() for each in ears.meters.values())
+    topics = tuple(meter.measured() for meter in ears.meters.values())
     names = [*ears.meters, *heard.topics.commands]
     nodes = {
         name: link.listeners(name) if name in heard.topics.commands else link.publishers(name)
         for name in names
     }
-    nodes |= {each.name: link.action_servers(each.name) for each in heard.topics.streams}
+    nodes |= {stream.name: link.action_servers(stream.name) for stream in heard.topics.streams}
     return AirReport(
         topics,
         nodes,
-        tuple(each for each in found if each.is_fault),
-        tuple(each for each in found if not each.is_fault),
+        tuple(item for item in found if item.is_fault),
+        tuple(item for item in found if not item.is_fault),
     )

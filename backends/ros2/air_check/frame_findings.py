@@ -37,23 +37,23 @@ def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
             words = "tf_static, tf: no frames arrive; not compared with the file"
             yield AirFinding(("ros2",), words, is_fault=False)
         return
-    for each in _placed(heard):
-        message = heard.last(each.topic)
+    for item in _placed(heard):
+        message = heard.last(item.topic)
         if message is None:
             continue
         frame = message.header.frame_id
         pose = heard.frames.pose(base, frame)
         if pose is None:
             hint = suggest(frame, sorted(heard.frames.frames))
-            words = f"tf: nothing connects {base!r} with the frame {frame!r} of {each.topic}{hint}"
-            yield AirFinding((each.name,), words, is_fault=False)
+            words = f"tf: nothing connects {base!r} with the frame {frame!r} of {item.topic}{hint}"
+            yield AirFinding((item.name,), words, is_fault=False)
             continue
-        off, angle = difference(each.base_T_sensor, pose)
+        off, angle = difference(item.base_T_sensor, pose)
         if off > MAX_FRAME_ERROR_M or math.degrees(angle) > MAX_FRAME_ERROR_DEG:
             x, y, z = pose[:3, 3]
             yield AirFinding(
-                (each.name,),
-                f"tf: the frame {frame!r} of {each.topic} is at ({x:.3f}, {y:.3f}, {z:.3f}) m in {base!r},"
+                (item.name,),
+                f"tf: the frame {frame!r} of {item.topic} is at ({x:.3f}, {y:.3f}, {z:.3f}) m in {base!r},"
                 f" {off:.3f} m and {math.degrees(angle):.1f} deg from where the robot's file has it; allowed:"
                 f" {MAX_FRAME_ERROR_M:g} m, {MAX_FRAME_ERROR_DEG:g} deg",
             )
@@ -89,5 +89,5 @@ def _carrier(heard: HeardRobot, link: str) -> Transform | None:
         return base_T_frame(robot.urdf_text(), link)
     if states is None or states.missing or not states.is_fresh:
         return None
-    names = [heard.spec.name_of(each) for each in robot.arm.joints]
+    names = [heard.spec.name_of(joint) for joint in robot.arm.joints]
     return robot.arm_model().forward(states.positions(names), link)

@@ -95,8 +95,8 @@ class HeardRobot:
     def sensors(self) -> Iterator[tuple[str, TopicSensor]]:
         """Yield each reading with its key in the section `ros2`."""
         keys = {id(getattr(self.spec, key)): key for key in type(self.spec).model_fields}
-        keys |= {id(each): "cameras" for each in self.spec.cameras.values()}
-        keys |= {id(each): "depth" for each in self.spec.depth.values()}
+        keys |= {id(camera): "cameras" for camera in self.spec.cameras.values()}
+        keys |= {id(item): "depth" for item in self.spec.depth.values()}
         for sensor in self.topics.sensors:
             yield keys.get(id(sensor.source), "depth"), sensor  # colours have no key of their own
 
@@ -104,7 +104,9 @@ class HeardRobot:
         topics = self.topics
         joints = topics.states is None or not topics.states.missing
         return (
-            joints and all(each.age is not None for each in topics.sensors) and not unheard(topics, self.link)
+            joints
+            and all(sensor.age is not None for sensor in topics.sensors)
+            and not unheard(topics, self.link)
         )
 
     def _receive(self, wait: Callable[[], None]) -> None:

@@ -42,7 +42,7 @@ def _wire_words(heard: HeardRobot, sensor: TopicSensor) -> Iterator[str]:
     """Yield what the graph of nodes shows."""
     topic = sensor.source.topic
     nodes = heard.link.publishers(topic)
-    kinds = {each.rpartition(" ")[2] for each in nodes}
+    kinds = {node.rpartition(" ")[2] for node in nodes}
     if len(kinds) > 1:
         yield f"{sensor.name}: nodes publish different types: {', '.join(nodes)}; allowed: {sensor.KIND}"
     elif len(nodes) > 1 and not isinstance(sensor, JointStates | FrameOdometry):

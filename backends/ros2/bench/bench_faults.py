@@ -76,14 +76,14 @@ class BenchFaults:
 
     def is_due(self, kind: str, name: str, now_s: float) -> bool:
         """Return whether a fault of a topic or action is there at a time of the bench in [s]."""
-        return any(each.kind == kind and each.topic == name and now_s >= each.at_s for each in self._planned)
+        return any(pair.kind == kind and pair.topic == name and now_s >= pair.at_s for pair in self._planned)
 
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
         """Return what is sent instead of a message, at a time of the bench in [s]."""
         sent = [message]
         for fault in self._planned:
             if fault.topic == topic and now_s >= fault.at_s and fault.kind not in ACTION_KINDS:
-                sent = [each for one in sent for each in self._changed(fault, one)]
+                sent = [item for one in sent for item in self._changed(fault, one)]
         return sent
 
     def _changed(self, fault: TopicFault, message: Any) -> Iterator[Any]:
@@ -120,7 +120,7 @@ class BenchFaults:
 
 def _headers(message: Any) -> list[Any]:
     if hasattr(message, "transforms"):
-        return [each.header for each in message.transforms]
+        return [transform.header for transform in message.transforms]
     return [message.header]
 
 

@@ -105,7 +105,7 @@ class LocalLink(Link):
             (topic, [(link, taken) for link, taken, _ in listeners])
             for topic, listeners in self._air.listeners.items()
         ]
-        return sorted({topic for topic, links in ends if any(each == kind for _, each in links)})
+        return sorted({topic for topic, links in ends if any(item == kind for _, item in links)})
 
     @override
     def joints_of(self, controller: str) -> list[str]:
@@ -130,7 +130,7 @@ class LocalLink(Link):
 
     @override
     def actions_of(self, kind: str) -> list[str]:
-        return sorted(name for name, (_, each) in self._air.actions.items() if each.kind == kind)
+        return sorted(name for name, (_, item) in self._air.actions.items() if item.kind == kind)
 
     @override
     def now(self) -> float:
@@ -143,8 +143,8 @@ class LocalLink(Link):
     @override
     def close(self) -> None:
         for listeners in self._air.listeners.values():
-            listeners[:] = [each for each in listeners if each[0] is not self]
+            listeners[:] = [listener for listener in listeners if listener[0] is not self]
         for publishers in self._air.publishers.values():
-            publishers[:] = [each for each in publishers if each[0] is not self]
+            publishers[:] = [publisher for publisher in publishers if publisher[0] is not self]
         for name in [name for name, served in self._air.actions.items() if served[0] is self]:
             del self._air.actions[name]

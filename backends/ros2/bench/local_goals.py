@@ -56,7 +56,7 @@ class LocalAction:
 
     def running(self) -> list[LocalGoal]:
         """Return the goals that are being executed."""
-        self._taken = [each for each in self._taken if each.state is GoalStage.RUNNING]
+        self._taken = [item for item in self._taken if item.state is GoalStage.RUNNING]
         return self._taken
 
     def send(self, request: Any) -> LocalGoal:
@@ -93,7 +93,7 @@ class LocalGoalSender(GoalSender):
     @override
     def others_goal(self) -> bool:
         server = self._server()
-        return server is not None and any(each not in self._own for each in server.running())
+        return server is not None and any(item not in self._own for item in server.running())
 
     @override
     def new_goal(self) -> Any:
@@ -104,5 +104,5 @@ class LocalGoalSender(GoalSender):
         server = self._server()
         sent = LocalGoal(self._kind, goal) if server is None else server.send(goal)
         running = (GoalStage.SENT, GoalStage.RUNNING)
-        self._own = [*(each for each in self._own if each.state in running), sent]
+        self._own = [*(item for item in self._own if item.state in running), sent]
         return sent

@@ -45,10 +45,10 @@ class RobotDifferences:
             InputError: a name or a number is wrong; all of them at once.
         """
         joints = () if robot.arm is None else robot.arm.joints
-        allowed = [*FIXED_NAMES, *joints, *(STATE_PREFIX + each for each in joints)]
+        allowed = [*FIXED_NAMES, *joints, *(STATE_PREFIX + joint for joint in joints)]
         found, wrong = dict[str, float](), list[str]()
-        for each in words:
-            name, _, value = each.partition("=")
+        for word in words:
+            name, _, value = word.partition("=")
             if name not in allowed:
                 wrong.append(f"{name!r} is no difference of this robot{suggest(name, allowed)}")
                 continue
@@ -57,7 +57,7 @@ class RobotDifferences:
             except ValueError:
                 number = math.nan
             if not math.isfinite(number) or number == 0.0 or (name in TIME_NAMES and number < 0.0):
-                wrong.append(f"{each!r}: allowed: NAME=FACTOR, a finite number other than 0")
+                wrong.append(f"{word!r}: allowed: NAME=FACTOR, a finite number other than 0")
             found[name] = number
         if wrong:
             raise InputError("\n".join(wrong))

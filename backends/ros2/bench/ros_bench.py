@@ -104,8 +104,8 @@ class RosBench:
         """Obey what has arrived, let a period pass, and publish the readings."""
         self._link.receive()
         measured = dict(zip(*self._joint_readings()[:2], strict=True)) if self._served else {}
-        for each in self._served:
-            self._wanted.update(each.wanted(self.time, self.inner.period, measured))
+        for joints in self._served:
+            self._wanted.update(joints.wanted(self.time, self.inner.period, measured))
         if self._base is not None:
             self._drive()
         if self._arm is not None:
@@ -123,8 +123,8 @@ class RosBench:
             return
         measured = dict(zip(*self._joint_readings()[:2], strict=True))
         presses = self._gripper is not None and self._gripper.closed_on_something()
-        for each in self._served:
-            each.settle(self.time, measured, presses)
+        for joints in self._served:
+            joints.settle(self.time, measured, presses)
 
     def announce(self) -> None:
         """Publish the readings without letting time pass."""
@@ -135,15 +135,15 @@ class RosBench:
         return {
             "drivers": attributes(self, self.STATE),
             "wheels": attributes(self._wheels, WheelOdometry.STATE),
-            **{each.name: attributes(each, each.STATE) for each in self._served},
+            **{joints.name: attributes(joints, joints.STATE) for joints in self._served},
         }
 
     def set_state(self, state: Mapping[str, object]) -> None:
         """Restore what `state` returned."""
         set_attributes(self, self.STATE, state["drivers"])
         set_attributes(self._wheels, WheelOdometry.STATE, state["wheels"])
-        for each in self._served:
-            set_attributes(each, each.STATE, state[each.name])
+        for joints in self._served:
+            set_attributes(joints, joints.STATE, state[joints.name])
 
     def close(self) -> None:
         """Leave the air, and let go of the robot."""
@@ -181,7 +181,7 @@ class RosBench:
 
     def _serve(self, kind: str, actions: Mapping[str, Sequence[str]]) -> None:
         for name, joints in actions.items():
-            names = [self._spec.name_of(each) for each in joints]
+            names = [self._spec.name_of(joint) for joint in joints]
             self._served += (ServedJoints(self._link, kind, name, names, self._faults),)
 
     def _listen_joints(self, topic: str, kind: str, names: list[str]) -> None:
@@ -241,8 +241,8 @@ class RosBench:
     def _publish(self) -> None:
         now = self._link.now()
         for topic, message in self._readings(now).items():
-            for each in self._faults.passed(topic, message, self.time):
-                self._send[topic](each)
+            for item in self._faults.passed(topic, message, self.time):
+                self._send[topic](item)
 
     def _readings(self, now: float) -> Mapping[str, Any]:
         """Return the messages of a period by their topics."""

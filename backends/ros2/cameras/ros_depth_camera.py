@@ -109,7 +109,7 @@ class RosDepthCamera(DepthCamera):
 
     def _taken(self, message: Any) -> DepthImage:
         stamp = stamp_of(message)
-        colour = min(self._colour.kept, key=lambda each: abs(stamp_of(each) - stamp))
+        colour = min(self._colour.kept, key=lambda item: abs(stamp_of(item) - stamp))
         off = abs(stamp_of(colour) - stamp)
         if off > PAIR_S:
             words = f"its nearest depth is {off:.2g} s away; allowed: {PAIR_S:g} s"

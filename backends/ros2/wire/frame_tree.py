@@ -21,10 +21,10 @@ class FrameTree:
 
     def take(self, message: Any) -> None:
         """Take over the poses of a `tf2_msgs/TFMessage`; those that are not finite are left out."""
-        for each in message.transforms:
-            pose = pose_of_transform(each.transform)
+        for transform in message.transforms:
+            pose = pose_of_transform(transform.transform)
             if pose is not None:
-                self._parents[plain(each.child_frame_id)] = plain(each.header.frame_id), pose
+                self._parents[plain(transform.child_frame_id)] = plain(transform.header.frame_id), pose
 
     @property
     def frames(self) -> tuple[str, ...]:

@@ -49,7 +49,7 @@ def joint_message(
         seconds: time in [s] in which a trajectory's point is to be reached.
     """
     message = link.message(message_kind(kind))
-    values = [sound(each) for each in positions]
+    values = [sound(position) for position in positions]
     if kind == "Float64MultiArray":
         message.data = values
         return message
@@ -64,7 +64,7 @@ def trajectory_goal(
     ROS, to be reached in a time in [s].
     """
     goal = sender.new_goal()
-    _set_point(link, goal.trajectory, names, [sound(each) for each in positions], seconds)
+    _set_point(link, goal.trajectory, names, [sound(position) for position in positions], seconds)
     return goal
 
 

@@ -60,9 +60,9 @@ class RosGoalSender(GoalSender):
         """Take the states of all goals of the server, of other clients as well."""
         self._came()
         foreign = {
-            name: each.status
-            for each in message.status_list
-            if (name := bytes(each.goal_info.goal_id.uuid)) not in self._own
+            name: item.status
+            for item in message.status_list
+            if (name := bytes(item.goal_info.goal_id.uuid)) not in self._own
         }
         self._others = any(status in ACTIVE_NUMBERS for status in foreign.values())
         # A goal that a newer one of ours replaced is over when its state arrives. It was executed anyway.

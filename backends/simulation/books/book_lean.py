@@ -43,8 +43,8 @@ def _until_met(book: SimulatedBook, middle: float, row: Sequence[Member], side: 
     """Return the angle at which a book that tips over to a side (1: left) meets something, at most a right
     angle.
     """
-    beside = [(_gap(each, middle, side) - book.thickness / 2, each.top) for each in row]
-    gap, top = min((each for each in beside if each[0] > -book.thickness / 2), default=(math.inf, 0.0))
+    beside = [(_gap(member, middle, side) - book.thickness / 2, member.top) for member in row]
+    gap, top = min((item for item in beside if item[0] > -book.thickness / 2), default=(math.inf, 0.0))
     gap = max(0.0, gap)
     if gap >= book.height:
         return math.pi / 2

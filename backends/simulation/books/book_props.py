@@ -51,7 +51,7 @@ class BookProps(BooksThere):
         super().__init__(scene, spec, seed)
         self._rule: RowRule | None = None
         self._person: Person | None = None
-        self._places = np.array([each.pose[:3, 3] for each in self.shelves.values()]).reshape(-1, 3)
+        self._places = np.array([shelf.pose[:3, 3] for shelf in self.shelves.values()]).reshape(-1, 3)
         """Positions of the shelves, (n, 3) in [m]."""
 
     @override

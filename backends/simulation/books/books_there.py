@@ -46,7 +46,7 @@ class BooksThere(Props[BooksSection]):
 
     def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
         super().__init__(scene, spec, seed)
-        self.shelves = {each.name: SimulatedShelf(each) for each in spec.shelves}
+        self.shelves = {shelf.name: SimulatedShelf(shelf) for shelf in spec.shelves}
         self.books: dict[int, SimulatedBook] = {}
         self.to_come = list(spec.handed_over)
         """Books that a person still has for the robot."""
@@ -55,7 +55,7 @@ class BooksThere(Props[BooksSection]):
     @classmethod
     @override
     def solids(cls, spec: BooksSection) -> Sequence[Solid]:
-        return [solid for each in spec.shelves for solid in SimulatedShelf(each).solids()]
+        return [solid for shelf in spec.shelves for solid in SimulatedShelf(shelf).solids()]
 
     def set_up(self) -> None:
         """Place the books of the world's shelves, spines not quite in line, and the book on the tray."""
@@ -103,7 +103,7 @@ class BooksThere(Props[BooksSection]):
                 lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
                 y, x = float(pose[1, 3]), float(pose[0, 3])
                 standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
-        return sorted(standing, key=lambda each: -each.lateral)
+        return sorted(standing, key=lambda item: -item.lateral)
 
     def tray_book(self) -> SimulatedBook | None:
         """Return the book on the tray, or None."""

@@ -51,7 +51,7 @@ def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
         for shelf in books.shelves.values():
             yield Painted(shelf.pose[:3, 3], partial(_shelf, books=books, shelf=shelf))
     for book in books.books.values():
-        inside = book.rest is Rest.HAND and any(_reaches_in(book, each) for each in books.shelves.values())
+        inside = book.rest is Rest.HAND and any(_reaches_in(book, spec) for spec in books.shelves.values())
         if book.rest in rests & {Rest.TRAY, Rest.HAND} and not inside:
             yield Painted(book.box().pose[:3, 3], partial(_book, book=book, shelf=None))
 
@@ -71,10 +71,10 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: SimulatedShelf) -> None:
         return
     _inside(canvas, shelf)
     bodies: list[tuple[float, SimulatedBook | tuple[Box, int]]] = [
-        (_to_row(each.lateral, each.book.thickness, eye[1]), each.book)
-        for each in books.shelf_books(shelf.name)
+        (_to_row(book.lateral, book.book.thickness, eye[1]), book.book)
+        for book in books.shelf_books(shelf.name)
     ]
-    greys = {part: each.grey for part, each in zip(shelf.objects(), shelf.spec.objects, strict=True)}
+    greys = {part: object_.grey for part, object_ in zip(shelf.objects(), shelf.spec.objects, strict=True)}
     for part in parts.keys() & {"book end", *greys}:
         box = parts[part]
         middle = shelf.inverse_pose @ box.pose[:, 3]
@@ -85,7 +85,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: SimulatedShelf) -> None:
         lateral = float((shelf.inverse_pose @ held.pose)[1, 3])
         bodies.append((_to_row(lateral, held.thickness, eye[1]), held))
     # Between parallel bodies side by side the one further to the side never hides the nearer one.
-    for _, body in sorted(bodies, key=lambda each: -each[0]):
+    for _, body in sorted(bodies, key=lambda pair: -pair[0]):
         if isinstance(body, SimulatedBook):
             _book(canvas, body, shelf)
         else:

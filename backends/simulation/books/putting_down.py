@@ -58,7 +58,7 @@ def _carries(
         return False
     half = book.thickness / 2 - 1e-4
     free = [slot] if slot is not None else slots(members(books, shelf, book))
-    return any(each.right <= y - half and y + half <= each.left for each in free)
+    return any(item.right <= y - half and y + half <= item.left for item in free)
 
 
 def _on_tray(books: BooksThere, book: SimulatedBook) -> bool:

@@ -77,9 +77,9 @@ def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> 
     """Return the row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
-        Member(*each.sides, each.front, each.book.height, each.book)
-        for each in books.shelf_books(shelf.name)
-        if each.book is not without
+        Member(*book.sides, book.front, book.book.height, book.book)
+        for book in books.shelf_books(shelf.name)
+        if book.book is not without
     ]
     return sorted(row, key=lambda member: member.right)
 

@@ -70,12 +70,14 @@ class SimulatedShelf:
                 (_BOOK_END_FRONT, -half, 0.0),
                 (SHELF_DEPTH_M, self.book_end_left, _BOOK_END_HEIGHT),
             )
-        bounds |= {f"object {i + 1}": self._object_ends(each) for i, each in enumerate(self.spec.objects)}
+        bounds |= {
+            f"object {i + 1}": self._object_ends(object_) for i, object_ in enumerate(self.spec.objects)
+        }
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
 
     def solids(self) -> list[Solid]:
         """Return the solids of the shelf for a world, darker inside."""
-        greys = {part: each.grey for part, each in zip(self.objects(), self.spec.objects, strict=True)}
+        greys = {part: object_.grey for part, object_ in zip(self.objects(), self.spec.objects, strict=True)}
         greys |= dict.fromkeys(INNER_PARTS, round(WOOD_GREY * self.spec.light))
         return [Solid(box, grey=greys.get(part, WOOD_GREY)) for part, box in self.parts().items()]
 
@@ -101,7 +103,7 @@ class SimulatedShelf:
         walls = [(half, half + PANEL_THICKNESS_M, 0.0), (-half - PANEL_THICKNESS_M, -half, 0.0)]
         if self.book_end_left > -half + 1e-3:
             walls.append((-half, self.book_end_left, _BOOK_END_FRONT))
-        for each in self.spec.objects:
-            (front, right, _), (_, left, _) = self._object_ends(each)
+        for object_ in self.spec.objects:
+            (front, right, _), (_, left, _) = self._object_ends(object_)
             walls.append((right, left, front))
         return walls

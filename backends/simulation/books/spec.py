@@ -116,7 +116,7 @@ class BooksSection(FileModel):
         books = [e.accession for shelf in self.shelves for e in shelf.books if isinstance(e, BookSpec)]
         if self.tray is not None:
             books.append(self.tray.accession)
-        books += [each.accession for each in self.handed_over]
+        books += [spec.accession for spec in self.handed_over]
         each_once("accession", map(str, books))
         each_once("shelf", (shelf.name for shelf in self.shelves))
         return self

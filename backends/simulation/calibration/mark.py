@@ -39,7 +39,7 @@ def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[ByteArr
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
     quarter = cv2.resize(half, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
     levels = [(picture, M_PER_PX), (half, 2 * M_PER_PX), (quarter, 4 * M_PER_PX)]
-    return [levels[0], *((_smooth(each), metres) for each, metres in levels[1:])]
+    return [levels[0], *((_smooth(item), metres) for item, metres in levels[1:])]
 
 
 def _smooth(picture: ByteArray) -> ByteArray:

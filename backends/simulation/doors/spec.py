@@ -63,5 +63,5 @@ class DoorsSection(FileModel):
 
     @model_validator(mode="after")
     def _each_door_once(self) -> Self:
-        each_once("door", (each.name for each in self.doors))
+        each_once("door", (door.name for door in self.doors))
         return self

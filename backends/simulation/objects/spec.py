@@ -69,6 +69,6 @@ class ObjectsSection(FileModel):
 
     @model_validator(mode="after")
     def _each_object_once(self) -> Self:
-        each_once("object", (each.name for each in self.objects))
-        each_once("floor area", (each.name for each in self.floor_areas))
+        each_once("object", (object_.name for object_ in self.objects))
+        each_once("floor area", (area.name for area in self.floor_areas))
         return self

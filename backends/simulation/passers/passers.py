@@ -152,7 +152,7 @@ class Passers:
         """
         if not self._walks:
             return np.empty((0, 3))
-        rows = [(each.x, each.y, each.radius) for each in self.parts() if each.low <= height < each.high]
+        rows = [(part.x, part.y, part.radius) for part in self.parts() if part.low <= height < part.high]
         return np.array(rows).reshape(-1, 3)
 
     def clearance(self, x: float, y: float) -> tuple[float, str]:

@@ -93,10 +93,10 @@ def _away(canvas: Canvas, box: Box) -> float:
 
 def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> None:
     """Paint the things with these supports, the nearest one last."""
-    there = [each for props in scene.props.values() for each in props.painted(resting)]
-    there.sort(key=lambda each: -float(np.linalg.norm(each.middle - canvas.eye)))
-    for each in there:
-        each.paint(canvas)
+    there = [painted for props in scene.props.values() for painted in props.painted(resting)]
+    there.sort(key=lambda item: -float(np.linalg.norm(item.middle - canvas.eye)))
+    for item in there:
+        item.paint(canvas)
 
 
 def _robot(canvas: Canvas, scene: Scene) -> None:

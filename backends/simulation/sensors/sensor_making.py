@@ -57,7 +57,9 @@ def make_sensors(robot: RobotFile, simulations: Sequence[str], backend: str) -> 
     makers = {}
     for name, spec in robot.sensors.items():
         kind = sensor_kind(spec.kind)
-        found = next((kind.simulated[each] for each in simulations if each in kind.simulated), None)
+        found = next(
+            (kind.simulated[simulation] for simulation in simulations if simulation in kind.simulated), None
+        )
         if found is None:
             raise NotSimulated(name, kind, backend)
         makers[name] = _maker(found)

@@ -71,7 +71,7 @@ class SimulatedGps(Gps, SimulatedSensor):
         keep = math.exp(-self._spec.period_s / self._spec.drift_time_s)
         self._drift = keep * self._drift + self._spec.drift_m * math.sqrt(1.0 - keep * keep) * draws[0]
         self._reflect()
-        if any(each.from_s <= self._scene.time < each.to_s for each in self._sky.outages):
+        if any(outage.from_s <= self._scene.time < outage.to_s for outage in self._sky.outages):
             return
         off = self._drift + self._spec.white_m * draws[1] + self._off
         place = (self._scene.world_T_base @ self._antenna)[:2] + off

@@ -66,7 +66,7 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         if due > self._taken:
             self._taken = due
             self._under_way += ((due, self._measured(due), time),)
-        arrived = [each for each in self._under_way if each[2] + self._spec.latency_s <= time + _ROUNDING]
+        arrived = [item for item in self._under_way if item[2] + self._spec.latency_s <= time + _ROUNDING]
         if arrived:
             self._last = arrived[-1]
             self._under_way = self._under_way[len(arrived) :]

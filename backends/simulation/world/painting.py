@@ -95,7 +95,7 @@ def _round_thing(canvas: Canvas, thing: Thing) -> None:
     for side, picture in thing.faces().items():
         face, (width, height) = picture_frame(side, inner)
         if canvas.seen_from_front(face[:3, 3], -face[:3, 2]):
-            rows, columns = (round(each * (1.0 - INSCRIBED_SQUARE_RATIO) / 2) for each in picture.shape)
+            rows, columns = (round(item * (1.0 - INSCRIBED_SQUARE_RATIO) / 2) for item in picture.shape)
             middle = picture[rows : picture.shape[0] - rows, columns : picture.shape[1] - columns]
             canvas.texture(picture_levels(middle, width, height), face)
 

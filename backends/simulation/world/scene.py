@@ -171,7 +171,7 @@ class Scene:
 
     def of(self, kind: type[ScenePropsT]) -> ScenePropsT:
         """Return a domain's objects, by the class of its props; empty if the world's file has none."""
-        found = next((each for each in self.props.values() if isinstance(each, kind)), None)
+        found = next((prop for prop in self.props.values() if isinstance(prop, kind)), None)
         return kind.none_in(self) if found is None else found
 
     def things(self) -> list[Thing]:
@@ -183,7 +183,7 @@ class Scene:
         known = self._owners.get(id(thing))
         if known is None or known[0] is not thing:
             owner = next(
-                props for props in self.props.values() if any(each is thing for each in props.things())
+                props for props in self.props.values() if any(item is thing for item in props.things())
             )
             known = self._owners[id(thing)] = thing, owner
         return known[1]
@@ -206,7 +206,7 @@ class Scene:
 
     def truth(self) -> GroundTruth:
         """Return a copy of the true state of everything."""
-        bodies = {each.name: self._body(each) for each in self.things()}
+        bodies = {thing.name: self._body(thing) for thing in self.things()}
         slides = np.array(self.robot.joint_units.slides[: self.joints.size], dtype=np.bool_)
         bumps = sum(contact.body == "base" for contact in self.contacts)
         return GroundTruth(self.base, self.joints.copy(), slides, float(self.width), bodies, bumps)

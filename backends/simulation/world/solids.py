@@ -96,18 +96,18 @@ class FloorPlan:
     def __init__(self, solids: Sequence[Solid], low: float, high: float) -> None:
         """Keep the solids that reach into the range between the heights `low` and `high`, in [m]."""
         chosen = [
-            each
-            for each in solids
-            if each.box.pose[2, 3] - each.box.size[2] / 2 < high
-            and each.box.pose[2, 3] + each.box.size[2] / 2 > low
+            solid
+            for solid in solids
+            if solid.box.pose[2, 3] - solid.box.size[2] / 2 < high
+            and solid.box.pose[2, 3] + solid.box.size[2] / 2 > low
         ]
-        self.names = tuple(each.box.name for each in chosen)
-        poses = np.array([each.box.pose for each in chosen]).reshape(-1, 4, 4)
+        self.names = tuple(solid.box.name for solid in chosen)
+        poses = np.array([solid.box.pose for solid in chosen]).reshape(-1, 4, 4)
         self.middle: FloatArray = poses[:, :2, 3]
         self.cos, self.sin = poses[:, 0, 0], poses[:, 1, 0]
-        self.half = np.array([each.box.size[:2] for each in chosen]).reshape(-1, 2) / 2
-        self._appears = np.array([each.appears for each in chosen])
-        self._leaves = np.array([each.leaves for each in chosen])
+        self.half = np.array([solid.box.size[:2] for solid in chosen]).reshape(-1, 2) / 2
+        self._appears = np.array([solid.appears for solid in chosen])
+        self._leaves = np.array([solid.leaves for solid in chosen])
         self.steady = bool(np.all((self._appears == 0.0) & np.isinf(self._leaves)))
 
     def there(self, time: float) -> BoolArray:

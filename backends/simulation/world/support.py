@@ -90,9 +90,9 @@ def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]
     outline = _round_outline(thing) if thing.is_round else _outline(Box(thing.pose, thing.size))
     boxes = [(solid.box, False) for solid in scene.solids]
     boxes += [
-        (each.box(), each.rest is Rest.TRAY)
-        for each in scene.things()
-        if each is not thing and each.rest in (Rest.TABLE, Rest.TRAY)
+        (item.box(), item.rest is Rest.TRAY)
+        for item in scene.things()
+        if item is not thing and item.rest in (Rest.TABLE, Rest.TRAY)
     ]
     if scene.robot.has_tray:
         tray = scene.robot.tray_shape

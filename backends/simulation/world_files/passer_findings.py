@@ -31,7 +31,7 @@ def passer_findings(
     world = loaded.value
     if not world.passers:
         return
-    lasting = [each for each in solids if each.appears == 0.0 and math.isinf(each.leaves)]
+    lasting = [solid for solid in solids if solid.appears == 0.0 and math.isinf(solid.leaves)]
     plan = FloorPlan(lasting, 0.02, BODY_HEIGHT_M)
     for number, spec in enumerate(world.passers):
         yield from _walks_through(loaded, number, spec, plan)

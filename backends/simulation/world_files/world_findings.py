@@ -61,7 +61,9 @@ def solids_of(world: WorldFile) -> list[Solid]:
     """Return all solids in a world, including domains' solids and surprises."""
     kinds = kinds_of_props().values()
     solids = room_of(world)
-    return solids + [each for kind in kinds if isinstance(world, kind.section) for each in kind.solids(world)]
+    return solids + [
+        solid for kind in kinds if isinstance(world, kind.section) for solid in kind.solids(world)
+    ]
 
 
 def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid]) -> Iterator[Finding]:

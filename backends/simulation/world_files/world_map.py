@@ -48,19 +48,21 @@ def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
             f"{MAX_CELLS:.2g} cells at most, so a coarser resolution"
         )
     corner = round(float(origin[0]), 6), round(float(origin[1]), 6)
-    return from_boxes((each.outline for each in shown), resolution, corner, (float(size[0]), float(size[1])))
+    return from_boxes(
+        (solid.outline for solid in shown), resolution, corner, (float(size[0]), float(size[1]))
+    )
 
 
 def shown_solids(world: WorldFile, height: float) -> list[Solid]:
     """Return the solids of a world that cut the level plane at a height in [m], without surprises."""
-    surprises = {each.name for each in world.surprises if isinstance(each, Surprise)}
-    return [each for each in solids_of(world) if each.box.name not in surprises and each.reaches(height)]
+    surprises = {surprise.name for surprise in world.surprises if isinstance(surprise, Surprise)}
+    return [solid for solid in solids_of(world) if solid.box.name not in surprises and solid.reaches(height)]
 
 
 def _bounds(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray]:
     """Return the least and the largest x and y of all solids, (2,) each in [m]."""
     corners = []
-    for x, y, yaw, length, width in (each.outline for each in solids):
+    for x, y, yaw, length, width in (solid.outline for solid in solids):
         half = np.array([[1, 1], [1, -1]]) * (length / 2, width / 2)
         turned = [Pose2(0.0, 0.0, yaw).apply(corner) for corner in half]
         corners += [np.array([x, y]) + sign * corner for corner in turned for sign in (-1, 1)]

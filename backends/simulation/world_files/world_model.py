@@ -22,7 +22,7 @@ def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
     order.
     """
     declared = domain.domains()
-    return {each.name: domain.imported(each.props) for each in declared if each.props is not None}
+    return {domain_.name: domain.imported(domain_.props) for domain_ in declared if domain_.props is not None}
 
 
 def world_model() -> type[WorldFile]:
@@ -31,16 +31,18 @@ def world_model() -> type[WorldFile]:
     Raises:
         ValueError: two domains want the same key, or name a validator alike; or a key has no default.
     """
-    return _composed(tuple(each.section for each in kinds_of_props().values()))
+    return _composed(tuple(prop.section for prop in kinds_of_props().values()))
 
 
 @cache
 def _composed(sections: tuple[type[FileModel], ...]) -> type[WorldFile]:
     general: type[FileModel] = WorldFile
-    names = Counter(name for each in (general, *sections) for name in _names(each))
+    names = Counter(name for section in (general, *sections) for name in _names(section))
     if twice := sorted(name for name, times in names.items() if times > 1):
         raise ValueError(f"two domains have the same name in their sections of a world: {', '.join(twice)}")
-    needed = [key for each in sections for key, field in each.model_fields.items() if field.is_required()]
+    needed = [
+        key for section in sections for key, field in section.model_fields.items() if field.is_required()
+    ]
     if needed:
         raise ValueError(f"a world can't be made to have {', '.join(needed)}; needed: a default")
     bases: Any = (*reversed(sections), WorldFile)

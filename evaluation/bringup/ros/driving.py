@@ -105,6 +105,6 @@ def drive(site: RosSite, backend: RosBackend, held: Held, speeds: Motion, second
     backend.stop()
     for _ in range(round(SETTLE_S / period)):
         backend.step()
-    asked = Motion(*(each * count * period for each in speeds))
+    asked = Motion(*(speed * count * period for speed in speeds))
     measured = moved(site, before, base.wheel_travel())
     return DriveTrial(asked, measured, true_motion(pose, true_pose(backend)), latency)

@@ -118,7 +118,7 @@ def _check_posture(site: RosSite, backend: RosBackend, model: ArmModel) -> Facts
     ]
     off = float(np.linalg.norm(read - seen))
     if off > MAX_HAND_ERROR_M:
-        read_at, seen_at = (", ".join(f"{1e3 * each:.0f}" for each in place) for place in (read, seen))
+        read_at, seen_at = (", ".join(f"{1e3 * item:.0f}" for item in place) for place in (read, seen))
         raise RungFailed(
             f"{site.spec.joint_states.topic}: by the readings the hand is at ({read_at}) mm, it is at"
             f" ({seen_at}) mm; allowed: {1e3 * MAX_HAND_ERROR_M:.0f} mm;"

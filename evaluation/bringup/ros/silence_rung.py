@@ -81,4 +81,4 @@ class SilenceRung(Rung[RosSite]):
 
 def _last_above(speeds: list[float], limit: float) -> int:
     """Return after how many periods no speed is above a limit any more."""
-    return max((number for number, each in enumerate(speeds, 1) if each > limit), default=0)
+    return max((number for number, speed in enumerate(speeds, 1) if speed > limit), default=0)

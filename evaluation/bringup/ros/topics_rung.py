@@ -22,15 +22,15 @@ class TopicsRung(Rung[RosSite]):
         with site.air() as (link, wait):
             report = listen(site.robot, site.spec, link, wait)
         if report.faults:
-            raise RungFailed("; ".join(each.words for each in report.faults))
-        for each in report.remarks:
-            site.operator.tell(f"   {each.words}")
+            raise RungFailed("; ".join(fault.words for fault in report.faults))
+        for remark in report.remarks:
+            site.operator.tell(f"   {remark.words}")
         return {
-            each.topic: {
-                "rate_hz": round(each.rate_hz, 2),
-                "max_gap_ms": round(1e3 * each.max_gap_s, 1),
-                "age_ms": None if each.age_s is None else round(1e3 * each.age_s, 2),
-                "nodes": report.nodes[each.topic],
+            topic.topic: {
+                "rate_hz": round(topic.rate_hz, 2),
+                "max_gap_ms": round(1e3 * topic.max_gap_s, 1),
+                "age_ms": None if topic.age_s is None else round(1e3 * topic.age_s, 2),
+                "nodes": report.nodes[topic.topic],
             }
-            for each in report.topics
+            for topic in report.topics
         }

@@ -50,7 +50,7 @@ class ActionEnds(RunObserver):
 
 def action_names(task: Task) -> list[str]:
     """Return a unique name for each action of a task's file: `MOVE_TO (here to there)`, `... #2`."""
-    plain = [f"{each.do} ({each.source} to {each.target})" for each in task.file.actions]
+    plain = [f"{action.do} ({action.source} to {action.target})" for action in task.file.actions]
     seen: Counter[str] = Counter()
     names = []
     for name in plain:

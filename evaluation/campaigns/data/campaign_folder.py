@@ -42,7 +42,7 @@ class OtherCampaign(InputError):
     """Error: a folder belongs to a campaign with other arguments."""
 
     def __init__(self, folder: Path, different: list[str]) -> None:
-        listed = "".join(f"\n  {each}" for each in different)
+        listed = "".join(f"\n  {text}" for text in different)
         words = f"{folder} holds another campaign:{listed}\nallowed: the same arguments, or another folder"
         super().__init__("\n".join(map(printable, words.split("\n"))))
 
@@ -70,7 +70,7 @@ class CampaignFolder:
                 if different := differences(there, asked):
                     raise OtherCampaign(folder, different)
                 return cls(folder, there)
-            if any(not each.name.startswith(".") for each in folder.iterdir()):
+            if any(not path.name.startswith(".") for path in folder.iterdir()):
                 raise NoCampaign(folder, "the folder holds other files")
             write_whole(folder / ARGUMENTS, orjson.dumps(asked, option=orjson.OPT_INDENT_2))
         except OSError as error:

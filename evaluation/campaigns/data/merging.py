@@ -28,15 +28,15 @@ def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
         NotOneCampaign: the shards differ in more than `--shard`, share a trial, or lack one.
         NoCampaign, OtherCampaign, TrialLogError: a folder cannot be read or written.
     """
-    found = [CampaignFolder.read(each) for each in parts]
+    found = [CampaignFolder.read(part) for part in parts]
     wrong = _faults(found)
     if wrong:
-        raise NotOneCampaign("\n".join(printable(each) for each in wrong))
+        raise NotOneCampaign("\n".join(printable(item) for item in wrong))
     whole = CampaignFolder.made(out, {**found[0].arguments, "shard": None})
     with whole.log() as log:
-        for each in found:
-            log.append(list(each.trials()))
-            _link_runs(each, whole)
+        for item in found:
+            log.append(list(item.trials()))
+            _link_runs(item, whole)
     return whole
 
 
@@ -52,22 +52,22 @@ def _link_runs(part: CampaignFolder, whole: CampaignFolder) -> None:
 
 def _faults(found: Sequence[CampaignFolder]) -> list[str]:
     first, wrong = found[0], []
-    for each in found[1:]:
-        different = differences(first.arguments, each.arguments, ("shard",))
-        wrong += [f"{each.folder} and {first.folder}: {words}" for words in different]
+    for folder in found[1:]:
+        different = differences(first.arguments, folder.arguments, ("shard",))
+        wrong += [f"{folder.folder} and {first.folder}: {words}" for words in different]
     if wrong:
         return [*wrong, "allowed: parts of one campaign, each with another --shard"]
     held: dict[int, Path] = {}
-    for each in found:
-        seeds = {trial.seed for trial in each.trials()}
+    for folder in found:
+        seeds = {trial.seed for trial in folder.trials()}
         twice = sorted(seeds & held.keys())
         if twice:
-            wrong.append(f"{each.folder} and {held[twice[0]]} both hold the trial of seed {twice[0]}")
-        held |= dict.fromkeys(seeds, each.folder)
+            wrong.append(f"{folder.folder} and {held[twice[0]]} both hold the trial of seed {twice[0]}")
+        held |= dict.fromkeys(seeds, folder.folder)
     asked = range(first.arguments["first"], first.arguments["first"] + first.arguments["trials"])
     missing = [seed for seed in asked if seed not in held]
     if missing:
-        shards = ", ".join(str(each.arguments["shard"]) for each in found)
+        shards = ", ".join(str(folder.arguments["shard"]) for folder in found)
         words = f"{len(missing)} of {len(asked)} trials are in none of the folders (parts {shards})"
         wrong.append(f"{words}, the first is seed {missing[0]}; needed: all parts, each run to its end")
     return wrong

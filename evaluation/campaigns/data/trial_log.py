@@ -152,7 +152,7 @@ class TrialLog:
         Raises:
             TrialLogError: a trial cannot be written; those before it are in the log.
         """
-        lines = [(each.seed, line_of(each)) for each in trials if each.seed not in self._offsets]
+        lines = [(trial.seed, line_of(trial)) for trial in trials if trial.seed not in self._offsets]
         content = b"".join(line for _, line in lines)
         try:
             if content and os.write(self._file, content) != len(content):
@@ -173,7 +173,7 @@ def line_of(trial: Trial) -> bytes:
         "seed": trial.seed,
         "status": trial.status,
         "summary": dict(trial.summary),
-        "actions": [list(each) for each in trial.actions],
+        "actions": [list(action) for action in trial.actions],
     }
     if trial.varied:
         fields["varied"] = dict(trial.varied)
@@ -190,7 +190,7 @@ def trial_of(line: bytes) -> Trial | None:
     if line[-_TAIL:] != b',"crc":"%08x"}' % zlib.crc32(body):
         return None
     fields = orjson.loads(line)
-    ends = [ActionEnd(*each) for each in fields["actions"]]
+    ends = [ActionEnd(*action) for action in fields["actions"]]
     return Trial(
         fields["seed"],
         fields["status"],

@@ -67,7 +67,7 @@ class WalkedTrials:
         time, fails, replans = 0.0, 0, -1
         outcome, status, reason = "Success", 0, ""
         columns = (walked.action[:, column], walked.ends[:, column], walked.seconds[:, column])
-        for index, code, seconds in zip(*(each.tolist() for each in columns), strict=True):
+        for index, code, seconds in zip(*(item.tolist() for item in columns), strict=True):
             if route.arrived:
                 break
             replans += not route.planned

@@ -132,7 +132,7 @@ def _counted(seen: SeenActions, number: int, entry: TaskEntry, all_ends: Sequenc
     rows = seen.entry == number
     ends = Counter(seen.end[rows].tolist())
     fails = ends[EndCode.FAIL] + ends[EndCode.FOR_GOOD]
-    causes = dict(Counter(each.cause for each in all_ends if each.cause))
+    causes = dict(Counter(end.cause for end in all_ends if end.cause))
     named = tuple(entry.fail_entries)
     by_cause, by_result = _fails_by_cause(named, all_ends), _successes_by_result(entry, all_ends)
     outcomes = ends[EndCode.SUCCESS], fails, ends[EndCode.GIVE_UP]
@@ -147,14 +147,14 @@ def _counted(seen: SeenActions, number: int, entry: TaskEntry, all_ends: Sequenc
 
 def _fails_by_cause(named: Sequence[str], ends: Sequence[ActionEnd]) -> tuple[int, ...]:
     """Return the number of Fails of each named cause; empty if the causes of some were not recorded."""
-    causes = [each.cause for each in ends if each.outcome == "Fail"]
+    causes = [end.cause for end in ends if end.outcome == "Fail"]
     return () if "" in causes else tuple(causes.count(name) for name in named)
 
 
 def _successes_by_result(entry: TaskEntry, ends: Sequence[ActionEnd]) -> tuple[int, ...]:
     """Return the number of Successes of each effect; empty if there is one, or if they were not recorded."""
-    results = [each.result for each in ends if each.outcome == "Success"]
-    others = [each.result for each in entry.endings[1:]]
+    results = [end.result for end in ends if end.outcome == "Success"]
+    others = [ending.result for ending in entry.endings[1:]]
     if entry.is_plain or None in results:
         return ()
     counts = [results.count(name) for name in others]

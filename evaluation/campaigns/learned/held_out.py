@@ -37,7 +37,7 @@ class Trust(NamedTuple):
         """The most significant false prediction; None if no difference is significant (Bonferroni over
         all).
         """
-        worst = min(self.tried, key=lambda each: each.p_value)
+        worst = min(self.tried, key=lambda item: item.p_value)
         return worst if worst.p_value * len(self.tried) < SIGNIFICANCE_LEVEL else None
 
 
@@ -49,7 +49,7 @@ def hold_out(task: Task, seen: SeenActions) -> Trust:
         seen: the actions of at least four trials.
     """
     numbers = np.arange(len(seen.success))
-    halves = [seen.chosen(numbers[numbers % 2 == each]) for each in (0, 1)]
+    halves = [seen.chosen(numbers[numbers % 2 == number]) for number in (0, 1)]
     tried: list[HeldOut] = []
     for learned, other in (halves, halves[::-1]):
         found = predict(task, learned)

@@ -45,11 +45,14 @@ class Learned:
             NothingLearned: there are too few trials, or they contain none of the task's actions.
         """
         found = [CampaignFolder.read_runs(folder) for folder in folders]
-        for each in found:
-            if (level := each.arguments["level"]) != "run":
-                wrong = f"{each.folder}: its trials are of --level {level}; allowed: those that were run"
+        for campaign_folder in found:
+            if (level := campaign_folder.arguments["level"]) != "run":
+                wrong = f"its trials are of --level {level}; allowed: those that were run"
+                wrong = f"{campaign_folder.folder}: {wrong}"
                 raise NothingLearned(printable(wrong))
-        seen = SeenActions.of(task, chain.from_iterable(each.trials() for each in found))
+        seen = SeenActions.of(
+            task, chain.from_iterable(campaign_folder.trials() for campaign_folder in found)
+        )
         names = ", ".join(map(str, folders))
         if len(seen.success) < MIN_TRIALS:
             count = len(seen.success)
@@ -94,9 +97,9 @@ class Learned:
             f"learned from {count} trials, which alone bound it to {100 * low:.1f} to {100 * high:.1f} % "
             f"and a mean time of {short:.4g} to {long:.4g} s (95 %), however many are walked"
         )
-        for each in self.trust.tried:
-            words = f"predicts {each.predicted:.3g}, there it is {each.measured:.3g} (p = {each.p_value:.2g})"
-            yield f"  one half of them for the other: {each.name}: {words}"
+        for item in self.trust.tried:
+            words = f"predicts {item.predicted:.3g}, there it is {item.measured:.3g} (p = {item.p_value:.2g})"
+            yield f"  one half of them for the other: {item.name}: {words}"
         for name in self.unknown:
             yield f"  never started in them, so a walk that comes to it ends: {name}"
 
@@ -106,14 +109,14 @@ class Learned:
             "trials": len(self.seen.success),
             "success_95": self.prediction.success_95,
             "mean_time_95_s": self.prediction.time_95_s,
-            "halves": [each._asdict() for each in self.trust.tried],
+            "halves": [item._asdict() for item in self.trust.tried],
             "never_started": self.unknown,
         }
 
 
 def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
     """Return trials of a task as learned from campaigns; unchanged files are read only once."""
-    changed = tuple(each.stat().st_mtime_ns for each in (task, *(one / TRIALS for one in folders)))
+    changed = tuple(item.stat().st_mtime_ns for item in (task, *(one / TRIALS for one in folders)))
     return _read(task, tuple(settings.items()), tuple(folders), changed)
 
 

@@ -36,7 +36,7 @@ class LearnedOdds:
                 likelihood.
         """
         self.pooling = best_pooling(task, seen) if pooling is None else pooling
-        self._entry = np.array([-1 if each is None else each for each in task.entries], dtype=np.int64)
+        self._entry = np.array([-1 if entry is None else entry for entry in task.entries], dtype=np.int64)
         shares = _shares(_counts(task, seen), self.pooling)
         self._limits = np.cumsum(shares, axis=2)
         self._known = shares.sum(axis=(1, 2)) > 0.0
@@ -95,10 +95,10 @@ class _Drawers(NamedTuple):
         all_count = np.bincount(every, minlength=entries * KNOWN_ENDS).reshape(entries, 1, KNOWN_ENDS)
         own_begin = (np.cumsum(own_count) - own_count.ravel()).reshape(shape)
         all_begin = len(own) + (np.cumsum(all_count) - all_count.ravel()).reshape(all_count.shape)
-        order = (np.argsort(each, kind="stable") for each in (own, every))
+        order = (np.argsort(item, kind="stable") for item in (own, every))
         enough = own_count >= _ENOUGH
         return cls(
-            np.concatenate([seen.seconds[each] for each in order]),
+            np.concatenate([seen.seconds[item] for item in order]),
             np.where(enough, own_begin, all_begin),
             np.where(enough, own_count, all_count),
         )

@@ -84,7 +84,7 @@ class CampaignPage:
         report = self._report
         table = TrialTable(report.trials)
         names, rows, left_out = table.listed()
-        worst = {each.seed: self._link(path, each.run_name, page=True) for each in report.worst()}
+        worst = {trial.seed: self._link(path, trial.run_name, page=True) for trial in report.worst()}
         script = files(__package__).joinpath("sorting.js").read_text(encoding="utf-8")
         digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         goal = self._goal()
@@ -103,7 +103,7 @@ class CampaignPage:
             metrics=list(self._metrics(table, limits)),
             limited=any(name in limits for name in table.columns),
             same=", ".join(_same(table, limits)),
-            worst=[self._first_look(each, worst[each.seed]) for each in report.worst()],
+            worst=[self._first_look(trial, worst[trial.seed]) for trial in report.worst()],
             names=names,
             rows=[{"it": row, "link": worst.get(row.seed) or self._link(path, row.run)} for row in rows],
             left_out=left_out,
@@ -158,7 +158,7 @@ class CampaignPage:
         shares = [low, high]
         exact = None if isinstance(goal, str) else goal
         limit = None if self._settling is None else self._settling.claim.limit
-        axis = share_axis([*shares, *(each for each in (exact, limit) if each is not None)], RATE_WIDTH)
+        axis = share_axis([*shares, *(item for item in (exact, limit) if item is not None)], RATE_WIDTH)
         return {
             "axis": axis,
             "measured": 100.0 * self._report.successes / len(self._report.trials),
@@ -213,7 +213,7 @@ class CampaignPage:
             "why": "; ".join(trial.untrue) or trial.summary["reason"] or "with Fails",
             "differs": differs,
             "varied": ", ".join(f"{name} {value:g}" for name, value in trial.varied.items()),
-            "faults": ", ".join(f"{each['fault']} at {each['at_s']:g} s" for each in trial.faults),
+            "faults": ", ".join(f"{fault['fault']} at {fault['at_s']:g} s" for fault in trial.faults),
             "rerun": rerun(self._arguments, trial.seed),
             "link": link,
         }

@@ -39,11 +39,13 @@ class PlotAxis:
             return [(self.at(self.least), f"{self.least:.6g}")]
         least_step = (self.most - self.least) / _TICKS
         decade = 10.0 ** math.floor(math.log10(least_step))
-        step = next(each * decade for each in (1, 2, 5, 10) if each * decade >= least_step * (1.0 - _SLACK))
+        step = next(
+            value * decade for value in (1, 2, 5, 10) if value * decade >= least_step * (1.0 - _SLACK)
+        )
         step = max(1.0, step) if self.whole else step
         first = math.ceil(self.least / step - _SLACK)
         last = math.floor(self.most / step + _SLACK)
-        return [(self.at(step * each), f"{step * each:.6g}") for each in range(first, last + 1)]
+        return [(self.at(step * index), f"{step * index:.6g}") for index in range(first, last + 1)]
 
 
 @dataclass(frozen=True)

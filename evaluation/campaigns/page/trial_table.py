@@ -48,7 +48,7 @@ class TrialTable:
                 values.setdefault(name, []).append((at, float(value)))
         self.success = np.array(success, bool)
         """(n,) True for each trial that reached the goal."""
-        self.columns = {name: self._column(each) for name, each in values.items()}
+        self.columns = {name: self._column(group) for name, group in values.items()}
         """(n,) values of each metric and of each varied number, by name; NaN for trials without it."""
 
     def _column(self, found: Iterable[tuple[int, float]]) -> FloatArray:

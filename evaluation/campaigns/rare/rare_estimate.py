@@ -64,14 +64,17 @@ class RareEstimate:
     def of(cls, trials: Iterable[Trial]) -> RareEstimate:
         """Compute the estimate from a campaign's trials; without any trial the probability is 0."""
         populations = [
-            Population(tuple(Level(*each) for each in trial.summary["metrics"]["levels"])) for trial in trials
+            Population(tuple(Level(*level) for level in trial.summary["metrics"]["levels"]))
+            for trial in trials
         ]
-        found = np.array([each.probability for each in populations] or [0.0])
+        found = np.array([population.probability for population in populations] or [0.0])
         count, mean = len(found), float(found.mean())
         sigma = float(found.std(ddof=1) / math.sqrt(count)) if count > 1 else math.inf
         low, high = interval(mean, sigma, count) or (None, None)
-        steps_of_a_run = sum(each.steps_of_a_run for each in populations) / max(1, len(populations))
-        steps = sum(each.steps for each in populations)
+        steps_of_a_run = sum(population.steps_of_a_run for population in populations) / max(
+            1, len(populations)
+        )
+        steps = sum(population.steps for population in populations)
         return cls(mean, low, high, sigma, _levels(populations), steps, steps_of_a_run)
 
     @property
@@ -120,10 +123,10 @@ def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | Non
 def _levels(populations: Sequence[Population]) -> tuple[LevelSeen, ...]:
     """Return each level, added up over all populations."""
     seen = []
-    for number in range(max((len(each.levels) for each in populations), default=0)):
-        there = [each for each in populations if number < len(each.levels)]
-        share = sum(each.weights[number] for each in there) / len(populations)
-        at = [each.levels[number] for each in there]
+    for number in range(max((len(population.levels) for population in populations), default=0)):
+        there = [population for population in populations if number < len(population.levels)]
+        share = sum(population.weights[number] for population in there) / len(populations)
+        at = [population.levels[number] for population in there]
         runs, reached, hits = (sum(level[place] for level in at) for place in range(3))
         seen.append(LevelSeen(share, runs, reached, hits))
     return tuple(seen)

@@ -83,8 +83,8 @@ class SplitRuns:
         for number in range(count):
             at = None if isinstance(starts, int) else before[int(starts[number])]
             found += self._one(number, at)
-        for each in before:
-            shutil.rmtree(each.folder)
+        for item in before:
+            shutil.rmtree(item.folder)
         return Level(count, len(self._stopped), found["hits"], found["steps"])
 
     def _one(self, number: int, at: Stopped | None) -> Counter[str]:

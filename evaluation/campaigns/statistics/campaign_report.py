@@ -75,14 +75,14 @@ class CampaignReport:
     def shares(self) -> list[ActionShare]:
         """Return the outcome counts of each action, in the order of first occurrence."""
         return [
-            ActionShare(name, *(found[each] for each in OUTCOME_NAMES))
+            ActionShare(name, *(found[outcome_name] for outcome_name in OUTCOME_NAMES))
             for name, found in self.tally.actions.items()
         ]
 
     @property
     def blames(self) -> list[tuple[Blame, int]]:
         """Counts of Fails and GiveUps by primitive and cause, the most frequent first."""
-        return sorted(self.tally.blames.items(), key=lambda each: (-each[1], each[0]))
+        return sorted(self.tally.blames.items(), key=lambda item: (-item[1], item[0]))
 
     @property
     def median_run(self) -> Trial | None:

@@ -127,7 +127,7 @@ def compare(one: Sequence[Trial], other: Sequence[Trial]) -> Comparison:
         e_value(only_one, only_other),
         sure_at,
         smallest_difference(only_one, only_other, pairs),
-        dict(sorted(partings.items(), key=lambda each: (-each[1].times, each[0]))),
+        dict(sorted(partings.items(), key=lambda item: (-item[1].times, item[0]))),
     )
 
 
@@ -155,14 +155,14 @@ def _changes(
 ) -> tuple[MetricChange, ...]:
     """Return the changes of all metrics that differ in some pair; equal metrics are not tested."""
     differences = {name: np.asarray(columns[name]) for name in sorted(columns)}
-    looked = {name: each for name, each in differences.items() if each.any()}
+    looked = {name: difference for name, difference in differences.items() if difference.any()}
     p_values = {SUCCESS_METRIC: mcnemar(only_one, only_other)}
-    p_values |= {name: signed_rank(each) for name, each in looked.items()}
+    p_values |= {name: signed_rank(item) for name, item in looked.items()}
     adjusted = holm(p_values, weights_of(SUCCESS_METRIC, list(looked)))
     rate = (only_other - only_one) / pairs
     first = MetricChange(SUCCESS_METRIC, pairs, rate, p_values[SUCCESS_METRIC], adjusted[SUCCESS_METRIC])
     rest = (
-        MetricChange(name, len(each), float(each.mean()), p_values[name], adjusted[name])
-        for name, each in looked.items()
+        MetricChange(name, len(item), float(item.mean()), p_values[name], adjusted[name])
+        for name, item in looked.items()
     )
     return first, *rest

@@ -56,4 +56,4 @@ def _add(case: Element, counts: dict[str, int], kind: str, words: str) -> None:
 
 def _plain(words: str) -> str:
     """Return a text without the characters that XML forbids."""
-    return "".join(each if each.isprintable() else " " for each in words)
+    return "".join(word if word.isprintable() else " " for word in words)

@@ -50,8 +50,8 @@ def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[st
     """
     left, out, least = dict(p_values), {}, 0.0
     while left:
-        name = min(left, key=lambda each: left[each] / weights[each])
-        total = sum(weights[each] for each in left)
+        name = min(left, key=lambda item: left[item] / weights[item])
+        total = sum(weights[item] for item in left)
         least = max(least, min(1.0, left.pop(name) * total / weights[name]))
         out[name] = least
     return out
@@ -108,4 +108,4 @@ def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | N
     most = 1.0 - 2.0 * lost
     if most <= 0.0 or mcnemar_power(most, lost, pairs) < TEST_POWER:
         return None
-    return float(brentq(lambda each: mcnemar_power(each, lost, pairs) - TEST_POWER, 0.0, most, xtol=1e-5))
+    return float(brentq(lambda item: mcnemar_power(item, lost, pairs) - TEST_POWER, 0.0, most, xtol=1e-5))

@@ -25,10 +25,10 @@ def _words(said: Mapping[str, Any], seed: int) -> Iterator[str]:
         yield from ("--trials", "1", "--first", str(seed))
     if walks:
         yield from ("--level", said["level"])
-    for each in said.get("learned_from", ()):
-        yield from ("--learned-from", each)
-    for each in said["generate"]:
-        yield from ("--generate", each)
+    for item in said.get("learned_from", ()):
+        yield from ("--learned-from", item)
+    for item in said["generate"]:
+        yield from ("--generate", item)
     if said.get("faults"):
         yield from ("--faults", said["faults"])
     for key, value in said["settings"].items():

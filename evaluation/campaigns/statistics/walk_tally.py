@@ -83,7 +83,7 @@ class WalkTally(Tally):
             self._first_seen[index] = at + column, int(there[:, column].argmax())
 
     def _name_actions(self) -> None:
-        for index in sorted(self._first_seen, key=lambda each: self._first_seen[each]):
+        for index in sorted(self._first_seen, key=lambda number: self._first_seen[number]):
             name = self.trials.names[index]
             for end, times in zip(EndCode, self._counts[index].tolist(), strict=True):
                 if not times:

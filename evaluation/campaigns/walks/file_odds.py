@@ -25,8 +25,8 @@ class FileOdds:
         if missing := missing_chances(task):
             raise FileError(task.document.finding(("actions", number), wrong) for number in missing)
         entries = [None if entry is None else task.file.actions[entry] for entry in task.entries]
-        self._success = np.array([1.0 if each is None else each.p_success or 0.0 for each in entries])
-        self._give_up = np.array([0.0 if each is None else each.p_give_up for each in entries])
+        self._success = np.array([1.0 if item is None else item.p_success or 0.0 for item in entries])
+        self._give_up = np.array([0.0 if item is None else item.p_give_up for item in entries])
         self._cost = np.array([action.cost_s for action in task.network.actions])
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:

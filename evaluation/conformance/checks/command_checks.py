@@ -46,7 +46,7 @@ def limits(bench: KitBench, finding: CheckResult) -> None:
             else:
                 finding.wrong.append(f"{words} is taken")
             steps(rig.backend, 2)
-            finding.wrong += [f"{words}: {each}" for each in before.moved(TrueState.of(rig.backend))]
+            finding.wrong += [f"{words}: {item}" for item in before.moved(TrueState.of(rig.backend))]
 
 
 def _bad_commands(bench: KitBench, backend: Backend) -> list[tuple[str, Callable[[], None]]]:
@@ -83,7 +83,7 @@ def after_a_step(bench: KitBench, finding: CheckResult) -> None:
         now = all_readings(backend)
         changed = [name for name in now if not np.array_equal(now[name], before[name], equal_nan=True)]
         finding.wrong += [f"{name} changes without a step" for name in changed]
-        finding.wrong += [f"without a step {each}" for each in standing.truly_moved(TrueState.of(backend))]
+        finding.wrong += [f"without a step {text}" for text in standing.truly_moved(TrueState.of(backend))]
         for _ in range(SETTLING_PERIODS):
             _command_all(bench.spec(), backend)
             backend.step()
@@ -114,7 +114,7 @@ def one_period(bench: KitBench, finding: CheckResult) -> None:
             steps(backend, SETTLING_PERIODS)
         before = TrueState.of(backend)
         steps(backend, 2 * SETTLING_PERIODS)
-        finding.wrong += [f"without a command {each}" for each in before.moved(TrueState.of(backend))]
+        finding.wrong += [f"without a command {item}" for item in before.moved(TrueState.of(backend))]
 
 
 def stop(bench: KitBench, finding: CheckResult) -> None:
@@ -135,7 +135,7 @@ def stop(bench: KitBench, finding: CheckResult) -> None:
                 before = TrueState.of(backend)
             steps(backend, round(seconds / backend.period))
             wrong = before.moved(TrueState.of(backend))
-            finding.wrong += [f"{when} stopped, yet within {seconds:g} s {each}" for each in wrong]
+            finding.wrong += [f"{when} stopped, yet within {seconds:g} s {item}" for item in wrong]
 
 
 def close_twice(bench: KitBench, finding: CheckResult) -> None:

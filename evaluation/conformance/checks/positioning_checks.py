@@ -36,16 +36,16 @@ def positioning(bench: KitBench, finding: CheckResult) -> None:
             if reading is not None and (not taken or reading.number != taken[-1][1].number):
                 taken.append((number * period, reading))
         finding.expect(len(taken) > 1, "no readings come")
-        true = [poses[max(0, round((time - each.age) / period))] for time, each in taken]
-        off = [each.pose.distance(pose) for (_, each), pose in zip(taken, true, strict=True)]
-        turned = [each.pose.turn(pose) for (_, each), pose in zip(taken, true, strict=True)]
+        true = [poses[max(0, round((time - item.age) / period))] for time, item in taken]
+        off = [item.pose.distance(pose) for (_, item), pose in zip(taken, true, strict=True)]
+        turned = [item.pose.turn(pose) for (_, item), pose in zip(taken, true, strict=True)]
         finding.at_most(
             "off", 1e3 * max(off, default=0.0), MAX_SIGMAS * math.sqrt(2.0) * spec.sigma_mm + 1.0, "mm"
         )
         most = MAX_SIGMAS * spec.heading_sigma_mrad + 1.0
         finding.at_most("turned", 1e3 * max(turned, default=0.0), most, "mrad")
         oldest = spec.latency_s + 2.0 * period
-        finding.at_most("age", max((each.age for _, each in taken), default=0.0), oldest, "s")
+        finding.at_most("age", max((item.age for _, item in taken), default=0.0), oldest, "s")
         wanted = min(spec.rate_hz, 1.0 / period) * DRIVE_PERIODS * period
         finding.expect(
             abs(len(taken) - wanted) <= 0.1 * wanted + 2.0, f"{len(taken)} readings, not {wanted:.0f}"

@@ -78,10 +78,10 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
         for _ in range(REST_READINGS):
             _wait(rig, 1)
             readings.append(_measured(rig, first))
-        for each in zip(*readings, strict=True):
-            name, limit = each[0].label, each[0].limit
-            if each[0].kind is not ResidualKind.HELD and limit is not None:
-                sigma = 3.0 * float(np.sqrt(np.mean(np.square([one.value for one in each])) / 2.0))
+        for item in zip(*readings, strict=True):
+            name, limit = item[0].label, item[0].limit
+            if item[0].kind is not ResidualKind.HELD and limit is not None:
+                sigma = 3.0 * float(np.sqrt(np.mean(np.square([one.value for one in item])) / 2.0))
                 finding.at_most(f"3 sigma of {name}", sigma, limit, name.rsplit("_", 1)[-1])
 
 

@@ -74,7 +74,7 @@ def monotonic(bench: KitBench, finding: CheckResult) -> None:
 def same_seed(bench: KitBench, finding: CheckResult) -> None:
     """Check that the same seed gives the same readings, bit for bit, and another seed other readings."""
     first, second, other = (_script(bench, seed) for seed in (3, 3, 4))
-    finding.wrong += [f"the same seed, another reading: {each}" for each in _different(first, second)]
+    finding.wrong += [f"the same seed, another reading: {text}" for text in _different(first, second)]
     finding.measured.append(f"{len(first)} periods")
     if _different(first, other):
         return
@@ -89,7 +89,7 @@ def looking_on(bench: KitBench, finding: CheckResult) -> None:
     quiet = _script(bench, 3, look=lambda backend, number: number % 10 == 9)
     busy = _script(bench, 3)
     kept = [readings for number, readings in enumerate(busy) if number % 10 == 9]
-    finding.wrong += [f"a reading that nobody needed changed {each}" for each in _different(quiet, kept)]
+    finding.wrong += [f"a reading that nobody needed changed {text}" for text in _different(quiet, kept)]
 
 
 def wall_clock(bench: KitBench, finding: CheckResult) -> None:
@@ -102,7 +102,7 @@ def wall_clock(bench: KitBench, finding: CheckResult) -> None:
         hasty = _script(bench, 3)
     slow = _script(bench, 3, look=_dawdle)
     for words, record in (("with a clock that leaps", hasty), ("when steps take longer", slow)):
-        finding.wrong += [f"{words}, {each} is another" for each in _different(plain, record)]
+        finding.wrong += [f"{words}, {text} is another" for text in _different(plain, record)]
 
 
 def _dawdle(backend: Backend, number: int) -> bool:

@@ -55,4 +55,4 @@ def expected_causes(fault: Fault) -> tuple[str, ...]:
     found = fault.causes or CAUSES_OF_FAULTS.get(fault.kind, ())
     if fault.kind in FALSIFIED_KINDS:
         found = (*CAUSES_OF_SENSORS.get(fault.sensor, ()), *UNSEEN_CAUSES)
-    return tuple(each.name for each in found)
+    return tuple(item.name for item in found)

@@ -115,4 +115,4 @@ def spread(count: int, periods: int) -> Sequence[int]:
     excluded.
     """
     instants = np.linspace(1, max(2, periods), count, endpoint=False)
-    return sorted({int(each) for each in instants})
+    return sorted({int(instant) for instant in instants})

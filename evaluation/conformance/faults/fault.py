@@ -118,5 +118,7 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
 
 def faults_of(primitive: str) -> tuple[Fault, ...]:
     """Return the faults declared by the domain of a primitive, given its name."""
-    named = [each.faults for each in domains() if primitive in each.primitives and each.faults is not None]
+    named = [
+        domain.faults for domain in domains() if primitive in domain.primitives and domain.faults is not None
+    ]
     return tuple(fault for path in named for fault in imported(path))

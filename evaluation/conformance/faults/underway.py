@@ -150,7 +150,7 @@ class Underway:
             wrong.append("Fail after a point of no return")
         word = type(outcome).__name__
         untrue = self.surveys.ended(1, self.primitive, outcome)
-        wrong += [f"{word}, but {each}" for each in untrue]
+        wrong += [f"{word}, but {item}" for item in untrue]
         bumps = 0 if self._bumps is None or after is None else after.bumps - self._bumps
         if isinstance(outcome, Fail) and bumps > 0:
             wrong.append("the base ran into something while it was restored")
@@ -166,7 +166,7 @@ class Underway:
             self.backend.step()
         word = type(outcome).__name__
         moving = ended.moved(TrueState.of(self.backend.inner))
-        return [f"after {word} it doesn't stand still: {each}" for each in moving]
+        return [f"after {word} it doesn't stand still: {item}" for item in moving]
 
     def _whole(self, fault: Fault | None) -> bool:
         return not self._no_return and (fault is None or fault.kind in HARMLESS_FAULTS)

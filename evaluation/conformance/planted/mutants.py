@@ -64,7 +64,7 @@ def _backend(name: str, check: str, bench: KitBench) -> list[str]:
     finding = checks()[check](replace(bench, liar=name))
     if finding.skipped:
         raise Skipped(finding.skipped)
-    return [f"{check}: {each}" for each in finding.wrong]
+    return [f"{check}: {item}" for item in finding.wrong]
 
 
 def _primitive(kind: type[ActionPrimitive], fault: FaultKind, bench: KitBench) -> list[str]:
@@ -75,7 +75,7 @@ def _primitive(kind: type[ActionPrimitive], fault: FaultKind, bench: KitBench) -
 def _drift(kind: type[Reach], bench: KitBench) -> list[str]:
     finding = CheckResult("drift", "")
     snapshot_checks.drift(replace(bench, quick=True), finding, kind)
-    return [f"drift: {each}" for each in finding.wrong]
+    return [f"drift: {item}" for item in finding.wrong]
 
 
 def _in_backend(name: str, lie: str, check: str) -> Mutant:

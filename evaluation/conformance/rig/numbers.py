@@ -19,7 +19,7 @@ def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> FloatArray | Non
     if reading is None:
         return None
     if isinstance(reading, tuple):
-        parts = (as_numbers(each) for each in _fields(reading, measured).values())
+        parts = (as_numbers(field) for field in _fields(reading, measured).values())
         return np.concatenate([part for part in parts if part is not None])
     return np.array(reading, dtype=np.float64).ravel()
 
@@ -28,7 +28,7 @@ def broken(reading: Any, measured: tuple[str, ...] = ()) -> Any:
     """Return the reading with NaN for measured values, or with black for a picture."""
     match reading:
         case tuple():
-            fields = {name: broken(each) for name, each in _fields(reading, measured).items()}
+            fields = {name: broken(field) for name, field in _fields(reading, measured).items()}
             return reading._replace(**fields)  # type: ignore[attr-defined]
         case float():
             return np.nan

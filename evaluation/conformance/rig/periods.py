@@ -129,5 +129,5 @@ def noisy_readings(backend: Backend) -> set[str]:
 
 def reading_name(part: Capability, method: str) -> str:
     """Return the name of a reading for messages."""
-    kind = next((each for each in all_capabilities() if isinstance(part, each)), type(part))
+    kind = next((capability for capability in all_capabilities() if isinstance(part, capability)), type(part))
     return f"{kind.words()} {method}"

@@ -54,4 +54,4 @@ class TrueState:
         """Describe the parts that moved until `after` by the ground truth; empty without a simulation."""
         if self.truth is None or after.truth is None:
             return []
-        return [f"truly moves: {each}" for each in not_still(self.truth, after.truth)]
+        return [f"truly moves: {text}" for text in not_still(self.truth, after.truth)]

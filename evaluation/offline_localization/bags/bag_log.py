@@ -77,7 +77,7 @@ def read_bag_log(path: Path, reference: str | None = None, stamps: Stamps = "hea
 def _chosen(path: Path, topics: dict[str, str], reference: str | None) -> dict[str, str]:
     """Return the used topics with their types."""
     found = {
-        kind: next((topic for topic, each in topics.items() if each == kind and topic != reference), None)
+        kind: next((topic for topic, text in topics.items() if text == kind and topic != reference), None)
         for kind in (IMU, ODOMETRY, FIX)
     }
     wrong = []
@@ -89,7 +89,7 @@ def _chosen(path: Path, topics: dict[str, str], reference: str | None) -> dict[s
         poses = [topic for topic, kind in topics.items() if kind in POSE_TYPES]
         wrong.append(f"no poses on the topic {reference!r}; allowed: {listed(poses)}")
     if wrong:
-        raise FileError([Finding(str(path), 0, 0, each) for each in wrong])
+        raise FileError([Finding(str(path), 0, 0, item) for item in wrong])
     chosen = {topic: kind for kind, topic in found.items() if topic is not None}
     return chosen if reference is None else chosen | {reference: topics[reference]}
 
@@ -114,7 +114,7 @@ def _readable(path: Path, bag: Bag, messages: list[BagMessage], chosen: dict[str
         elif not good:
             wrong.append(f"{topic}: no messages; needed: at least two")
     if wrong:
-        raise FileError([Finding(str(path), 0, 0, each) for each in wrong])
+        raise FileError([Finding(str(path), 0, 0, item) for item in wrong])
     return notes
 
 
@@ -146,7 +146,7 @@ def _timed(
     unusable += [apart] if apart else []
     if unusable:
         allowed = "allowed: stamps that rise; or --stamps receive: the times at which messages were recorded"
-        raise FileError([Finding(str(path), 0, 0, f"{each}; {allowed}") for each in unusable])
+        raise FileError([Finding(str(path), 0, 0, f"{item}; {allowed}") for item in unusable])
     return found
 
 
@@ -172,7 +172,7 @@ def _plausible(path: Path, rows: list[_Row], notes: list[str]) -> list[_Row]:
         words = f"{topic}: {bad} of {count} readings are beyond any vehicle's"
         (wrong if bad > MAX_UNREADABLE * count else notes).append(words)
     if wrong:
-        raise FileError([Finding(str(path), 0, 0, f"{each}; needed: SI units") for each in wrong])
+        raise FileError([Finding(str(path), 0, 0, f"{text}; needed: SI units") for text in wrong])
     return [row for row, bad in zip(rows, beyond, strict=True) if not bad]
 
 
@@ -203,7 +203,7 @@ def _log(path: Path, rows: list[_Row], notes: list[str], has_imu: bool) -> Drive
     if len(rows) < 2:
         raise FileError([Finding(str(path), 0, 0, "no readings; needed: at least two messages")])
     times, _, rates, felt, speeds, turns, places, sigmas, reference = (
-        np.array(each) for each in zip(*rows, strict=True)
+        np.array(item) for item in zip(*rows, strict=True)
     )
     way = held_on(speeds) * np.diff(times, prepend=times[0])
     latitudes, longitudes, wrong = checked_places(places[:, 0], places[:, 1], times)

@@ -99,8 +99,8 @@ def _storage_files(path: Path) -> tuple[list[Path], list[str]]:
         raise BagError(f"no such file or folder; {ALLOWED_TEXT}")
     if not path.is_dir():
         return [path], []
-    files = sorted(each for each in path.iterdir() if has_bag_suffix(each) and each.is_file())
-    files = [each for each in files if not is_packed(each) or each.with_suffix("") not in files]
+    files = sorted(item for item in path.iterdir() if has_bag_suffix(item) and item.is_file())
+    files = [file for file in files if not is_packed(file) or file.with_suffix("") not in files]
     if not files:
         raise BagError(f"no .mcap, .db3 or .bag file in the folder, nor one with .zstd; {ALLOWED_TEXT}")
     if (path / METADATA_FILE).is_file():
@@ -115,8 +115,8 @@ def _complete(paths: list[Path], kinds: Collection[str], notes: list[str]) -> Ba
 
     messages, unreadable = list[BagMessage](), Counter[str]()
     with AnyReader(paths, default_typestore=get_typestore(Stores.LATEST)) as reader:
-        topics = {each.topic: each.msgtype for each in reader.connections}
-        chosen = [each for each in reader.connections if each.msgtype in kinds]
+        topics = {item.topic: item.msgtype for item in reader.connections}
+        chosen = [item for item in reader.connections if item.msgtype in kinds]
         for connection, nanoseconds, raw in reader.messages(chosen) if chosen else ():
             kind = connection.msgtype
             try:

@@ -134,7 +134,7 @@ def _nearest(up: FloatArray, force: FloatArray, log: DriveLog) -> FloatArray:
     steps = np.diff(log.times, prepend=log.times[0])
     speeds = _smooth(log.times, np.divide(way, steps, out=np.zeros(len(way)), where=steps > 0.0))
     gained = np.gradient(speeds)
-    felt = np.stack([_smooth(log.times, held_on(each)) for each in log.accelerations.T], axis=1)
+    felt = np.stack([_smooth(log.times, held_on(item)) for item in log.accelerations.T], axis=1)
     along = np.array(
         [float(np.nan_to_num(gained) @ (felt @ turned[0] - force @ turned[0])) for turned in candidates]
     )

@@ -160,7 +160,7 @@ def _number(row: list[str], place: int, path: Path, line: int, findings: Finding
     cell = row[place].strip()
     value = number_in(cell)
     if cell and not math.isfinite(value) and cell.lower() not in ("nan", "inf", "-inf"):
-        column = 1 + sum(len(each) + 1 for each in row[:place])
+        column = 1 + sum(len(text) + 1 for text in row[:place])
         findings.add(
             Finding(str(path), line, column, f"no number: {cell[:40]!r}; allowed: a number, or nothing")
         )
@@ -182,7 +182,7 @@ def _log(values: dict[str, FloatArray], header: LogHeader) -> DriveLog:
     turns = _wheel_turns(values, header, wheels, steps)
     start = header.start
     heading = math.nan if start.heading_deg is None else math.radians(start.heading_deg)
-    x, y = (math.nan if each is None else each for each in (start.x_m, start.y_m))
+    x, y = (math.nan if item is None else item for item in (start.x_m, start.y_m))
     return DriveLog(
         times,
         rates,
@@ -224,9 +224,9 @@ def _take_out_held(values: dict[str, FloatArray], header: LogHeader) -> None:
     for names in (*_PLACES, *((name,) for name in values if name not in paired)):
         held = [values[name] for name in names if name in values and header.columns[name].held]
         if held:
-            again = np.all([each[1:] == each[:-1] for each in held], axis=0)
-            for each in held:
-                each[1:][again] = math.nan
+            again = np.all([item[1:] == item[:-1] for item in held], axis=0)
+            for item in held:
+                item[1:][again] = math.nan
 
 
 _TRUE = ("true_latitude", "true_longitude")

@@ -51,17 +51,19 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     if not positions:
         wrong = "no fix in it; needed: GGA sentences of NMEA 0183 with a place and sound checksums"
         raise FileError([Finding(str(path), 1, 1, "; ".join([wrong, *skipped]))])
-    times = np.unwrap([each.utc for each in positions], period=DAY_S)
+    times = np.unwrap([position.utc for position in positions], period=DAY_S)
     times = times - times[0] + _first(log, positions[0].utc)
     lats, lons, notes = checked_places(
-        np.array([each.lat for each in positions]), np.array([each.lon for each in positions]), times
+        np.array([position.lat for position in positions]),
+        np.array([position.lon for position in positions]),
+        times,
     )
     places = plane(lats, lons, first_place(lats, lons))
     fixes, sigmas = np.full_like(log.fixes, math.nan), np.full_like(log.sigmas, math.nan)
-    for time, place, each in zip(times, places, positions, strict=True):
+    for time, place, position in zip(times, places, positions, strict=True):
         row = int(np.searchsorted(log.times, time))
         if row < len(log.times) and time >= log.times[0]:
-            fixes[row], sigmas[row] = place, accuracies.get(round(each.utc, 1), math.nan)
+            fixes[row], sigmas[row] = place, accuracies.get(round(position.utc, 1), math.nan)
     return log._replace(fixes=fixes, sigmas=sigmas, notes=(*log.notes, *notes, *skipped))
 
 

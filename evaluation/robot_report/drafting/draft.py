@@ -38,7 +38,7 @@ def draft_text(
         hidden: links of the robot that its lidar sees, each with a sector from and to in [deg].
     """
     without = dict(left_out or {})
-    facts = {each.name: each for each in joints_of(urdf_text)}
+    facts = {item.name: item for item in joints_of(urdf_text)}
     units, home = _units(outline, facts), None
     if outline.arm and lack("an arm", "arm") is None:
         arm = [facts[name] for name in outline.arm]
@@ -118,7 +118,7 @@ def _drive(outline: Outline, urdf: str) -> list[str]:
         lines.append("  wheel_radius_m: 0.1     # measure: the URDF's wheels have no bodies")
     lines += _tread(wheels)
     limits = "top_speed_m_s: 0.5|top_turn_deg_s: 60|acceleration_m_s2: 0.5|turn_acceleration_deg_s2: 90"
-    return ["drive:", *lines, *(f"  {each}     # choose" for each in limits.split("|"))]
+    return ["drive:", *lines, *(f"  {part}     # choose" for part in limits.split("|"))]
 
 
 def _tread(wheels: Wheels) -> list[str]:
@@ -203,7 +203,7 @@ def _range_sensor(hidden: Mapping[str, tuple[int, int]]) -> list[str]:
     names = ", ".join(hidden)
     return [
         "range_sensor:     # by its data sheet",
-        *(f"  {each}" for each in LIDAR_SECTION.split(", ")),
+        *(f"  {part}" for part in LIDAR_SECTION.split(", ")),
         f"  masked_deg: [{sectors}]     # by the URDF it sees the robot itself: {names}; look at a scan",
     ]
 

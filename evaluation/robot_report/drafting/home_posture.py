@@ -55,7 +55,7 @@ def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], 
     always = self_contact(arm).always
     free = CollisionModel(arm, allowed=always)
     moved = moved_links(arm)
-    middle = np.array([middle_of(each) for each in joints])
+    middle = np.array([middle_of(joint) for joint in joints])
     drawn = np.random.default_rng(0).uniform(arm.lower, arm.upper, (RANDOM_POSTURES, arm.dof))
     best, extent = None, math.inf
     for q in (middle, *drawn):
@@ -73,7 +73,7 @@ def radius_of(urdf_text: str, base: str) -> float:
     """Return the radius around a link's axis that contains all bodies with the joints at zero, in [m]."""
     poses = link_poses(urdf_text)
     base_T_root = np.linalg.inv(poses[base])
-    corners = [_placed(base_T_root @ poses[each.name], corners_of(each)) for each in bodies_of(urdf_text)]
+    corners = [_placed(base_T_root @ poses[item.name], corners_of(item)) for item in bodies_of(urdf_text)]
     return float(np.hypot(*np.vstack(corners)[:, :2].T).max()) if corners else 0.0
 
 
@@ -87,7 +87,7 @@ def middle_of(joint: JointFacts) -> float:
 def _rounded(units: JointUnits, q: FloatArray) -> list[float]:
     """Return joint positions in [deg] or [mm], rounded towards zero so that no limit is exceeded."""
     scale = 10.0**POSTURE_DIGITS
-    return [float(each) + 0.0 for each in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
+    return [float(item) + 0.0 for item in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
 
 
 def _farthest(shapes: Sequence[Shape]) -> tuple[float, str]:

@@ -70,10 +70,10 @@ def _camera(info: Any) -> str:
 
 def _postures(air: AirDescription, outline: Outline) -> list[str]:
     """Return the postures of the SRDF that name all joints of the arm, as lines."""
-    facts = {each.name: each for each in joints_of(air.urdf)}
+    facts = {item.name: item for item in joints_of(air.urdf)}
     lines, used = [], {"home"}
     for state in ElementTree.fromstring(air.srdf).iter("group_state"):
-        values = {each.get("name", ""): each.get("value", "0") for each in state.iter("joint")}
+        values = {item.get("name", ""): item.get("value", "0") for item in state.iter("joint")}
         name = re.sub(r"\W", "_", state.get("name", ""))
         if not all(joint in values for joint in outline.arm) or name in used:
             continue

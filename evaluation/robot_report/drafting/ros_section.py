@@ -72,18 +72,18 @@ def _velocity(air: AirDescription) -> Iterator[str]:
 
 def _controllers(air: AirDescription, outline: Outline) -> Iterator[str]:
     """Yield the arm's and the gripper's controllers: by topics, or by actions where they have no topic."""
-    kind = next((each for each in CONTROLLER_KINDS if air.topics[each]), "")
+    kind = next((controller_kind for controller_kind in CONTROLLER_KINDS if air.topics[controller_kind]), "")
     topics = list(air.topics[kind]) if kind else []
     with_topic = set(map(controller_of, topics))
     actions = [
-        each for each in air.actions.get(TRAJECTORY_ACTION, ()) if controller_of(each) not in with_topic
+        item for item in air.actions.get(TRAJECTORY_ACTION, ()) if controller_of(item) not in with_topic
     ]
     if not outline.arm:
         return
     fingers = set(outline.fingers or ()) | set(outline.turning_fingers)
     every = [*topics, *actions]
-    grippers = [each for each in every if _moves(air, each, fingers) or _is_gripper(air, each)]
-    joints = _joints_by_topic(air, [each for each in every if each not in grippers], outline.arm)
+    grippers = [item for item in every if _moves(air, item, fingers) or _is_gripper(air, item)]
+    joints = _joints_by_topic(air, [item for item in every if item not in grippers], outline.arm)
     yield from _arm(air, kind, joints, topics)
     left = [name for name in outline.arm if not any(name in names for names in joints.values())]
     if left and (every or air.actions.get(GRIPPER_ACTION)):
@@ -116,7 +116,7 @@ def _gripper(
 ) -> Iterator[str]:
     """Yield the section `gripper`: a topic before an action, which costs more."""
     commands = list(air.actions.get(GRIPPER_ACTION, ()))
-    by_topic = [each for each in grippers if each not in actions]
+    by_topic = [gripper for gripper in grippers if gripper not in actions]
     name, others = chosen("gripper", by_topic or commands or grippers)
     if not name:
         return
@@ -163,4 +163,4 @@ def _plain(air: AirDescription, topic: str) -> str:
 
 
 def _or(air: AirDescription, others: Sequence[str]) -> str:
-    return f"     # or {', '.join(_plain(air, each) for each in others)}" if others else ""
+    return f"     # or {', '.join(_plain(air, other) for other in others)}" if others else ""

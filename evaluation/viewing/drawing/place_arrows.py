@@ -34,7 +34,7 @@ def draw_places(axis: Any, places: Mapping[str, tuple[float, float, float]], siz
     """
     (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
     frame = axis.get_position()
-    wide, tall = (72.0 * each for each in axis.figure.get_size_inches())
+    wide, tall = (72.0 * inch for inch in axis.figure.get_size_inches())
     scale = min(wide * frame.width / (right - left), tall * frame.height / (high - low))  # [pt] a metre
     paper = (0.0, 0.0, (right - left) * scale, (high - low) * scale)
     at = {name: ((x - left) * scale, (y - low) * scale) for name, (x, y, _) in places.items()}

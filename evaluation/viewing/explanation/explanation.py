@@ -102,7 +102,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
         )
         return Explanation(run, None, None, (), Residuals(), None, None, readings, None, frames)
     relied_on = tuple(_relied_on(run, action))
-    points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
+    points = [_kept(run, f"{_stem(item)}.npz") for item in (action, *(who for _, who in relied_on[::-1]))]
     return Explanation(
         run,
         action,
@@ -118,7 +118,7 @@ def _explained(run: PastRun, number: int | None) -> Explanation:
 
 
 def _numbered(run: PastRun, number: int) -> PastAction:
-    found = next((each for each in run.actions if each.number == number), None)
+    found = next((action for action in run.actions if action.number == number), None)
     if found is None:
         raise NoSuchAction(run, number)
     return found
@@ -128,12 +128,12 @@ def _relied_on(run: PastRun, action: PastAction) -> list[tuple[str, PastAction]]
     """Return the used entries of the world model, each with the last earlier action that learned it."""
     uses = run.network.uses[action.index] if run.network else ()
     learned: dict[str, PastAction] = {}
-    for each in run.actions[: run.actions.index(action)]:
-        for name, value in each.result.get("learned", {}).items():
+    for item in run.actions[: run.actions.index(action)]:
+        for name, value in item.result.get("learned", {}).items():
             if value is None:
                 learned.pop(name, None)
             else:
-                learned[name] = each
+                learned[name] = item
     return [(name, learned[name]) for name in uses if name in learned]
 
 
@@ -180,7 +180,7 @@ def _json(explanation: Explanation, chart: Path | None) -> dict[str, Any]:
         "situation": end["situation"] if end else None,
         "reason": end["reason"] if end else None,
         "torn_at": run.torn_at,
-        "actions": [_action_json(each) for each in run.actions],
+        "actions": [_action_json(action) for action in run.actions],
         "action": explanation.action.number if explanation.action else None,
         "choice": _choice_json(explanation.choice) if explanation.choice else None,
         "relied_on": {name: who.number for name, who in explanation.relied_on},
@@ -218,7 +218,8 @@ def _choice_json(choice: Choice) -> dict[str, Any]:
         "policy": choice.policy,
         "judged": choice.judged and choice.judged.fields(),
         "options": [
-            {**_option_json(each), "chosen_below_s": each.threshold_s(choice.way)} for each in choice.options
+            {**_option_json(option), "chosen_below_s": option.threshold_s(choice.way)}
+            for option in choice.options
         ],
         "next_best": choice.next_best and _way_json(choice.next_best),
         "after_fail": choice.after_fail and _way_json(choice.after_fail),
@@ -241,7 +242,7 @@ def _option_json(option: Option) -> dict[str, Any]:
 
 
 def _way_json(way: OpenRoute) -> dict[str, Any]:
-    return {"actions": [each.index for each in way.actions], "cost_s": way.cost}
+    return {"actions": [action.index for action in way.actions], "cost_s": way.cost}
 
 
 def _finite(size: float) -> float | None:

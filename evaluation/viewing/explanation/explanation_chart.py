@@ -75,7 +75,7 @@ def _draw(explanation: Explanation, path: Path) -> None:
     from matplotlib.figure import Figure
 
     readings = _read(explanation.readings, load_readings) if explanation.readings else {}
-    panels = [each for each in _PANELS if each.needs in readings]
+    panels = [panel_ for panel_ in _PANELS if panel_.needs in readings]
     decided: dict[str, Any] = (explanation.causes[0].get("measured") or {}) if explanation.causes else {}
     figure = Figure(figsize=(12.0, max(5.5, 1.0 + 1.1 * len(panels))), layout="constrained")
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.0, 1.1])
@@ -106,7 +106,7 @@ def _chain(explanation: Explanation) -> str:
     if explanation.action is None:
         return ""
     links = [line for cause in explanation.causes for line in cause_words(explanation.action, cause)]
-    return "\n".join("\n    ".join(wrap(each, LINE_LENGTH)) for each in links)
+    return "\n".join("\n    ".join(wrap(link, LINE_LENGTH)) for link in links)
 
 
 def _title(explanation: Explanation) -> str:

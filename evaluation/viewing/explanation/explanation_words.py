@@ -75,11 +75,11 @@ def _head(run: PastRun) -> str:
 def _time_line(run: PastRun, chosen: PastAction | None) -> str:
     if not run.actions:
         return "No action was started."
-    do = max(len(each.do) for each in run.actions)
-    way = max(len(f"{each.source} to {each.target}") for each in run.actions)
-    lines = [(float(each["t"]), f"      {each['t']:8.1f} s  {words}") for each, words in aim_words(run)]
-    lines += [(each.start, _line(each, each is chosen, do, way)) for each in run.actions]
-    return "\n".join(line for _, line in sorted(lines, key=lambda each: each[0]))
+    do = max(len(action.do) for action in run.actions)
+    way = max(len(f"{action.source} to {action.target}") for action in run.actions)
+    lines = [(float(item["t"]), f"      {item['t']:8.1f} s  {words}") for item, words in aim_words(run)]
+    lines += [(action.start, _line(action, action is chosen, do, way)) for action in run.actions]
+    return "\n".join(line for _, line in sorted(lines, key=lambda item: item[0]))
 
 
 def aim_words(run: PastRun) -> Iterator[tuple[Mapping[str, Any], str]]:
@@ -133,8 +133,8 @@ def choice_words(choice: Choice) -> Iterator[str]:
         yield from _judged_words(choice, choice.judged)
     if not others:
         yield f"nothing else leads out of {choice.chosen.source}"
-    for each in others:
-        yield f"instead {each.action}: {_instead(each)}{_value_words(each)}{_change_words(each, choice)}"
+    for other in others:
+        yield f"instead {other.action}: {_instead(other)}{_value_words(other)}{_change_words(other, choice)}"
     later = choice.next_best
     if later is not None and later.actions[0] is choice.chosen:
         yield f"the next best way parts from it later, {_cost(later)}: {_steps(later)}"
@@ -192,7 +192,7 @@ def _instead(option: Option) -> str:
 
 
 def _steps(way: OpenRoute) -> str:
-    names = [each.do for each in way.actions]
+    names = [action.do for action in way.actions]
     return ", ".join([*names[:MAX_ROUTE_ACTIONS], *(["..."] if len(names) > MAX_ROUTE_ACTIONS else [])])
 
 
@@ -275,11 +275,11 @@ def _restored(explanation: Explanation) -> str:
 
 
 def _table(residuals: Sequence[Residual]) -> Iterator[str]:
-    width = max(len(each.label) for each in residuals)
-    for each in residuals:
-        size = f"{each.value:9.3f}" if math.isfinite(each.value) else "     gone"
-        limit = "" if each.limit is None else f"  at most {each.limit:g}"
-        yield f"  {each.label:<{width}}  {size}{limit}{'' if each.is_within else '   <- beyond it'}"
+    width = max(len(residual.label) for residual in residuals)
+    for residual in residuals:
+        size = f"{residual.value:9.3f}" if math.isfinite(residual.value) else "     gone"
+        limit = "" if residual.limit is None else f"  at most {residual.limit:g}"
+        yield f"  {residual.label:<{width}}  {size}{limit}{'' if residual.is_within else '   <- beyond it'}"
 
 
 def _frames(explanation: Explanation) -> str:

@@ -66,7 +66,7 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
     if not frames:
         return FramesAround(file, 0, (), 0, ())
     words = FrameWords(names)
-    all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.describe(each)) for each in frames]
+    all_lines = [FrameLine(frame.timestamp, frame.arbitration_id, words.describe(frame)) for frame in frames]
     telling, instant = list(_changes(all_lines)), min(instant, all_lines[-1].time)
     nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MAX_LINES])
     silent = tuple(_silent(all_lines))
@@ -92,22 +92,22 @@ def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
         for line in lines:
             if line.description.state is not None and line.description.what.startswith(kind):
                 came.setdefault(line.cob_id, []).append(line)
-        last = max((each[-1].time for each in came.values()), default=0.0)
-        for each in came.values():
-            usual = median(b.time - a.time for a, b in pairwise(each)) if each[1:] else 0.0
-            if usual > 0.0 and last - each[-1].time > _SILENT * usual:
-                yield each[-1]
+        last = max((group[-1].time for group in came.values()), default=0.0)
+        for group in came.values():
+            usual = median(b.time - a.time for a, b in pairwise(group)) if group[1:] else 0.0
+            if usual > 0.0 and last - group[-1].time > _SILENT * usual:
+                yield group[-1]
 
 
 def in_words(around: FramesAround) -> Iterator[str]:
     """Yield a line of text for each frame."""
     if around.left_out:
         yield f"{around.left_out} lines further away are left out"
-    width = max((len(each.description.who) for each in (*around.lines, *around.silent)), default=0)
-    for each in around.lines:
-        yield _line(each, each.description.words, width)
-    for each in around.silent:
-        yield _line(each, "the last one: none came after", width)
+    width = max((len(line.description.who) for line in (*around.lines, *around.silent)), default=0)
+    for line in around.lines:
+        yield _line(line, line.description.words, width)
+    for item in around.silent:
+        yield _line(item, "the last one: none came after", width)
     if not around.lines and not around.silent:
         yield "nothing but the same orders and states again and again"
 

@@ -69,9 +69,9 @@ def write_parquet(trials: Iterable[Trial], path: Path) -> None:
 
         left = iter(trials)
         while some := list(islice(left, BATCH_TRIALS)):
-            arrays = [_array(kind, [value(each) for each in some]) for _, kind, value in columns]
-            arrays.append(_lists([[end._asdict() for end in each.actions] for each in some], ends))
-            arrays.append(_lists([each.faults for each in some], faults))
+            arrays = [_array(kind, [value(item) for item in some]) for _, kind, value in columns]
+            arrays.append(_lists([[end._asdict() for end in item.actions] for item in some], ends))
+            arrays.append(_lists([item.faults for item in some], faults))
             yield RecordBatch.from_arrays(arrays, schema=schema)
 
     content = io.BytesIO()
@@ -146,7 +146,7 @@ def _array(kind: str, values: Sequence[Any]) -> Array:
     from arro3.core import Array
 
     if kind == "number":
-        values = [None if each is None else float(each) for each in values]
+        values = [None if value is None else float(value) for value in values]
     return Array(values, type=_kind(kind))
 
 
@@ -164,8 +164,8 @@ def _lists(rows: Sequence[Sequence[Mapping[str, Any]]], kinds: Mapping[str, str]
     """Return an array with a list of records for each trial."""
     from arro3.core import Array, DataType, list_array, struct_array
 
-    flat = [each for row in rows for each in row]
-    arrays = [_array(kind, [each.get(name) for each in flat]) for name, kind in kinds.items()]
+    flat = [item for row in rows for item in row]
+    arrays = [_array(kind, [item.get(name) for item in flat]) for name, kind in kinds.items()]
     ends = [0]
     for row in rows:
         ends.append(ends[-1] + len(row))

@@ -15,7 +15,7 @@ def event_messages(run: PastRun) -> Iterator[Message]:
     """Yield each record as a log message on `/events`; a Fail is a warning, a GiveUp is an error."""
     from foxglove.messages import Log, LogLevel
 
-    done = {each.number: each.do for each in run.actions}
+    done = {action.number: action.do for action in run.actions}
     for record in run.records:
         time, level = float(record["t"]), LOG_LEVELS.get(str(record.get("outcome", "")), "Info")
         yield (

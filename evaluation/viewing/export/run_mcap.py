@@ -58,7 +58,7 @@ def write_mcap(recorded: Playback, path: Path) -> dict[str, int]:
         for name, kind, data in _attached(recorded):
             writer.attach(log_time=0, create_time=0, name=name, media_type=kind, data=data)
         channels: dict[str, Any] = {}
-        for time, topic, message in sorted(_messages(recorded), key=lambda each: each[0]):
+        for time, topic, message in sorted(_messages(recorded), key=lambda item: item[0]):
             if topic not in channels:
                 channel = getattr(foxglove.channels, f"{type(message).__name__}Channel")
                 channels[topic] = channel(topic, context=context)
@@ -90,14 +90,14 @@ def _bases(recorded: Playback) -> Iterator[Message]:
             true = pose_of(rows.truth[row])
             yield time, "/truth", PoseInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, pose=true)
     for time, cloud in zip(rows.cloud_time.tolist(), rows.cloud, strict=True):
-        poses = [pose_of(each) for each in cloud]
+        poses = [pose_of(item) for item in cloud]
         yield time, "/particles", PosesInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, poses=poses)
 
 
 def _sensed(recorded: Playback) -> Iterator[Message]:
     from foxglove.messages import CompressedImage
 
-    rows, known = recorded.rows, {each.get("name") for each in _urdf(recorded).iter("joint")}
+    rows, known = recorded.rows, {item.get("name") for item in _urdf(recorded).iter("joint")}
     if recorded.scenery.robot.joints:
         fingers = known.issuperset(FINGER_JOINTS)
         for row, time in enumerate(rows.time.tolist()):

@@ -194,7 +194,7 @@ class Playback:
 
     @cached_property
     def _actions(self) -> dict[int, PastAction]:
-        return {each.number: each for each in self.run.actions}
+        return {action.number: action for action in self.run.actions}
 
     @cached_property
     def _situations(self) -> tuple[FloatArray, list[str]]:
@@ -218,7 +218,7 @@ class Playback:
     def _named(self, name: str) -> dict[int, FloatArray]:
         """Return the points (n, 2) with this name, by number of the action that recorded them."""
         points = {number: arrays.get(name, np.empty(0)) for number, arrays in self._evidence.items()}
-        return {n: each for n, each in points.items() if each.ndim == 2 and each.shape[1] == 2}
+        return {n: point for n, point in points.items() if point.ndim == 2 and point.shape[1] == 2}
 
     @cached_property
     def _evidence(self) -> dict[int, dict[str, FloatArray]]:
@@ -267,7 +267,7 @@ def _joined(parts: list[RecordingPart]) -> RecordingPart:
 
 
 def _things(parts: list[RecordingPart]) -> dict[str, ThingTrack]:
-    shapes = {each.name: each for part in parts for each in part.new_shapes()}
+    shapes = {shape.name: shape for part in parts for shape in part.new_shapes()}
     rows: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
     for part in parts:
         order = np.argsort(part.moved_name, kind="stable")
@@ -277,8 +277,8 @@ def _things(parts: list[RecordingPart]) -> dict[str, ThingTrack]:
             rows.setdefault(name, []).append((part.moved_time[chosen], part.moved_pose[chosen]))
     return {
         name: ThingTrack(
-            shapes[name], np.concatenate([t for t, _ in each]), np.concatenate([p for _, p in each])
+            shapes[name], np.concatenate([t for t, _ in row]), np.concatenate([p for _, p in row])
         )
-        for name, each in rows.items()
+        for name, row in rows.items()
         if name in shapes
     }

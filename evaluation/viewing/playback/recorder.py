@@ -248,7 +248,7 @@ class PlaybackRecorder(RunObserver):
             "cloud_time": np.array(self._cloud_times),
             "cloud": np.array(self._clouds, dtype=np.float32),
             "picture_time": np.array(self._picture_times),
-            "picture_end": np.cumsum([len(each) for each in self._pictures], dtype=np.int64),
+            "picture_end": np.cumsum([len(picture) for picture in self._pictures], dtype=np.int64),
             "picture": np.frombuffer(b"".join(self._pictures), np.uint8),
             "moved_time": np.array([time for time, _, _ in self._moved]),
             "moved_name": np.array([index[name] for _, name, _ in self._moved], dtype=np.int32),

@@ -149,10 +149,10 @@ class PosedBox(Protocol):
 
 def thing_shapes(things: Sequence[PosedBox]) -> list[ThingShape]:
     """Return the shapes in which things are drawn."""
-    middles = sevens(np.array([each.thing_T_middle for each in things]).reshape(-1, 4, 4)).tolist()
+    middles = sevens(np.array([thing.thing_T_middle for thing in things]).reshape(-1, 4, 4)).tolist()
     return [
-        ThingShape(name=each.name, size_m=each.size, middle=middle, grey=each.grey)
-        for each, middle in zip(things, middles, strict=True)
+        ThingShape(name=thing.name, size_m=thing.size, middle=middle, grey=thing.grey)
+        for thing, middle in zip(things, middles, strict=True)
     ]
 
 
@@ -176,7 +176,7 @@ def _robot(prepared: Prepared) -> RobotShape:
 def _without_ground(solids: Iterable[Solid]) -> Iterable[Solid]:
     from handcart.backends.simulation.world.solids import THE_GROUND
 
-    return (each for each in solids if each is not THE_GROUND)
+    return (solid for solid in solids if solid is not THE_GROUND)
 
 
 def _solid(solid: Solid) -> SolidShape:

@@ -64,7 +64,7 @@ def _page(run: PastRun) -> str:
     loader = PackageLoader("handcart.evaluation.viewing.report", "")
     pages = Environment(loader=loader, autoescape=True, trim_blocks=True)
     end = run.end
-    ended = [(each.index, each.outcome) for each in run.actions]
+    ended = [(action.index, action.outcome) for action in run.actions]
     network = to_svg(draw_network(run.network.network, ended)) if run.network else ""
     return pages.get_template("page.html").render(
         run=run,
@@ -75,7 +75,7 @@ def _page(run: PastRun) -> str:
         aims=[f"{record['t']:.1f} s: {words}" for record, words in aim_words(run)],
         task=_shown(run),
         command=_again(run),
-        span=max((each.end for each in run.actions), default=0.0) or 1.0,
+        span=max((action.end for action in run.actions), default=0.0) or 1.0,
         pictures=list(_pictures(run.folder)),
         figures=list(_figures(run.folder)),
     )
@@ -83,7 +83,7 @@ def _page(run: PastRun) -> str:
 
 def _sentence(run: PastRun) -> str:
     """Return one sentence with the outcome of the run and the number of its actions."""
-    end, fails = run.end, sum(each.fails for each in run.actions)
+    end, fails = run.end, sum(action.fails for action in run.actions)
     task = str(run.header["task"])
     count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'} ({fails or 'none'} failed)"
     if end is None:
@@ -144,16 +144,16 @@ def _gauge(measured: Mapping[str, Any] | None) -> dict[str, Any] | None:
 
 
 def _residuals(explanation: Explanation) -> Iterator[dict[str, Any]]:
-    for each in explanation.residuals.all:
-        share = each.value / each.limit if each.limit else (0.0 if each.is_within else math.inf)
-        size = f"{each.value:.3f}" if math.isfinite(each.value) else "gone"
-        limit = "" if each.limit is None else f"{each.limit:g}"
+    for item in explanation.residuals.all:
+        share = item.value / item.limit if item.limit else (0.0 if item.is_within else math.inf)
+        size = f"{item.value:.3f}" if math.isfinite(item.value) else "gone"
+        limit = "" if item.limit is None else f"{item.limit:g}"
         yield {
-            "name": each.label,
+            "name": item.label,
             "size": size,
             "limit": limit,
             "share": min(share, 1.0),
-            "ok": each.is_within,
+            "ok": item.is_within,
         }
 
 
@@ -177,7 +177,7 @@ def _drawing(path: Path) -> str:
 def _pictures(folder: Path) -> Iterator[tuple[str, str]]:
     """Yield title and data URL of the overview, then of the surveys' drawings."""
     names = sorted(path.name for path in folder.glob("*.svg") if not path.name.startswith("explained"))
-    for name in sorted(names, key=lambda each: each != OVERVIEW_FILE):
+    for name in sorted(names, key=lambda item: item != OVERVIEW_FILE):
         title = "Map, what was seen and time" if name == OVERVIEW_FILE else Path(name).stem.replace("_", " ")
         yield title, _drawing(folder / name)
 

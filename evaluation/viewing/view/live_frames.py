@@ -105,9 +105,9 @@ class LiveFrames:
         things: list[PosedBox] = []
         if self._scene is not None:
             things = [*self._scene.things(), *self._scene.passers.shapes()]
-        for each in things:
-            if each.name not in self._known:
-                self._known.add(each.name)
-                self._new += thing_shapes([each])
-        poses = sevens(np.array([each.pose for each in things]).reshape(-1, 4, 4))
-        return {each.name: pose for each, pose in zip(things, poses, strict=True)}
+        for thing in things:
+            if thing.name not in self._known:
+                self._known.add(thing.name)
+                self._new += thing_shapes([thing])
+        poses = sevens(np.array([thing.pose for thing in things]).reshape(-1, 4, 4))
+        return {thing.name: pose for thing, pose in zip(things, poses, strict=True)}

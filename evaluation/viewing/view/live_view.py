@@ -66,7 +66,7 @@ class LiveView(RunObserver):
         self._page = Page(self._server, scenery, things, task.file.title, "goes on")
         self._network = task.network
         self._page.panel.know(task.network, ())
-        self._frames = LiveFrames(prepared.robot, scene, scenery, {each.name for each in things})
+        self._frames = LiveFrames(prepared.robot, scene, scenery, {thing.name for thing in things})
         self._situation = task.network.start
         if prepared.backend.simulated:
             self._add_speeds(self._page)
@@ -143,7 +143,7 @@ class LiveView(RunObserver):
         if self._news:
             self._news = False
             page.panel.know(self._network, actions)
-        so_far = [replace(each, end=min(each.end, now)) for each in actions]
+        so_far = [replace(action, end=min(action.end, now)) for action in actions]
         running = actions[-1] if actions else None
         page.draw(frame, running, so_far, (0.0, max(now, 1.0)))
 

@@ -18,7 +18,7 @@ class NetworkWindow:
     """Drawing of a network with the outcomes of its actions, from which sections are cut."""
 
     def __init__(self, network: ActionNetwork, actions: Sequence[PastAction]) -> None:
-        self._picture = draw_network(network, [(each.index, each.outcome) for each in actions])
+        self._picture = draw_network(network, [(action.index, action.outcome) for action in actions])
 
     def svg(self, situation: str, action: PastAction | None) -> str:
         """Return the section around the running action, or around the situation, with both highlighted."""
@@ -33,8 +33,8 @@ class NetworkWindow:
 def _window(picture: NetworkPicture, box: DrawnBox) -> str:
     """Return the section around a box as a `viewBox`, no higher than its content."""
     x = min(max(box.x + box.width / 2 - WINDOW_WIDTH_PX / 2, 0.0), max(0.0, picture.width - WINDOW_WIDTH_PX))
-    seen = [each for each in picture.boxes if each.x < x + WINDOW_WIDTH_PX and each.x + each.width > x]
-    top = min(each.y for each in seen) - BOX_MARGIN_PX
-    high = min(WINDOW_HEIGHT_PX, max(each.y + each.height for each in seen) + BOX_MARGIN_PX - top)
+    seen = [item for item in picture.boxes if item.x < x + WINDOW_WIDTH_PX and item.x + item.width > x]
+    top = min(item.y for item in seen) - BOX_MARGIN_PX
+    high = min(WINDOW_HEIGHT_PX, max(item.y + item.height for item in seen) + BOX_MARGIN_PX - top)
     y = max(top, box.y + box.height / 2 - WINDOW_HEIGHT_PX / 2) if high == WINDOW_HEIGHT_PX else top
     return f"{x:.0f} {y:.0f} {WINDOW_WIDTH_PX:.0f} {high:.0f}"

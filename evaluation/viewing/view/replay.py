@@ -131,13 +131,16 @@ class Replay:
 
     def _jump(self, on: bool) -> None:
         """Go to the start of the next action, or back to the last start that is more than 1 s ago."""
-        starts = [each.start for each in self._playback.run.actions]
+        starts = [action.start for action in self._playback.run.actions]
         if on:
             target = min(
-                (each for each in starts if each > self._time + SLIDER_STEP_S / 2), default=self._playback.end
+                (start for start in starts if start > self._time + SLIDER_STEP_S / 2),
+                default=self._playback.end,
             )
         else:
-            target = max((each for each in starts if each < self._time - 1.0), default=self._playback.start)
+            target = max(
+                (start for start in starts if start < self._time - 1.0), default=self._playback.start
+            )
         self.go_to(target)
 
     def _next(self) -> PastAction | None:
@@ -145,7 +148,7 @@ class Replay:
 
 
 def _ended(run: PastRun) -> str:
-    end, fails = run.end, sum(each.fails for each in run.actions)
+    end, fails = run.end, sum(action.fails for action in run.actions)
     count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'}, {fails or 'none'} failed"
     if end is None:
         return f"no end is known; {count}"

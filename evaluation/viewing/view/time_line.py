@@ -22,22 +22,24 @@ def time_line(actions: Sequence[PastAction], start: float, end: float, now: floa
         'text-anchor="middle" style="display:block">',
         f'<rect x="0" y="8" width="{LINE_WIDTH:.0f}" height="48" fill="#e9edf2"/>',
     ]
-    for each in actions:
-        x, wide = (each.start - start) / span * LINE_WIDTH, (each.end - each.start) / span * LINE_WIDTH
-        runs = each.start <= now < each.end
+    for action in actions:
+        x, wide = (action.start - start) / span * LINE_WIDTH, (action.end - action.start) / span * LINE_WIDTH
+        runs = action.start <= now < action.end
         words.append(
             f'<rect x="{x:.1f}" y="8" width="{max(wide - 2.0, 1.0):.1f}" height="48" '
-            f'fill="{OUTCOME_COLOURS.get(each.outcome, OUTCOME_COLOURS[""])}" '
+            f'fill="{OUTCOME_COLOURS.get(action.outcome, OUTCOME_COLOURS[""])}" '
             f'opacity="{1.0 if runs else 0.8}"/>'
         )
-        if each.broken_off is not None:
-            back = (each.end - each.broken_off) / span * LINE_WIDTH
+        if action.broken_off is not None:
+            back = (action.end - action.broken_off) / span * LINE_WIDTH
             words.append(
                 f'<rect x="{x + wide - back:.1f}" y="44" width="{max(back - 2.0, 1.0):.1f}" height="12" '
                 'fill="#7a3f00"/>'
             )
-        if wide > LETTER_WIDTH * (len(str(each.number)) + 1):
-            words.append(f'<text x="{x + wide / 2:.1f}" y="41" fill="#fff">{escape(str(each.number))}</text>')
+        if wide > LETTER_WIDTH * (len(str(action.number)) + 1):
+            words.append(
+                f'<text x="{x + wide / 2:.1f}" y="41" fill="#fff">{escape(str(action.number))}</text>'
+            )
     at = min(max((now - start) / span, 0.0), 1.0) * LINE_WIDTH
     words.append(
         f'<rect x="{min(at, LINE_WIDTH - 6.0):.1f}" y="0" width="6" height="{LINE_HEIGHT:.0f}" '

@@ -182,8 +182,8 @@ class WorldNodes:
             add_boxes(self._scene, f"{ON_MAP}/map/raised", *_runs(shape, picture), colours.WALL_RGB, 1.0)
 
     def _solids(self, solids: Iterable[SolidShape]) -> None:
-        passing = [each for each in solids if each.appears_s > 0.0 or each.leaves_s is not None]
-        staying = [each for each in solids if each not in passing]
+        passing = [shape for shape in solids if shape.appears_s > 0.0 or shape.leaves_s is not None]
+        staying = [shape for shape in solids if shape not in passing]
         for number, solid in enumerate(passing):
             box = self._scene.add_box(
                 f"/passing/{number}",
@@ -193,12 +193,12 @@ class WorldNodes:
                 wxyz=solid.pose[3:],
             )
             self._passing.append((solid, box))
-        tall = [each for each in staying if each.size_m[2] > SEE_THROUGH_HEIGHT_M]
-        low = [each for each in staying if each.size_m[2] <= SEE_THROUGH_HEIGHT_M]
+        tall = [shape for shape in staying if shape.size_m[2] > SEE_THROUGH_HEIGHT_M]
+        low = [shape for shape in staying if shape.size_m[2] <= SEE_THROUGH_HEIGHT_M]
         for name, chosen, opacity in (("/tall", tall, SEE_THROUGH_OPACITY), ("/solids", low, 1.0)):
-            poses = np.array([each.pose for each in chosen]).reshape(-1, 7)
-            sizes = np.array([each.size_m for each in chosen]).reshape(-1, 3)
-            tints = [colours.WALL_RGB if opacity < 1.0 else colours.of_solid(each.grey) for each in chosen]
+            poses = np.array([item.pose for item in chosen]).reshape(-1, 7)
+            sizes = np.array([item.size_m for item in chosen]).reshape(-1, 3)
+            tints = [colours.WALL_RGB if opacity < 1.0 else colours.of_solid(item.grey) for item in chosen]
             add_boxes(self._scene, name, poses, sizes, np.array(tints, np.uint8), opacity)
 
     def _lines(self, name: str, points: SingleArray, colour: Rgb, thickness: float) -> Any:

@@ -100,7 +100,7 @@ def checked_path(robot, found: Waypoints, goal):
             words = f"MoveIt's path {what} {gap:.3g} rad or m off; allowed: {MAX_START_GAP_RAD:g}"
             raise Discrepancy(words, cause=MOVEIT_FAILED)
     model = robot.spec.arm_model()
-    if (beyond := float(np.abs(path - np.array([model.clipped(each) for each in path])).max())) > 1e-6:
+    if (beyond := float(np.abs(path - np.array([model.clipped(item) for item in path])).max())) > 1e-6:
         raise Discrepancy(f"MoveIt's path leaves a limit by {beyond:.3g} rad or m", cause=MOVEIT_FAILED)
     path[0], path[-1] = robot.arm.command(), goal
     return path

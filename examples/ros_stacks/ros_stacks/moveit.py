@@ -32,7 +32,7 @@ class MoveIt:
         messages = import_module(f"{self._package}.msg")
         wanted = messages.Constraints()
         wanted.joint_constraints = [
-            self._constraint(messages, *each) for each in zip(names, goal, strict=True)
+            self._constraint(messages, *item) for item in zip(names, goal, strict=True)
         ]
         asked = self._goal.type.Goal()
         asked.request.group_name, asked.request.goal_constraints = group, [wanted]
@@ -56,7 +56,7 @@ class MoveIt:
 
     def path(self) -> Waypoints:
         path = self._goal.result.planned_trajectory.joint_trajectory
-        return Waypoints(list(path.joint_names), [list(each.positions) for each in path.points])
+        return Waypoints(list(path.joint_names), [list(point.positions) for point in path.points])
 
     def why(self) -> str:
         result = self._goal.result

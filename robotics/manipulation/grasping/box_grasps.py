@@ -49,7 +49,7 @@ def box_grasps(
         for axis, sign, face in ((2, 1, "+z"), (0, -1, "-x"), (0, 1, "+x"), (1, -1, "-y"), (1, 1, "+y")):
             if faces is not None and face not in faces:
                 continue
-            for closing in (each for each in range(3) if each != axis and (axis == 2 or each != 2)):
+            for closing in (index for index in range(3) if index != axis and (axis == 2 or index != 2)):
                 if size[closing] <= opening - OPENING_MARGIN_M:
                     for flip in (1, -1):
                         normal, across = sign * np.eye(3)[axis], flip * np.eye(3)[closing]

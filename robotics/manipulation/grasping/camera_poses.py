@@ -11,7 +11,7 @@ from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
-ROLLS_RAD = tuple(math.radians(each) for each in (0.0, 180.0, 90.0, -90.0, 45.0, -45.0, 135.0, -135.0))
+ROLLS_RAD = tuple(math.radians(value) for value in (0.0, 180.0, 90.0, -90.0, 45.0, -45.0, 135.0, -135.0))
 
 
 def from_direction(tilt: float, azimuth: float) -> FloatArray:

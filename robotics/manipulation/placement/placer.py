@@ -65,8 +65,8 @@ class Placer(BaseScorer):
 
         def scorer(some: FloatArray, part: ToolPath) -> PlacementScores:
             out = blocked(some)
-            for each in left_out:
-                out |= _near(some, each, 0.5 * self.step)
+            for array in left_out:
+                out |= _near(some, array, 0.5 * self.step)
             return self.robust_scores(some, part).without(out)
 
         scores = self.robust_scores(bases, thin)
@@ -83,7 +83,7 @@ class Placer(BaseScorer):
             for base in placements.bases[list(bad)]:
                 left_out.append(base)
                 scores = scores.without(_near(bases, base, 0.5 * self.step))
-        last = min(bad.values(), key=lambda each: each.index)
+        last = min(bad.values(), key=lambda untrackable: untrackable.index)
         raise Untrackable(last.index, f"{last.why}; so it was with {_ATTEMPTS} divisions")
 
     def _refined(
@@ -140,7 +140,7 @@ def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost
         return best_division(scores, path.lengths, most)
     numbers = range(fewest, min(most, fewest + _MORE) + 1)
     divisions = (best_division(scores, path.lengths, number) for number in numbers)
-    return max(divisions, key=lambda each: each.score - cost * len(each.segments))
+    return max(divisions, key=lambda division: division.score - cost * len(division.segments))
 
 
 def _near(bases: FloatArray, base: FloatArray, distance: float) -> BoolArray:

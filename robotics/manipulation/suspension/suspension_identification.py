@@ -77,14 +77,14 @@ def fit_sightings(
     Raises:
         ValueError: the sightings don't determine a parameter.
     """
-    seen = np.array([each.rays for each in sightings])
-    weights = np.array([_weight(each, hand_T_camera, base_T_sheet, arm_error) for each in sightings])
+    seen = np.array([sighting.rays for sighting in sightings])
+    weights = np.array([_weight(sighting, hand_T_camera, base_T_sheet, arm_error) for sighting in sightings])
 
     def residuals(model: SuspensionModel, placed: FloatArray) -> FloatArray:
         sheet = base_T_sheet @ transform(placed[:3].tolist(), placed[3:].tolist())
         rays = [
-            _rays(model.displaced(*each.swing) @ hand_T_camera, apply(sheet, each.corners))
-            for each in sightings
+            _rays(model.displaced(*sighting.swing) @ hand_T_camera, apply(sheet, sighting.corners))
+            for sighting in sightings
         ]
         return np.ravel(weights @ (np.array(rays) - seen).reshape(-1, 8, 1))
 

@@ -126,7 +126,7 @@ class BlockedMotion:
             if sign * ahead > MAX_PROGRESS * abs(commanded):
                 return None
             window = list(self._periods)[-count:]
-            farthest = int(np.argmax(np.cumsum([sign * each.ahead for each in window])))
+            farthest = int(np.argmax(np.cumsum([sign * item.ahead for item in window])))
             return Blocked(
                 window[farthest].now,
                 period.before.theta,

@@ -63,6 +63,6 @@ class BlockedWheels:
                 found[name] = blocked
         if not found:
             return None
-        worst = max(found.values(), key=lambda each: abs(each.commanded))
+        worst = max(found.values(), key=lambda item: abs(item.commanded))
         self.clear()
         return BlockedWheel("both" if len(found) > 1 else next(iter(found)), now, worst)

@@ -128,7 +128,7 @@ class FootprintGuard:
         """Return (k, 5): x, y and heading of each allowed pose in the base frame, and the room there."""
         back = pose.inverse()
         way = Pose2(0.0, 0.0, direction)
-        rows = [(*back.compose(each.pose).compose(way), *each.room) for each in self._stands]
+        rows = [(*back.compose(stand.pose).compose(way), *stand.room) for stand in self._stands]
         return np.array(rows, dtype=np.float64).reshape(-1, 5)
 
 

@@ -118,7 +118,7 @@ class WayGuard:
         there.
         """
         back = pose.inverse()
-        rows = [(*back.compose(each.pose)[:2], *each.room) for each in self._stands]
+        rows = [(*back.compose(stand.pose)[:2], *stand.room) for stand in self._stands]
         return np.array(rows, dtype=np.float64).reshape(-1, 4)
 
     def _held(

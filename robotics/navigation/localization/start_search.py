@@ -105,7 +105,7 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
         if not any(_same(match.pose, other) for _, other in found):
             found.append((explained_share(field, beams, match.pose, noise), match.pose))
     others = sorted(
-        (each for each in found if not _same(each[1], pose)), reverse=True, key=lambda each: each[0]
+        (pair for pair in found if not _same(pair[1], pose)), reverse=True, key=lambda pair: pair[0]
     )
     if not others:
         return StartFit(share)
@@ -158,7 +158,9 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
         cell, heading = divmod(int(index), HEADING_COUNT)
         x, y = grid.to_point(cells[cell][None].astype(np.float64))[0]
         pose = Pose2(float(x), float(y), wrap(float(turns[heading])))
-        if not any(pose.distance(each) < 2.0 * NEAR_M and pose.turn(each) < 2.0 * NEAR_RAD for each in kept):
+        if not any(
+            pose.distance(pose2) < 2.0 * NEAR_M and pose.turn(pose2) < 2.0 * NEAR_RAD for pose2 in kept
+        ):
             kept.append(pose)
         if len(kept) == MAX_CANDIDATES:
             break

@@ -48,6 +48,6 @@ def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Flo
     shifts = np.linalg.solve(information, rows.T * weights)[:2]
     facing = np.arctan2(normals[:, 1], normals[:, 0]) * (SURFACE_SECTOR_COUNT / (2.0 * np.pi))
     sectors = np.rint(facing).astype(np.int64) % SURFACE_SECTOR_COUNT
-    walls = [np.bincount(sectors, each, SURFACE_SECTOR_COUNT) for each in shifts]
+    walls = [np.bincount(sectors, shift, SURFACE_SECTOR_COUNT) for shift in shifts]
     total = np.column_stack([shifts.sum(axis=1), walls])
     return np.asarray(MAX_DEPTH_CELLS * resolution * total.T)

@@ -127,7 +127,10 @@ def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
         beliefs: k of them.
         weights: (k,) probabilities; their sum is 1.
     """
-    means, covariances = np.array([each.mean for each in beliefs]), np.array([b.covariance for b in beliefs])
+    means, covariances = (
+        np.array([belief.mean for belief in beliefs]),
+        np.array([b.covariance for b in beliefs]),
+    )
     mean = weights @ means
     return Belief(mean, spread_about(means - mean, weights, covariances, weights))
 

@@ -91,41 +91,41 @@ class WheelCheck:
             right: travel of the right wheels, in [m].
             sideways: travel to the left, in [m].
         """
-        for each in self._baselines:
-            each.roll(left, right, sideways)
+        for baseline in self._baselines:
+            baseline.roll(left, right, sideways)
 
     def note_pose(self, pose: Pose2) -> None:
         """Take the best estimate of map_T_base in this period, after `take`."""
-        for each in self._baselines:
-            each.note_pose(pose)
+        for baseline in self._baselines:
+            baseline.note_pose(pose)
 
     def take(self, beams: ScanBeams) -> Contradiction | None:
         """Return where the base is if this scan and an earlier one contradict its wheels."""
         if same_ranges(self._last, beams.ranges):
             return None  # an old scan given again
         self._last = beams.ranges
-        compared = [each for each in self._baselines if each.compares(beams)]
+        compared = [baseline for baseline in self._baselines if baseline.compares(beams)]
         if not compared:
             return None
-        doubted = [each for each in compared if each.fits_elsewhere(beams)]
+        doubted = [item for item in compared if item.fits_elsewhere(beams)]
         self.is_doubtful = bool(doubted)
         self._agreeing = 0 if doubted else self._agreeing + 1
         self.is_contradicted = self.is_contradicted and self._agreeing < AGREEING_SCANS
-        for each in compared:
-            if not doubted and each.is_complete:
-                each.begin(beams)
+        for item in compared:
+            if not doubted and item.is_complete:
+                item.begin(beams)
         lag = 0.0 if self.is_contradicted else self._lag_periods
-        found = next((fit for each in doubted if (fit := each.contradiction(beams, lag))), None)
+        found = next((fit for item in doubted if (fit := item.contradiction(beams, lag))), None)
         if found is not None:
             self.is_contradicted = True
-            for each in self._baselines:
-                each.begin(beams)
+            for baseline in self._baselines:
+                baseline.begin(beams)
         return found
 
     def reset(self) -> None:
         """Discard all scans so far; the base was moved by others, or its wheels are not compared."""
-        for each in self._baselines:
-            each.reset()
+        for baseline in self._baselines:
+            baseline.reset()
         self._agreeing = 0
         self.is_doubtful = self.is_contradicted = False
 
@@ -196,7 +196,7 @@ class Baseline:
         own = self._disagreement(beams, self._moved)
         if own <= CLEAR_DIFFERENCE:
             return False
-        return any(self._disagreement(beams, each) < own - CLEAR_DIFFERENCE for each in self._held())
+        return any(self._disagreement(beams, item) < own - CLEAR_DIFFERENCE for item in self._held())
 
     def _held(self) -> list[Pose2]:
         """Return the motions of a base that is held, or held at one wheel."""
@@ -220,7 +220,7 @@ class Baseline:
             beams: beams of the scan.
             lag: periods by which scans may be older than the wheels' readings.
         """
-        starts = sorted(self._held(), key=lambda each: self._disagreement(beams, each))
+        starts = sorted(self._held(), key=lambda item: self._disagreement(beams, item))
         if self._surface is None:
             assert self._before is not None
             self._surface = fit_surface(self._before.points, self._before.origin)

@@ -113,7 +113,9 @@ def close_loop(
         min(max(sigma, MIN_REACH_M), MAX_REACH_M),
         min(max(sigma_turn, MIN_REACH_RAD), MAX_REACH_RAD),
     )
-    starts = [each.pose for each in search_window(one.surface.points, seen.points, predicted, *window)]
+    starts = [
+        hypothesis.pose for hypothesis in search_window(one.surface.points, seen.points, predicted, *window)
+    ]
     tried = list[tuple[float, LineMatch, float]]()
     for start in [predicted, *starts]:
         match = match_surfaces(one.surface, seen, start, None, REFINING_GATES_M)
@@ -124,14 +126,14 @@ def close_loop(
         tried.append((match.inliers - against, match, against))
     if not tried:
         return Loop(*numbers, None, 1.0, "nothing fits")
-    score, best, against = max(tried, key=lambda each: each[0])
+    score, best, against = max(tried, key=lambda entry: entry[0])
     loop = Loop(*numbers, best, against, "")
     if best.inliers < MIN_INLIERS:
         return loop._replace(reason="little in common")
     if against > MAX_CONTRADICTIONS:
         return loop._replace(reason="one sees walls where the other saw free space")
-    rivals = [each for each in tried if _is_apart(each[1].pose, best.pose)]
-    if any(each[0] > AMBIGUITY_RATIO * score for each in rivals):
+    rivals = [entry for entry in tried if _is_apart(entry[1].pose, best.pose)]
+    if any(rival[0] > AMBIGUITY_RATIO * score for rival in rivals):
         return loop._replace(reason="ambiguous")
     return loop
 

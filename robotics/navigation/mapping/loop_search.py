@@ -62,7 +62,7 @@ def candidates(
     found = [
         Candidate(int(run[np.argmin(away[run])]), second, float(away[run].min())) for run in _runs(possible)
     ]
-    return sorted(found, key=lambda each: each.distance)[:most]
+    return sorted(found, key=lambda candidate: candidate.distance)[:most]
 
 
 def _runs(flags: BoolArray) -> Iterator[IntArray]:

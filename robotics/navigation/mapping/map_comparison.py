@@ -106,7 +106,7 @@ def _align(first: GridMap, one: FloatArray, other: FloatArray) -> Pose2:
     low = one.min(axis=0)
     reach = 2.0 * float(np.hypot(*thinned.T).max())
     size = np.ceil((np.ptp(one, axis=0) + reach) / COARSE_M).astype(int) + 4
-    width, height = (int(cv2.getOptimalDFTSize(int(each))) for each in size)
+    width, height = (int(cv2.getOptimalDFTSize(int(item))) for item in size)
     shape = width, height
     picture = np.fft.rfft2(_raster(one - low, shape, True))
     found = list[tuple[float, Pose2]]()
@@ -122,12 +122,12 @@ def _align(first: GridMap, one: FloatArray, other: FloatArray) -> Pose2:
         centre = Pose2(float(place[0]), float(place[1]), float(turn))
         moved = centre.compose(Pose2(-float(middle[0]), -float(middle[1]), 0.0))
         found.append((float(scores[x, y]), moved))
-    found.sort(key=lambda each: -each[0])
+    found.sort(key=lambda pair: -pair[0])
     field = LikelihoodField(
         first, is_drawn=True
     )  # the points are cells of walls, not ends of beams: no side faces a sensor
     refined = [_refined(field, other[::stride], pose) for _, pose in found[:HYPOTHESIS_COUNT]]
-    return max(refined, key=lambda each: each[0])[1]
+    return max(refined, key=lambda item: item[0])[1]
 
 
 def _raster(points: FloatArray, shape: tuple[int, int], is_blurred: bool) -> SingleArray:

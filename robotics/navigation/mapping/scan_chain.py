@@ -100,8 +100,8 @@ def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMa
     match = match_surfaces(reference, surface, moved, prior)
     if match.inliers < GOOD_INLIERS:
         found = search_window(reference.points, surface.points, moved, SEARCH_M, SEARCH_RAD)
-        tried = [match_surfaces(reference, surface, each.pose, None) for each in found]
-        best = max(tried, key=lambda each: each.inliers, default=match)
+        tried = [match_surfaces(reference, surface, hypothesis.pose, None) for hypothesis in found]
+        best = max(tried, key=lambda line_match: line_match.inliers, default=match)
         if best.inliers > match.inliers + MIN_GAIN:
             match = match_surfaces(reference, surface, best.pose, 1e-2 * prior)
     if match.inliers < MIN_INLIERS:
@@ -112,5 +112,8 @@ def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMa
 def submap(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], frame: Pose2) -> Surface:
     """Return the surfaces of keyframes in the frame of one pose."""
     return merge_surfaces(
-        [each.surface.moved(pose.relative_to(frame)) for each, pose in zip(keyframes, poses, strict=True)]
+        [
+            keyframe.surface.moved(pose.relative_to(frame))
+            for keyframe, pose in zip(keyframes, poses, strict=True)
+        ]
     )

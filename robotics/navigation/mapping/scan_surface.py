@@ -50,8 +50,8 @@ class Surface:
 def merge_surfaces(surfaces: Sequence[Surface]) -> Surface:
     """Return one surface with the points of all."""
     return Surface(
-        np.concatenate([each.points for each in surfaces]),
-        np.concatenate([each.normals for each in surfaces]),
+        np.concatenate([surface.points for surface in surfaces]),
+        np.concatenate([surface.normals for surface in surfaces]),
     )
 
 

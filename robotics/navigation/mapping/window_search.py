@@ -59,7 +59,10 @@ def search_window(
         turn, x, y = np.unravel_index(index, scores.shape)
         place = centre.x + float(offsets[x]), centre.y + float(offsets[y])
         pose = Pose2(*place, wrap(float(turns[turn])))
-        if all(pose.distance(each.pose) > APART_M or pose.turn(each.pose) > APART_RAD for each in found):
+        if all(
+            pose.distance(hypothesis.pose) > APART_M or pose.turn(hypothesis.pose) > APART_RAD
+            for hypothesis in found
+        ):
             found.append(Hypothesis(pose, float(scores[turn, x, y])))
             if len(found) == MAX_HYPOTHESES:
                 break

@@ -40,7 +40,7 @@ def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray
         (m, 2) in the base frame, in [m], rounded.
     """
     ahead = 1.0 if forwards else -1.0
-    halves = [each[ahead * (each[:, 0] - each[:, 0].mean()) >= 0.0] for each in outlines]
+    halves = [outline[ahead * (outline[:, 0] - outline[:, 0].mean()) >= 0.0] for outline in outlines]
     points = np.vstack([np.empty((0, 2)), *halves])
     return np.asarray(np.unique(np.round(points / (0.5 * SPACING_M)), axis=0) * (0.5 * SPACING_M))
 

@@ -82,15 +82,17 @@ class GpsFilter(FieldLocalizer):
         self._squares: list[
             tuple[float, float | None]
         ] = []  # times of fixes, and squares as in `Fixed`; None if refused
-        shares = np.array([each.share for each in supposed])
+        shares = np.array([supposition.share for supposition in supposed])
         self._weights: FloatArray = shares / shares.sum()
-        self._worse = [each.worse for each in supposed]
+        self._worse = [supposition.worse for supposition in supposed]
         worse = np.array([[a.may_become(b) for a in supposed] for b in supposed])
         self._becomes = np.eye(len(shares)) + WORSENING_PROBABILITY * self._weights[:, None] * worse
         self.log_likelihood = 0.0
         self.filters = [
-            FieldKalman(start, _computable(each.noise), start_position, TrackRecord() if record else None)
-            for each in supposed
+            FieldKalman(
+                start, _computable(supposition.noise), start_position, TrackRecord() if record else None
+            )
+            for supposition in supposed
         ]
         """One for each supposition."""
         self._here: Pose2 | None = None
@@ -147,14 +149,14 @@ class GpsFilter(FieldLocalizer):
             away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
             return np.diag([away, away, math.pi**2 / 3.0])
         if self._spread is None:
-            self._spread = self._mixed([each.belief for each in self.filters], 3).covariance
+            self._spread = self._mixed([filter_.belief for filter_ in self.filters], 3).covariance
             self._spread.flags.writeable = False
         return self._spread
 
     @override
     def mark(self) -> Belief:
         self._flush()
-        return self._mixed([each.mark() for each in self.filters])
+        return self._mixed([filter_.mark() for filter_ in self.filters])
 
     def smoothed(self) -> list[Belief]:
         """Return the marked moments by all that was seen so far; none without a record."""
@@ -162,17 +164,19 @@ class GpsFilter(FieldLocalizer):
         return [self._mixed(list(moment)) for moment in zip(*each, strict=True)]
 
     def _set_origin(self) -> None:
-        for each in self.filters:
-            each.set_origin()
+        for filter_ in self.filters:
+            filter_.set_origin()
 
     def _relative_pose(self) -> Belief:
-        return self._mixed([each.relative_pose for each in self.filters])
+        return self._mixed([filter_.relative_pose for filter_ in self.filters])
 
     def _estimate(self) -> Pose2:
         if self._searching:
             return self._since
         if self._here is None:
-            x, y, heading = _mean([each.belief.mean for each in self.filters], self._weights)[:3].tolist()
+            x, y, heading = _mean([filter_.belief.mean for filter_ in self.filters], self._weights)[
+                :3
+            ].tolist()
             self._here = Pose2(x, y, wrap(heading))
         return self._here
 
@@ -185,15 +189,15 @@ class GpsFilter(FieldLocalizer):
         self._clock += advance.time
         if self._searching:
             self._bank.advance(advance)
-        for each in self.filters:
-            each.advance(advance)
+        for filter_ in self.filters:
+            filter_.advance(advance)
 
     def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         self.forget_derived()
         if self._searching:
             self._find_heading(position, self._noise.gps_white if sigma is None else sigma)
             return True
-        fixed = [each.fix(position, sigma, self._odometry) for each in self.filters]
+        fixed = [filter_.fix(position, sigma, self._odometry) for filter_ in self.filters]
         likely = np.array([one.log_likelihood for one in fixed])
         weights = self._becomes @ self._weights * np.exp(likely - likely.max())
         self._weights = np.maximum(weights / weights.sum(), MIN_WEIGHT)
@@ -211,21 +215,21 @@ class GpsFilter(FieldLocalizer):
         A worse GNSS condition looks like the better one for long, by lack of evidence: the covariance is
         chosen on the safe side.
         """
-        mean = _mean([each.mean for each in beliefs], self._weights)[:first]
-        away = np.array([each.mean[:first] for each in beliefs]) - mean
+        mean = _mean([belief.mean for belief in beliefs], self._weights)[:first]
+        away = np.array([belief.mean[:first] for belief in beliefs]) - mean
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         moved = self._weights * np.where(np.arange(len(beliefs)) == 0, *CAUTION_SHARES)
         cautious = self._weights - moved
         np.add.at(cautious, self._worse, moved)
-        covariances = np.array([each.covariance[:first, :first] for each in beliefs])
+        covariances = np.array([belief.covariance[:first, :first] for belief in beliefs])
         return Belief(mean, spread_about(away, self._weights, covariances, cautious))
 
     def _find_heading(self, position: FloatArray, sigma: float) -> None:
         """Take in a fix before the heading is known; the filters begin when it is."""
         self.log_likelihood += self._bank.fix(position, sigma, self._odometry)
         if self._bank.is_known(self._heading_sigma):
-            for each in self.filters:
-                each.begin_with(self._bank.belief, self.filters[0].noise)
+            for filter_ in self.filters:
+                filter_.begin_with(self._bank.belief, self.filters[0].noise)
             self._searching = False
 
 

@@ -106,14 +106,14 @@ class MovingTracks:
     @property
     def tracks(self) -> list[BodyTrack]:
         """Return the people and carts: bodies that move, or have moved before they came to rest."""
-        return [self._track_of(each) for each in self._bodies if each.is_person]
+        return [self._track_of(body) for body in self._bodies if body.is_person]
 
     @property
     def suspects(self) -> list[BodyTrack]:
         """Return bodies that may be people: they came where ground was free, how fast is not known."""
         since = self._time - SUSPECT_S
         return [
-            self._track_of(each) for each in self._bodies if not each.is_person and each.entered_at >= since
+            self._track_of(body) for body in self._bodies if not body.is_person and body.entered_at >= since
         ]
 
     def _track_of(self, body: _Body) -> BodyTrack:
@@ -154,11 +154,11 @@ class MovingTracks:
 
     def _is_at_mover(self, points: FloatArray, now: float) -> BoolArray:
         """Return which points (n, 2) lie at a body that moves or has just stopped, lone points too."""
-        light = [each for each in self._bodies if self._is_light(each, now)]
+        light = [body for body in self._bodies if self._is_light(body, now)]
         if not light or not len(points):
             return np.zeros(len(points), dtype=np.bool_)
-        off = points[:, None] - np.array([each.mean[:2] for each in light])[None]
-        sizes = np.array([max(each.radius, MIN_BODY_M) + BODY_MARGIN_M for each in light])
+        off = points[:, None] - np.array([item.mean[:2] for item in light])[None]
+        sizes = np.array([max(item.radius, MIN_BODY_M) + BODY_MARGIN_M for item in light])
         return np.asarray((np.hypot(off[..., 0], off[..., 1]) <= sizes[None]).any(axis=1))
 
     def _predict(self, now: float) -> None:
@@ -176,7 +176,7 @@ class MovingTracks:
             means, covariances = self._stacked(self._bodies)
             pairs = assign(means, covariances, clusters.centres, noises)
             if pairs:
-                rows, columns = (list(each) for each in zip(*pairs, strict=True))
+                rows, columns = (list(item) for item in zip(*pairs, strict=True))
                 found = correct(means[rows], covariances[rows], clusters.centres[columns], noises[columns])
                 for row, column, mean, covariance in zip(rows, columns, *found, strict=True):
                     body = owners[column] = self._bodies[row]
@@ -205,7 +205,9 @@ class MovingTracks:
         """
         owned, count = labels >= 0, len(owners)
         free = np.zeros(int(owned.sum()), dtype=np.bool_)
-        stands = [each.stands_since if each.is_person and not each.is_moving else -np.inf for each in owners]
+        stands = [
+            owner.stands_since if owner.is_person and not owner.is_moving else -np.inf for owner in owners
+        ]
         since = np.array(stands)[labels[owned]]
         for past in self._past:
             free |= seen_free(points[owned], past, self._reach) & (past.time >= since)
@@ -215,7 +217,7 @@ class MovingTracks:
     def _judge(self, owners: list[_Body], shares: FloatArray, scan: PastScan) -> FloatArray:
         """Decide who moves; return the discs (k, 3) that newly moving bodies have left behind."""
         left: list[FloatArray] = []
-        vacated = seen_free(np.array([each.anchor for each in owners]).reshape(-1, 2), scan, self._reach)
+        vacated = seen_free(np.array([owner.anchor for owner in owners]).reshape(-1, 2), scan, self._reach)
         for body, share, is_vacated in zip(owners, shares.tolist(), vacated.tolist(), strict=True):
             shows = share >= EVIDENCE_SHARE or is_vacated
             body.evidence = min(body.evidence + 1, 2 * EVIDENCE_COUNT) if shows else max(0, body.evidence - 1)
@@ -249,15 +251,15 @@ class MovingTracks:
 
     def _forget(self, scan: PastScan) -> None:
         """Drop bodies that were not seen for long, or that beams pass through."""
-        missing = [each for each in self._bodies if each.seen < scan.time]
-        through = seen_free(np.array([each.mean[:2] for each in missing]).reshape(-1, 2), scan, self._reach)
+        missing = [item for item in self._bodies if item.seen < scan.time]
+        through = seen_free(np.array([item.mean[:2] for item in missing]).reshape(-1, 2), scan, self._reach)
         for body, is_through in zip(missing, through.tolist(), strict=True):
             body.seen_through += int(is_through)
         self._bodies = [
-            each
-            for each in self._bodies
-            if each.seen_through < SEEN_THROUGH_COUNT
-            and scan.time - each.seen <= (PERSON_LOST_S if each.is_person else LOST_S)
+            item
+            for item in self._bodies
+            if item.seen_through < SEEN_THROUGH_COUNT
+            and scan.time - item.seen <= (PERSON_LOST_S if item.is_person else LOST_S)
         ]
 
     def _remember(self, scan: PastScan) -> None:
@@ -273,7 +275,7 @@ class MovingTracks:
 
     @staticmethod
     def _stacked(bodies: list[_Body]) -> tuple[FloatArray, FloatArray]:
-        return np.array([each.mean for each in bodies]), np.array([each.covariance for each in bodies])
+        return np.array([body.mean for body in bodies]), np.array([body.covariance for body in bodies])
 
 
 def _noises(centres: FloatArray, sensor: FloatArray, pose_covariance: FloatArray) -> FloatArray:

@@ -37,11 +37,11 @@ class People(NamedTuple):
     def of(cls, tracks: Sequence[BodyTrack]) -> People:
         """Return the people of tracks."""
         return cls(
-            np.array([each.position for each in tracks]).reshape(-1, 2),
-            np.array([each.velocity for each in tracks]).reshape(-1, 2),
-            np.array([each.covariance for each in tracks]).reshape(-1, 4, 4),
-            np.array([max(each.radius, PERSON_RADIUS_M) for each in tracks]),
-            np.array([each.stood_s for each in tracks]),
+            np.array([track.position for track in tracks]).reshape(-1, 2),
+            np.array([track.velocity for track in tracks]).reshape(-1, 2),
+            np.array([track.covariance for track in tracks]).reshape(-1, 4, 4),
+            np.array([max(track.radius, PERSON_RADIUS_M) for track in tracks]),
+            np.array([track.stood_s for track in tracks]),
         )
 
     @property
@@ -60,7 +60,7 @@ class People(NamedTuple):
 
     def chosen(self, mask: BoolArray) -> People:
         """Return some of them, by a mask (p,)."""
-        return People(*(each[mask] for each in self))
+        return People(*(item[mask] for item in self))
 
     def spreads(self, times: FloatArray) -> FloatArray:
         """Return the sigma of each predicted position (p, t) in [m], at times (t,) in [s] from now."""

@@ -102,13 +102,13 @@ def _picture(view: PlaneView, expected: Pose2, half: float) -> ByteArray:
 def _scores(picture: ByteArray, size: tuple[float, float], within: float) -> FloatArray:
     """Return the contrast of a face of that size at each turn and position (turns, n, n)."""
     reach = math.ceil(within / _M_PER_PX) + 1
-    half = [each / 2 / _M_PER_PX for each in size]
+    half = [value / 2 / _M_PER_PX for value in size]
     # From the middle to the middles of the strips inside and outside of an edge.
-    inner = [round(each - (_STRIP + 1) / 2) for each in half]
-    outer = [each + _STRIP + 1 for each in inner]
-    columns, rows = (reach + each for each in outer)
+    inner = [round(item - (_STRIP + 1) / 2) for item in half]
+    outer = [item + _STRIP + 1 for item in inner]
+    columns, rows = (reach + item for item in outer)
     turned = _turned(picture, columns, rows)
-    long, wide = (2 * round(each) - _STRIP for each in half)
+    long, wide = (2 * round(item) - _STRIP for item in half)
     ends, sides = (
         np.asarray(cv2.blur(turned, window), dtype=np.float32).reshape(len(_ANGLES), -1, 2 * columns + 1)
         for window in ((_STRIP, wide), (long, _STRIP))

@@ -103,7 +103,7 @@ def _residuals(models: _Models, centred: FloatArray, least: FloatArray) -> tuple
     """Mean squared residuals (n, k) and weights (n, 3, k) of all models."""
     shape = (-1, 3, len(centred))
     onto, weights = (
-        (each.reshape(-1, len(SAMPLE_POSITIONS_PX)) @ centred.T).reshape(shape) for each in models[2:]
+        (model.reshape(-1, len(SAMPLE_POSITIONS_PX)) @ centred.T).reshape(shape) for model in models[2:]
     )
     left = np.maximum((centred**2).sum(axis=1) - (weights * onto).sum(axis=1), 0.0) / len(SAMPLE_POSITIONS_PX)
     left[weights[:, 1] > -least] = np.inf
@@ -144,7 +144,7 @@ def _single(blur: int) -> _Models:
 @cache
 def _double(blur: int) -> _Models:
     """Return the models of double steps, with all widths at all positions."""
-    width, at = (each.ravel() for each in np.meshgrid(_WIDTHS, _AT, indexing="ij"))
+    width, at = (item.ravel() for item in np.meshgrid(_WIDTHS, _AT, indexing="ij"))
     return _models(at, width, float(_BLURS[blur]))
 
 

@@ -62,7 +62,7 @@ class PlaneView(NamedTuple):
         if not (low.min() >= 1.0 and high[0] <= width - 2 and high[1] <= height - 2):
             return None
         share = np.linspace(0.0, 1.0, count, dtype=np.float32)[:, None]
-        start, end = (each.reshape(-1, 1, 2).astype(np.float32) for each in ends)
+        start, end = (row.reshape(-1, 1, 2).astype(np.float32) for row in ends)
         along = start + (end - start) * share
         greys = cv2.remap(self.image, along[..., 0], along[..., 1], cv2.INTER_LINEAR)
         result: FloatArray = greys.astype(np.float64).reshape(*first.shape[:-1], count)

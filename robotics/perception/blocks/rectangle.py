@@ -45,6 +45,6 @@ def across(
     """
     along = (half[OTHER, None] * share)[..., None] * EDGE_DIRECTIONS[:, None]
     first, last = (
-        ((half[AXIS] + each)[:, None] * OUTWARD_NORMALS)[:, None] + along for each in (inner, outer)
+        ((half[AXIS] + item)[:, None] * OUTWARD_NORMALS)[:, None] + along for item in (inner, outer)
     )
     return first, last

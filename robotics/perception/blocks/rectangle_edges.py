@@ -133,8 +133,10 @@ def _usual(segments: FloatArray, lit: BoolArray) -> FloatArray:
     """
     if lit.all():
         return np.asarray(np.median(segments, axis=1))
-    chosen = [each[there] if there.any() else each for each, there in zip(segments, lit, strict=True)]
-    return np.array([np.median(each, axis=0) for each in chosen])
+    chosen = [
+        segment[there] if there.any() else segment for segment, there in zip(segments, lit, strict=True)
+    ]
+    return np.array([np.median(item, axis=0) for item in chosen])
 
 
 def _displaced(segments: FloatArray, model: FloatArray) -> FloatArray:

@@ -123,9 +123,9 @@ def _best_pair(
     """
     middle = (interval.left + interval.right) / 2
     placed = [OffsetView(view, offset) for view, offset in zip(views, offsets, strict=True)]
-    seeing = [each for each in placed if each.shows(interval)]
+    seeing = [offset_view for offset_view in placed if offset_view.shows(interval)]
     pairs = [p for p in combinations(seeing, 2) if _LEAST_BASE <= abs(p[0].eye - p[1].eye) <= _MOST_BASE]
-    return min(pairs, key=lambda p: sum((each.eye - middle) ** 2 for each in p), default=None)
+    return min(pairs, key=lambda p: sum((item.eye - middle) ** 2 for item in p), default=None)
 
 
 def _shared_edges(a: OffsetView, b: OffsetView, interval: Gap) -> list[float]:

@@ -118,7 +118,7 @@ def _labelled(
 ) -> tuple[Spine, ...]:
     found: dict[tuple[float, float], Spine] = {}
     # Of several labels on one spine, the one that was read counts.
-    for label in sorted(labels, key=lambda each: (each.call_number is not None, each.confidence)):
+    for label in sorted(labels, key=lambda label_: (label_.call_number is not None, label_.confidence)):
         thickness = thicknesses.get(label.call_number) if label.call_number is not None else None
         spine = _first_edges(label, sides) if thickness is None else _as_thick(label, sides, thickness)
         if spine is not None:

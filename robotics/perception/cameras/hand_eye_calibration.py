@@ -118,13 +118,13 @@ def _best_start(
             for view, board in zip(views, boards, strict=True)
         ]
         base_T_board = np.eye(4)
-        base_T_board[:3, :3] = Rotation.from_matrix([each[:3, :3] for each in placed]).mean().as_matrix()
-        base_T_board[:3, 3] = np.median([each[:3, 3] for each in placed], axis=0)
+        base_T_board[:3, :3] = Rotation.from_matrix([item[:3, :3] for item in placed]).mean().as_matrix()
+        base_T_board[:3, 3] = np.median([item[:3, 3] for item in placed], axis=0)
         off = _off(views, boards, (hand_T_camera, base_T_board))
         starts.append((float(np.linalg.norm(off[:, :3])), method, (hand_T_camera, base_T_board)))
     if not starts:
         raise ValueError("no method finds a place for the camera: are poses and pictures in the same order?")
-    _, method, start = min(starts, key=lambda each: each[0])
+    _, method, start = min(starts, key=lambda item: item[0])
     return method, start
 
 

@@ -116,7 +116,7 @@ def _write(
     x = int(np.clip(at[0], 0, max(0, picture.shape[1] - width)))
     y = int(np.clip(at[1], height, picture.shape[0] - below))
     box = _Box(x, y - height, x + width, y + below)
-    while any(box.meets(each) for each in words) and box.top >= height:
+    while any(box.meets(word) for word in words) and box.top >= height:
         box = box.raised(height + below)
     words.append(box)
     where = box.left, box.bottom - below

@@ -99,21 +99,23 @@ def explain(
                 one = _explained(guess, marks, seen, belief, shown)
                 if one.score > found.get(one.marks, one._replace(score=-math.inf)).score:
                     found[one.marks] = one
-    return sorted(found.values(), key=lambda each: -each.score)
+    return sorted(found.values(), key=lambda assignment: -assignment.score)
 
 
 def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
     """Return the best one, then those which have the base elsewhere and are hardly less likely."""
     best = explanations[0]
-    close = [each for each in explanations if each.score > best.score - MIN_LOG_RATIO]
-    return [best, *(each for each in close if each.rivals(best))]
+    close = [explanation for explanation in explanations if explanation.score > best.score - MIN_LOG_RATIO]
+    return [best, *(assignment for assignment in close if assignment.rivals(best))]
 
 
 def _explained(
     guess: Pose2, marks: Sequence[PlannedMark], seen: Sequence[Sighting], belief: BasePrior, shown: Shown
 ) -> MarkAssignment:
-    chosen = [_mark_at(guess, marks, each) for each in seen]
-    pairs = [(marks[i], each[marks[i].kind]) for i, each in zip(chosen, seen, strict=True) if i is not None]
+    chosen = [_mark_at(guess, marks, sighting) for sighting in seen]
+    pairs = [
+        (marks[i], sighting[marks[i].kind]) for i, sighting in zip(chosen, seen, strict=True) if i is not None
+    ]
     place = _fit(pairs) if pairs else guess
     misfit = sum(0.5 * (place.compose(at).distance(mark.place) / SIGMA) ** 2 for mark, at in pairs)
     missing = _missing(place, [mark for i, mark in enumerate(marks) if i not in chosen], shown)

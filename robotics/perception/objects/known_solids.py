@@ -64,9 +64,9 @@ def candidates(cluster: PointCluster, known: Sequence[KnownSolid]) -> list[Solid
     """
     found = []
     for solid in known:
-        for each in (_round if solid.is_round else _boxed)(cluster, solid):
-            found.append(each)
-            if each.is_upright:
+        for item in (_round if solid.is_round else _boxed)(cluster, solid):
+            found.append(item)
+            if item.is_upright:
                 break
     return found
 
@@ -178,7 +178,7 @@ def _lying(cluster: PointCluster, radius: float, length: float) -> tuple[Transfo
         )
         for turn in (0.0, 90.0)
     ]
-    best = min(fits, key=lambda each: float(each.cost))
+    best = min(fits, key=lambda fit: float(fit.cost))
     aside, heading = best.x.tolist()
     residuals = _off_axis(every, middle, best.x, radius)
     near = np.abs(residuals) < LYING_BAND_M

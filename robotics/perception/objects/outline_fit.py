@@ -58,7 +58,7 @@ def fit_outline(
     if len(points) < 12:
         return None
     fits = [_refined(points, sides, start, cell, pixel) for start in _starts(points, sides)]
-    fits.sort(key=lambda each: each.rms)
+    fits.sort(key=lambda fit: fit.rms)
     best = fits[0]
     for other in fits[1:]:
         apart = math.hypot(other.x - best.x, other.y - best.y)
@@ -105,7 +105,7 @@ def _starts(points: FloatArray, sides: tuple[float, float] | float) -> Iterator[
         return
     for turn, seen in ((0.0, (width, height)), (90.0, (height, width))):
         heading = math.radians(degrees + turn)
-        missing = [max(0.0, side - each - SHORTER_M) for side, each in zip(sides, seen, strict=True)]
+        missing = [max(0.0, side - item - SHORTER_M) for side, item in zip(sides, seen, strict=True)]
         ahead = np.array([math.cos(heading), math.sin(heading)])
         aside = np.array([-ahead[1], ahead[0]])
         for i in (1.0, -1.0) if missing[0] > 0.0 else (0.0,):

@@ -70,7 +70,7 @@ def standing_clusters(views: Sequence[OverSurface], size: tuple[float, float]) -
             cluster = _cluster(points[chosen], border[chosen], seen_from)
             if cluster is not None:
                 found.append(cluster)
-    return sorted(found, key=lambda each: -len(each.points))
+    return sorted(found, key=lambda item: -len(item.points))
 
 
 def _labels(points: FloatArray) -> FloatArray:

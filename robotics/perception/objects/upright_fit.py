@@ -80,7 +80,7 @@ def _residuals(views: Sequence[TagView], state: FloatArray, height: float, heigh
     """Residuals (8 n + 2,) in standard deviations: the corners', that of the height, that of the inset."""
     base_T_box, inset = _pose(state), float(state[4])
     found = [(_corners(view, base_T_box, inset) - view.corners) / CORNER_SIGMA_PX for view in views]
-    off = np.nan_to_num(np.concatenate([each.ravel() for each in found]), nan=1e3)
+    off = np.nan_to_num(np.concatenate([item.ravel() for item in found]), nan=1e3)
     return np.append(off, [(state[2] - height) / height_sigma, inset / INSET_SIGMA_PX])
 
 

@@ -142,7 +142,9 @@ def test_a_wall_stops_the_base_and_is_noted(make: Make) -> None:
     backend = make()
     run(backend, 100, 0.4)
     assert backend.ground_truth().base.y == pytest.approx(3.0 - 0.34, abs=0.06)
-    assert [(each.body, each.time > 0.0) for each in backend.inner.scene.contacts] == [("base", True)]
+    assert [(contact.body, contact.time > 0.0) for contact in backend.inner.scene.contacts] == [
+        ("base", True)
+    ]
 
 
 def test_without_a_world_there_are_wheels_alone(make: Make) -> None:

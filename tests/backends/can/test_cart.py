@@ -36,7 +36,7 @@ LONG = ("drift",)
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(each, marks=pytest.mark.slow) if each in LONG else each for each in checks()]
+    "name", [pytest.param(check, marks=pytest.mark.slow) if check in LONG else check for check in checks()]
 )
 def test_the_kit_finds_nothing_wrong(name: str) -> None:
     assert checks()[name](KitBench("can", "cart")).wrong == []
@@ -76,4 +76,4 @@ def test_counts_for_a_metre() -> None:
         }
     )
     assert spec.left.counts_per_m(0.1) == pytest.approx(-15915.494, rel=1e-6)
-    assert [each.node for each in spec.wheels] == [3, 4]
+    assert [item.node for item in spec.wheels] == [3, 4]

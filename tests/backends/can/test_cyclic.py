@@ -26,7 +26,7 @@ TURN = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
 def robot() -> RobotFile:
     robot = load_robot("librarian")
     assert robot.can is not None
-    joints = tuple(each.model_copy(update={"mode": "csp"}) for each in robot.can.joints)
+    joints = tuple(joint.model_copy(update={"mode": "csp"}) for joint in robot.can.joints)
     wheels = {side: getattr(robot.can, side).model_copy(update={"mode": "csv"}) for side in ("left", "right")}
     return robot.model_copy(update={"can": robot.can.model_copy(update={"joints": joints, **wheels})})
 

@@ -154,12 +154,12 @@ def test_a_drive_is_asked_once_more_and_not_under_way(make: Make, robot: RobotFi
     line, sent = backend._line, []
     line.listen(lambda frame, ours: sent.append(frame.arbitration_id) if ours else None)
     move(backend, BEFORE)
-    enabling = [each for each in sent if 0x600 < each < 0x680]
+    enabling = [item for item in sent if 0x600 < item < 0x680]
     assert enabling
     del sent[:]
     inject(backend.bench, "no-sdo", backend.bench.time)
     move(backend, BEFORE)
-    assert not [each for each in sent if 0x600 < each < 0x680]
+    assert not [item for item in sent if 0x600 < item < 0x680]
 
 
 def test_a_joint_beyond_its_limits_at_the_start_is_refused(make: Make, robot: RobotFile) -> None:

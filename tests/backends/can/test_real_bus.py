@@ -118,7 +118,7 @@ def test_holding_joints_keep_their_torque_between_programs(robot: RobotFile) -> 
     spec = arm.can.model_copy(update=BUS)
     robot = arm.model_copy(update={"period_s": PERIOD, "can": spec})
     with served(robot) as bench:
-        joints: list[Any] = [bench.drives[each.node] for each in spec.joints]
+        joints: list[Any] = [bench.drives[joint.node] for joint in spec.joints]
         backend: Any
         with CanBackend(robot, None) as backend:
             backend.step()

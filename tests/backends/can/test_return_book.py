@@ -17,7 +17,7 @@ def run(folder: Path, backend: str, bench: str | None = None) -> tuple[Any, ...]
         LIBRARY_FOLDER / "task.yaml", folder, RunOptions(backend=backend, errors=False, bench=bench)
     )
     assert summary["metrics"]["untrue"] == []
-    return (status, *(summary[each] for each in ("outcome", "situation", "reason", "actions", "fails")))
+    return (status, *(summary[name] for name in ("outcome", "situation", "reason", "actions", "fails")))
 
 
 @pytest.mark.slow

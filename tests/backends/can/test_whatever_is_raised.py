@@ -242,10 +242,10 @@ def test_a_silent_drive_costs_the_others_no_torque(make: Make, monkeypatch: pyte
 def test_noisy_bus_raises_only_can_faults_and_drops_torque() -> None:
     """C12 C20 C21: frames of all kinds in all phases; more: `python -m benchmarks.hostile.can_fuzz`."""
     seen = list(attacks(len(BUS_PHASES), 500, seed=3))
-    assert [each.wrong for each in seen] == [""] * len(seen)
-    assert {each.phase for each in seen} == set(BUS_PHASES)
-    assert sum(each.frames for each in seen) >= 500
-    assert {bool(each.fault) for each in seen} == {True, False}
+    assert [attack.wrong for attack in seen] == [""] * len(seen)
+    assert {attack.phase for attack in seen} == set(BUS_PHASES)
+    assert sum(attack.frames for attack in seen) >= 500
+    assert {bool(attack.fault) for attack in seen} == {True, False}
 
 
 def test_the_same_noise_again() -> None:
@@ -257,9 +257,9 @@ def test_noise_finds_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     """The fuzzer itself finds a stop that leaves the torque, and an error that is not a `CanFault`."""
     for kind, name in ((Axes, "quick_stop"), (Axes, "disable"), (CanBackend, "_brake")):
         monkeypatch.setattr(kind, name, lambda self: None)
-    assert any("OPERATION ENABLED after the fault" in each.wrong for each in attacks(4, 0))
+    assert any("OPERATION ENABLED after the fault" in attack.wrong for attack in attacks(4, 0))
     monkeypatch.setattr(Bench, "serve", lambda self: [][0])
-    assert all("IndexError" in each.wrong for each in attacks(2, 0))
+    assert all("IndexError" in attack.wrong for attack in attacks(2, 0))
 
 
 def test_a_robot_drives_on_in_a_little_noise(make: Make) -> None:

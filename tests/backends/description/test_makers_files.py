@@ -23,7 +23,9 @@ ROBOTS = makers_robots()
 def test_makers_file_keeps_the_schema_without_its_package(name: str) -> None:
     document = read_document(ROBOTS[name])
     robot = load_document(document, model_for(document)).value.read_in(ROBOTS[name].parent)
-    assert robot.arm is None or {len(each) for each in robot.arm.postures.values()} == {len(robot.arm.joints)}
+    assert robot.arm is None or {len(posture) for posture in robot.arm.postures.values()} == {
+        len(robot.arm.joints)
+    }
     for part in robot.parts:
         assert part.urdf.startswith("package://") or (ROBOTS[name].parent / part.urdf).is_file()
 
@@ -36,12 +38,12 @@ def test_package_of_a_makers_file_has_a_known_source(name: str) -> None:
         source = PACKAGE_SOURCES[package]
         assert package == "pybullet_data" or f"pip install {source}" in head
         if extra := re.fullmatch(r"'handcart\[(\w+)\]'", source):
-            assert any(package.removesuffix("_data") in each for each in extras[extra[1]])
+            assert any(package.removesuffix("_data") in item for item in extras[extra[1]])
 
 
 def test_no_mesh_of_a_maker_is_copied() -> None:
     folder = next(iter(ROBOTS.values())).parents[1]
-    assert {each.suffix for each in folder.glob("*/*") if each.is_file()} <= {".py", ".yaml", ".urdf"}
+    assert {path.suffix for path in folder.glob("*/*") if path.is_file()} <= {".py", ".yaml", ".urdf"}
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -42,7 +42,7 @@ def findings(folder: Path, sections: str) -> list[str]:
     """What is wrong, each without the folder: LINE:COLUMN: words."""
     with pytest.raises(FileError) as raised:
         read(folder, sections)
-    return [str(each).removeprefix(f"{folder}/robot.yaml:") for each in raised.value.findings]
+    return [str(finding).removeprefix(f"{folder}/robot.yaml:") for finding in raised.value.findings]
 
 
 def test_table_has_several_sensors_of_a_kind_by_name(tmp_path: Path) -> None:
@@ -105,12 +105,12 @@ def test_shipped_robots_sensors_are_called_like_their_keys(name: str) -> None:
     ],
 )
 def test_wrong_sensor_is_reported_at_its_place(tmp_path: Path, sections: str, wrong: str) -> None:
-    assert any(wrong in each for each in findings(tmp_path, sections)), findings(tmp_path, sections)
+    assert any(wrong in finding for finding in findings(tmp_path, sections)), findings(tmp_path, sections)
 
 
 def test_all_wrong_sensors_are_reported_at_once(tmp_path: Path) -> None:
     sections = TABLE.replace("beams: 90", "beams: -1").replace("focal_px: 60", "focal_px: far")
-    assert [each.split(":")[0] for each in findings(tmp_path, sections)] == ["10", "12"]
+    assert [finding.split(":")[0] for finding in findings(tmp_path, sections)] == ["10", "12"]
 
 
 def test_copy_with_an_older_key_changes_the_first_of_its_kind(tmp_path: Path) -> None:

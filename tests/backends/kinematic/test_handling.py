@@ -14,7 +14,7 @@ from .conftest import Puppet
 
 def front(puppet: Puppet, accession: int) -> Any:
     standing = puppet.scene.of(BookProps).shelf_books("shelf_1")
-    return next(each for each in standing if each.book.accession == accession)
+    return next(book for book in standing if book.book.accession == accession)
 
 
 def test_the_gripper_takes_the_book_from_the_tray_and_carries_it(puppet: Puppet) -> None:
@@ -127,7 +127,7 @@ def test_an_inserted_book_can_be_gripped_again_and_drawn_out(puppet: Puppet) -> 
     assert puppet.scene.held is puppet.scene.of(BookProps).books[117]
     puppet.to(0.10, puppet.slot, puppet.height)
     assert puppet.scene.of(BookProps).shelf_books("shelf_1")[0].book.accession == 101
-    assert 117 not in [each.book.accession for each in puppet.scene.of(BookProps).shelf_books("shelf_1")]
+    assert 117 not in [book.book.accession for book in puppet.scene.of(BookProps).shelf_books("shelf_1")]
 
 
 def test_the_arm_stops_at_what_is_solid_and_feels_it(puppet: Puppet) -> None:

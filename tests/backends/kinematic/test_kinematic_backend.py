@@ -112,9 +112,9 @@ def test_a_scan_that_is_made_later_is_the_one_of_its_period(make: Make) -> None:
     backend, asked_then = make(), make()
     later, then = [], []
     for _ in range(30):
-        for each in (backend, asked_then):
-            each.get(Base).drive(0.2, 0.3)
-            each.step()
+        for item in (backend, asked_then):
+            item.get(Base).drive(0.2, 0.3)
+            item.step()
         later.append(backend.get(RangeSensor).scan_later())
         then.append(asked_then.get(RangeSensor).scan())
     for made, read in zip(later, then, strict=True):
@@ -263,4 +263,4 @@ def test_what_takes_an_engine_is_told_before_a_run() -> None:
         "camera": "engine",
     }
     remarks = KinematicBackend(load_robot("el_verde"), world_model().model_validate(asked), 0).remarks
-    assert [each.partition(":")[0] for each in remarks] == ["camera", "ground"]
+    assert [remark.partition(":")[0] for remark in remarks] == ["camera", "ground"]

@@ -65,8 +65,8 @@ def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world: Any) -> None:
     stood = {}
     for gap in (31, 90):
         books = [
-            each.model_copy(update={"gap_mm": gap}) if hasattr(each, "gap_mm") else each
-            for each in shelf.books
+            item.model_copy(update={"gap_mm": gap}) if hasattr(item, "gap_mm") else item
+            for item in shelf.books
         ]
         wider = shelf.model_copy(update={"width_m": 0.5, "books": tuple(books)})
         robot = load_robot("librarian")
@@ -90,7 +90,9 @@ def test_released_by_the_hand_it_leans_by_the_robots_errors(puppet: Puppet) -> N
     puppet.insert()
     puppet.fingers(0.07)
     (book,) = [
-        each for each in puppet.scene.of(BookProps).shelf_books("shelf_1") if each.book.accession == 117
+        shelf_book
+        for shelf_book in puppet.scene.of(BookProps).shelf_books("shelf_1")
+        if shelf_book.book.accession == 117
     ]
     assert 1e-5 < abs(book.lean) < 0.03
     right, left = book.sides
@@ -104,5 +106,7 @@ def test_without_errors_it_stands_upright(world: WorldFile) -> None:
         book = scene.of(BookProps).books[117]
         book.pose = scene.of(BookProps).shelves["shelf_1"].pose @ transform((0.0, 0.0545, 0.002))
         put_down(scene.of(BookProps), book, None)
-        (stands,) = [each for each in scene.of(BookProps).shelf_books("shelf_1") if each.book is book]
+        (stands,) = [
+            shelf_book for shelf_book in scene.of(BookProps).shelf_books("shelf_1") if shelf_book.book is book
+        ]
         assert stands.tilt == pytest.approx(0.0, abs=1e-9)

@@ -41,14 +41,14 @@ def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet: Puppet, mak
     kept = pack(puppet.backend.state())
     again = type(puppet)(make())
     again.backend.set_state(unpack(kept))
-    for each in (puppet, again):
-        each.backend._base.drive(0.0, 0.1)
-        each.backend.step()
+    for item in (puppet, again):
+        item.backend._base.drive(0.0, 0.1)
+        item.backend.step()
     assert np.array_equal(readings(puppet), readings(again), equal_nan=True)
-    for each in (puppet, again):
-        each.fingers(0.07)
-        here = each.scene.arm.forward(each.arm.command())[:3, 3]
-        each.to(here[0] - 0.05, here[1], here[2])
+    for item in (puppet, again):
+        item.fingers(0.07)
+        here = item.scene.arm.forward(item.arm.command())[:3, 3]
+        item.to(here[0] - 0.05, here[1], here[2])
     assert np.array_equal(readings(puppet), readings(again), equal_nan=True)
     assert puppet.scene.contacts == again.scene.contacts
 

@@ -37,8 +37,8 @@ def backends(tmp_path: Path) -> Iterator[tuple[Any, Any]]:
     path.write_text(WORLD, encoding="utf-8")
     made = [MujocoBackend(load_robot("toyama"), load(path, world_model()), 3) for _ in range(2)]
     yield made[0], made[1]
-    for each in made:
-        each.close()
+    for backend in made:
+        backend.close()
 
 
 def move(backend: Any, number: int) -> None:
@@ -126,5 +126,5 @@ def test_what_sleeps_where_the_arm_would_be_at_its_zero_sleeps_on() -> None:
     assert sleepers.sum() == len(blocks)
     mujoco().mj_step(engine.model, engine.data)
     assert (engine.data.tree_asleep[sleepers] >= 0).all()
-    for each in made:
-        each.close()
+    for backend in made:
+        backend.close()

@@ -59,7 +59,9 @@ def build(physics: type[PhysicsBackend], tmp_path: Path) -> Iterator[Build]:
 
 
 def part(backend: PhysicsBackend, name: str) -> Any:
-    return next(each for each in backend.capabilities() if type(each).__name__.endswith(name))
+    return next(
+        capability for capability in backend.capabilities() if type(capability).__name__.endswith(name)
+    )
 
 
 def steps(backend: PhysicsBackend, count: int) -> None:

@@ -53,7 +53,7 @@ def test_what_touched_nothing_can_be_touched_again(make: Make) -> None:
         engine.touches(upper, touches)
         engine.set_pose(upper, transform((0.6, 2.2, 0.15)))
         engine.step()
-        assert any(each.other == upper for each in engine.touching(lower)) is touches
+        assert any(touching.other == upper for touching in engine.touching(lower)) is touches
 
 
 @pytest.mark.parametrize("mass", [1.0, 3.0])
@@ -63,7 +63,9 @@ def test_what_is_weighed_anew_presses_with_its_new_weight(make: Make, mass: floa
     engine.weigh(number, mass)
     for _ in range(6):
         engine.step()
-    assert sum(each.force[2] for each in engine.contacts(number)) == pytest.approx(9.81 * mass, rel=0.05)
+    assert sum(contact.force[2] for contact in engine.contacts(number)) == pytest.approx(
+        9.81 * mass, rel=0.05
+    )
 
 
 @pytest.mark.parametrize(("mass", "slips"), [(0.5, False), (40.0, True)])
@@ -84,7 +86,7 @@ def test_what_is_too_heavy_slips_from_the_hand(hand: Hand, mass: float, slips: b
 def test_a_base_that_turns_does_not_hop_and_what_stands_on_it_stays(make: Make) -> None:
     backend = make()
     body, engine = backend._body, backend._engine
-    base: Any = next(each for each in backend.capabilities() if isinstance(each, Base))
+    base: Any = next(capability for capability in backend.capabilities() if isinstance(capability, Base))
     for _ in range(10):
         backend.step()
     book = backend.ground_truth().bodies["book 117"]
@@ -93,7 +95,9 @@ def test_a_base_that_turns_does_not_hop_and_what_stands_on_it_stays(make: Make) 
         base.drive(0.0, 0.6 * min(1.0, number / 20, (59 - number) / 20))
         backend.step()
         wheels = {body.link_index["left_wheel"], body.link_index["right_wheel"]}
-        pressed.append(sum(each.force[2] for each in engine.contacts(body.id) if each.link in wheels))
+        pressed.append(
+            sum(contact.force[2] for contact in engine.contacts(body.id) if contact.link in wheels)
+        )
     assert np.std(pressed) < 0.1 * np.mean(pressed)
     now = backend.ground_truth().bodies["book 117"]
     assert (book.support, now.support) == ("tray", "tray")

@@ -54,7 +54,7 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(
     assert metrics["error_mm_max"] < 600.0
     again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0
-    ((first,), (second,)) = (each["metrics"]["placements"] for each in (whole, again))
+    ((first,), (second,)) = (item["metrics"]["placements"] for item in (whole, again))
     assert abs(first["true_x_mm"] - second["true_x_mm"]) < 30.0
     assert abs(first["true_y_mm"] - second["true_y_mm"]) < 30.0
 

@@ -27,9 +27,9 @@ def robot(tmp_path: Path) -> RobotFile:
 
 def test_collada_unit_is_applied_and_up_axis_is_not(robot: RobotFile) -> None:
     sizes = {
-        each.name: np.ptp(each.points, axis=0)
-        for each in bodies_of(robot.urdf_text())
-        if hasattr(each, "points")
+        item.name: np.ptp(item.points, axis=0)
+        for item in bodies_of(robot.urdf_text())
+        if hasattr(item, "points")
     }
     assert sizes["body"] == pytest.approx([0.4, 0.3, 0.2], abs=1e-6)
     assert sizes["left_wheel"] == pytest.approx([0.2, 0.05, 0.2], abs=1e-6)
@@ -49,7 +49,7 @@ def test_engines_get_hulls_wheels_that_roll_and_clear_the_floor(robot: RobotFile
     sound = sound_urdf(robot)
     (hull,) = sound.hulls.values()
     assert hull.points[:, 2].min() == pytest.approx(-0.09, abs=1e-9)  # 10 mm above the floor
-    assert [each.link for each in sound.repairs if "floor" in each.what] == ["body"]
+    assert [repair.link for repair in sound.repairs if "floor" in repair.what] == ["body"]
     assert sound.text.count("<cylinder") == 2
 
 

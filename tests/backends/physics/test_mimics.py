@@ -27,12 +27,12 @@ def test_mimics_stand_where_the_tree_has_them_and_nothing_lags(name: str, seed: 
 
 def test_some_follower_is_nearer_to_the_base_than_its_leader() -> None:
     """The seeds above show something: Pinocchio alone rejects one of these robots."""
-    names = {seed: [each.name for each in MimicRobot(seed).joints] for seed in SEEDS}
+    names = {seed: [joint.name for joint in MimicRobot(seed).joints] for seed in SEEDS}
     before = [
-        each
+        joint
         for seed in SEEDS
-        for each in MimicRobot(seed).joints
-        if each.mimic is not None and names[seed].index(each.name) < names[seed].index(each.mimic.leader)
+        for joint in MimicRobot(seed).joints
+        if joint.mimic is not None and names[seed].index(joint.name) < names[seed].index(joint.mimic.leader)
     ]
     assert before
 

@@ -116,9 +116,9 @@ def test_a_world_put_back_goes_on_as_the_one_that_was_kept(
     again = hand_of(make())
     again.backend.set_state(unpack(kept))
     assert (again.backend.scene.held is not None) == held
-    for each in (first, again):
-        here = each.model.forward(each.arm.command())[:3, 3]
-        each.line(here[0], here[1], here[2] + 0.02)
+    for item in (first, again):
+        here = item.model.forward(item.arm.command())[:3, 3]
+        item.line(here[0], here[1], here[2] + 0.02)
     one, other = first.backend.scene, again.backend.scene
     assert np.abs(one.joints - other.joints).max() < 1e-5
     assert one.base.distance(other.base) < 1e-5

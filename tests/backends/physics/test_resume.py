@@ -52,7 +52,7 @@ def results(folder: Path) -> list[tuple[int, str]]:
     """Number and outcome of each action that has ended."""
     path = folder / "journal.jsonl"
     records = read_journal(path).records if path.exists() else []
-    return [(each["n"], each["outcome"]) for each in records if each["kind"] == "RESULT"]
+    return [(record["n"], record["outcome"]) for record in records if record["kind"] == "RESULT"]
 
 
 @pytest.mark.slow

@@ -41,7 +41,9 @@ def toyama(**errors: float) -> RobotFile:
 
 
 def part(backend: PhysicsBackend, name: str) -> Any:
-    return next(each for each in backend.capabilities() if type(each).__name__.endswith(name))
+    return next(
+        capability for capability in backend.capabilities() if type(capability).__name__.endswith(name)
+    )
 
 
 def go(backend: PhysicsBackend, joints: FloatArray, seconds: float = 2.0) -> None:
@@ -57,7 +59,7 @@ def go(backend: PhysicsBackend, joints: FloatArray, seconds: float = 2.0) -> Non
 
 def masses(urdf: str) -> float:
     found = ElementTree.fromstring(urdf).iterfind("link/inertial/mass")
-    return sum(float(each.get("value", "nan")) for each in found)
+    return sum(float(item.get("value", "nan")) for item in found)
 
 
 def test_a_chassis_takes_its_mass_and_wheels_from_the_base() -> None:

@@ -32,8 +32,8 @@ def make_stage() -> Iterator[Callable[..., Rig]]:
         return made[-1]
 
     yield one
-    for each in made:
-        each.backend.close()
+    for item in made:
+        item.backend.close()
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_two_that_move_it_are_noticed_in_the_next_period_too(robot: Robot) -> No
     one, other = object(), object()
     seen = []
     for movers in ((one,), (one,), (one, other), (one,), (one,)):
-        seen.append([robot.moved_by(each) for each in movers])
+        seen.append([robot.moved_by(mover) for mover in movers])
         robot.step()
     assert seen == [[True], [True], [True, False], [False], [True]]
 
@@ -274,10 +274,10 @@ def test_a_photo_has_the_cameras_pose_at_its_own_instant(robot: Robot) -> None:
 def test_a_checkpoint_keeps_the_ground_that_was_driven(make_stage: Callable[..., Rig]) -> None:
     half = RangeSpec(beams=360, reach_m=12.0, sigma_mm=10.0, masked_deg=((100.0, 260.0),))
     robots = [make_stage("cart", HALL).robot for _ in range(2)]
-    for each in robots:
-        assert "driven" not in each.state()
-        assert each.lidar is not None
-        each.lidar.spec = half
+    for item in robots:
+        assert "driven" not in item.state()
+        assert item.lidar is not None
+        item.lidar.spec = half
     for _ in range(10):
         robots[0].base.drive(0.2, 0.0)
         robots[0].step()

@@ -53,7 +53,7 @@ def swing(backend: RosBackend, periods: int = 20) -> np.ndarray:
 
 def goals_of(stream: GoalStream) -> list[GoalStage]:
     """Return the states of a stream's goals that are not over."""
-    return [each.goal.state for each in stream._watched]
+    return [watched.goal.state for watched in stream._watched]
 
 
 def test_goals_move_an_arm_as_topics_do(make: Make) -> None:
@@ -62,7 +62,7 @@ def test_goals_move_an_arm_as_topics_do(make: Make) -> None:
         assert swing(by_actions) == pytest.approx(swing(by_topics), abs=1e-9)
         by_actions.step()
         by_actions.step()
-        assert [goals_of(each) for each in by_actions._topics.streams] == [[], [], []]
+        assert [goals_of(stream) for stream in by_actions._topics.streams] == [[], [], []]
 
 
 def test_a_goal_ends_with_its_period(make: Make) -> None:
@@ -162,7 +162,7 @@ def test_an_action_of_another_type_is_told_with_its_type(make: Make) -> None:
         robot = load_robot("librarian").model_copy(update={"ros2": spec})
         spec = spec.model_copy(update={"first_message_s": 0.2})
         report = listen(robot, spec, backend.bench.link, backend.bench.step, 0.2)
-    words = [each.words for each in report.faults if HAND in each.words]
+    words = [fault.words for fault in report.faults if HAND in fault.words]
     assert words == [
         f"{HAND}: /bench (control_msgs/GripperCommand) serves it; needed: control_msgs/FollowJointTrajectory"
     ]

@@ -45,4 +45,4 @@ def test_a_kept_message_has_the_picture_of_its_own_time(make: Make) -> None:
             backend.step()
             taken.append(there.image().copy())
         late = camera.image()
-        assert any(np.array_equal(late, each) for each in taken[:-5])
+        assert any(np.array_equal(late, item) for item in taken[:-5])

@@ -20,9 +20,9 @@ def link() -> LocalLink:
 @pytest.mark.parametrize("value", [1, True, np.float32(1.0), np.int64(1)])
 def test_numbers_of_other_types_become_floats(link: LocalLink, value: float) -> None:
     message = velocity_message(link, RosVelocitySpec(), DriveCommand(value, value, value))
-    for each in (message.linear.x, message.linear.y, message.angular.z):
-        assert type(each) is float
-        assert each == 1.0
+    for item in (message.linear.x, message.linear.y, message.angular.z):
+        assert type(item) is float
+        assert item == 1.0
 
 
 @pytest.mark.parametrize("kind", ["JointTrajectory", "Float64MultiArray"])

@@ -142,11 +142,11 @@ def test_a_check_compares_the_file_with_the_air(bench: subprocess.Popen[str]) ->
     finally:
         other.close()
         link.close()
-    assert [each.words for each in report.faults] == [
+    assert [fault.words for fault in report.faults] == [
         "cmd_vel: /teleop (geometry_msgs/Twist) publishes it; allowed: nobody but this program"
     ]
-    assert 5.0 < {each.topic: each.rate_hz for each in report.topics}["odom"] < 25.0
-    assert any("geometry_msgs/TwistStamped is sent" in each.words for each in wrong.faults)
+    assert 5.0 < {topic.topic: topic.rate_hz for topic in report.topics}["odom"] < 25.0
+    assert any("geometry_msgs/TwistStamped is sent" in fault.words for fault in wrong.faults)
 
 
 def test_a_robot_on_the_air_describes_itself(bench: subprocess.Popen[str]) -> None:

@@ -33,7 +33,7 @@ def test_faults_of_the_section_are_found_at_their_places(tmp_path: Path) -> None
     path = written(tmp_path, SECTION)
     with pytest.raises(FileError) as refused:
         load_robot(str(path))
-    places = {(each.line, each.column): each.message for each in refused.value.findings}
+    places = {(finding.line, finding.column): finding.message for finding in refused.value.findings}
     assert places[2, 3] == "no controller has the joint 'joint_2'; needed: one"
     assert places[3, 36].startswith("the arm has no joint 'jiont_2'; did you mean 'joint_2'?")
     assert places[3, 45] == "2 controllers have the joint 'joint_3'; needed: one"

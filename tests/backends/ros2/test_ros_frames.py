@@ -45,7 +45,7 @@ def report_of(monkeypatch: pytest.MonkeyPatch, moved: dict[str, tuple[float, ...
 def test_sensors_where_the_file_has_them_are_no_finding(monkeypatch: pytest.MonkeyPatch) -> None:
     report = report_of(monkeypatch, {})
     assert not report.faults
-    assert not [each for each in report.remarks if "tf" in each.words]
+    assert not [remark for remark in report.remarks if "tf" in remark.words]
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def scan_at(time: float, count: int = 360, start: float = -np.pi, step: float = 
     scan = new_message("sensor_msgs/LaserScan")
     scan.header.stamp = SimpleNamespace(sec=int(time), nanosec=round(1e9 * (time % 1.0)))
     scan.angle_min, scan.angle_increment = start, step
-    scan.ranges = [1.0 + 0.01 * each for each in range(count)]
+    scan.ranges = [1.0 + 0.01 * index for index in range(count)]
     return scan
 
 

@@ -96,8 +96,8 @@ def test_a_world_put_back_goes_on_as_it_was(robot: RobotFile) -> None:
     state = made.state()
     again = backend(robot, seed=4, sensors={"count": 2})
     again.set_state(state)
-    for each in (made, again):
-        drive(each, 5.0, 0.4, -0.1)
+    for item in (made, again):
+        drive(item, 5.0, 0.4, -0.1)
     assert made.scene.base == again.scene.base
     assert np.array_equal(made.get(Imu).rates(), again.get(Imu).rates())
 

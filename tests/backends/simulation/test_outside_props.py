@@ -26,13 +26,13 @@ from handcart.robotics.geometry.transform import inverse, transform
 from handcart.tasks.domain import Domain, domains
 
 CODE = next(
-    each
-    for each in re.findall(
+    match
+    for match in re.findall(
         r"```python\n(.*?)```",
         (Path(__file__).parents[3] / "docs" / "how_to" / "domains.md").read_text(encoding="utf-8"),
         re.DOTALL,
     )
-    if "class PotProps" in each
+    if "class PotProps" in match
 )
 WORLD = """\
 format: handcart-world/1
@@ -172,7 +172,7 @@ def test_its_keys_are_checked_with_the_rest_of_the_world(world: Path) -> None:
     world.write_text(WORLD.replace("level_ml: 0", "levl_ml: 0").replace("tables", "tabels"), encoding="utf-8")
     with pytest.raises(FileError) as wrong:
         check_world(world, ROBOT)
-    assert [str(each).split(":", 1)[1].split(";")[0] for each in wrong.value.findings] == [
+    assert [str(finding).split(":", 1)[1].split(";")[0] for finding in wrong.value.findings] == [
         "3:1: unknown key 'tabels'",
         "7:78: unknown key 'levl_ml'",
     ]

@@ -190,7 +190,7 @@ def test_faults_of_what_is_left_out_do_not_count(robot: Path) -> None:
 def test_still_joints_hold_their_position(robot: Path) -> None:
     robot.write_text(f"{ROBOT}still: {{turn: 45}}\n", encoding="utf-8")
     loaded = load_robot(str(robot))
-    assert [each.name for each in joints_of(loaded.urdf_text())] == ["upper_turn"]
+    assert [item.name for item in joints_of(loaded.urdf_text())] == ["upper_turn"]
     stick = base_T_frame(loaded.urdf_text(), "upper_stick")
     assert np.allclose(stick[:2, :2], [[-HALF, -HALF], [HALF, -HALF]])  # 90 deg by the part, 45 by the joint
 

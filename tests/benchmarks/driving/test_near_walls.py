@@ -12,7 +12,7 @@ def test_what_check_calls_reachable_is_reached_without_contact(seed: int) -> Non
     result = try_world(seed, nearer=False)
     assert (result.contacts, result.wrongly) == ([], [])
     assert result.stood
-    assert [each.reason for each in result.stood if not each.reached] == []
+    assert [item.reason for item in result.stood if not item.reached] == []
     assert f"{len(result.stood)} places driven to, 0 not reached, 0 contacts" in report(
         [result], nearer=False
     )
@@ -21,4 +21,4 @@ def test_what_check_calls_reachable_is_reached_without_contact(seed: int) -> Non
 def test_what_check_refuses_is_not_driven_to() -> None:
     result = try_world(2, nearer=True)
     assert result.contacts == []
-    assert {each.reason.split(" at ")[0] for each in result.stood} == {"the base can't stand"}
+    assert {item.reason.split(" at ")[0] for item in result.stood} == {"the base can't stand"}

@@ -35,7 +35,7 @@ def test_what_runs_or_touches_is_noted(watch: Watch, tmp_path: Path) -> None:
     watch("os.rename", (str(tmp_path / "run" / "mine"), str(tmp_path / "taken"), -1, -1))
     watch("os.system", (b"true",))
     watch("pickle.find_class", ("posix", "system"))
-    assert [each.split(" was")[-1] if " was" in each else each.split()[0] for each in watch.seen] == [
+    assert [item.split(" was")[-1] if " was" in item else item.split()[0] for item in watch.seen] == [
         " opened",
         " written",
         " written",
@@ -65,4 +65,4 @@ def test_a_forged_journal_is_whole(tmp_path: Path) -> None:
         records.pop(1)
 
     reseal(tmp_path, without_one)
-    assert [each["n"] for each in read_journal(tmp_path / "journal.jsonl").records] == [0, 2]
+    assert [record["n"] for record in read_journal(tmp_path / "journal.jsonl").records] == [0, 2]

@@ -11,7 +11,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 
 POSE = Pose2(2.0, 1.0, 0.5)
-CARRYING = [(name, each) for name, each in thing_table().furniture.items() if each.form != "floor"]
+CARRYING = [(name, item) for name, item in thing_table().furniture.items() if item.form != "floor"]
 
 
 def body(piece: Piece) -> TrueThing:

@@ -13,7 +13,7 @@ from handcart.tools.main import main
 def test_activity_without_the_package_names_the_extra(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for module in [each for each in sys.modules if each.split(".")[0] == "bddl"]:
+    for module in [item for item in sys.modules if item.split(".")[0] == "bddl"]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "bddl", None)
     with pytest.raises(SystemExit) as end:

@@ -68,7 +68,7 @@ def test_room_begins_and_ends_as_the_definition_says(name: str) -> None:
 def test_nextto_of_a_goal_is_not_read_as_ontop() -> None:
     """bddl's own backend for names calls it ontop."""
     options = list(ground_options(load_definition("store_baking_soda")))
-    assert {each[0] for each in options[0]} == {"inside", "nextto"}
+    assert {literal[0] for literal in options[0]} == {"inside", "nextto"}
 
 
 def test_neighbours_without_room_for_the_fingers_are_refused() -> None:

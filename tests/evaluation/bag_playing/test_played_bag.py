@@ -59,11 +59,11 @@ def test_a_report_compares_a_file_with_a_bag(whole: Path) -> None:
     robot = load_robot("librarian")
     report = recorded_report(robot, RosSpec(first_message_s=0.2), whole, 5.0)
     assert not report.faults
-    rates = {each.topic: each.rate_hz for each in report.topics}
+    rates = {topic.topic: topic.rate_hz for topic in report.topics}
     assert rates["scan"] == pytest.approx(20.0, abs=0.5)
     assert report.nodes["odom"] == ["/bag (nav_msgs/Odometry)"]
     spec = RosSpec(first_message_s=0.2, odometry=RosOdometrySpec(topic="wheels/odom"))
-    other = [each.words for each in recorded_report(robot, spec, whole, 5.0).faults]
+    other = [fault.words for fault in recorded_report(robot, spec, whole, 5.0).faults]
     assert other == ["the odometry (wheels/odom): nobody publishes it; there are /odom"]
 
 

@@ -23,11 +23,11 @@ from handcart.primitives.knowledge.place import Places, load_map
 @given(seed=st.integers(0, 10_000))
 def test_every_library_has_a_slot_for_the_book(seed: int) -> None:
     library = make_library(seed)
-    books = [each for row in library.rows for each in row.standing if isinstance(each, GeneratedBook)]
+    books = [item for row in library.rows for item in row.standing if isinstance(item, GeneratedBook)]
     assert len(books) >= 60
     assert len({book.accession for book in books} | {library.wanted[0].accession}) == len(books) + 1
-    row = next(each for each in library.rows if each.shelf == library.wanted[0].shelf)
-    gaps = [each for each in row.standing if isinstance(each, float)]
+    row = next(item for item in library.rows if item.shelf == library.wanted[0].shelf)
+    gaps = [item for item in row.standing if isinstance(item, float)]
     play = gaps[row.lent.index(library.wanted[0])] - library.wanted[0].thickness_mm
     assert 0.0 < play <= 8.0
 
@@ -57,10 +57,10 @@ def test_the_same_seed_gives_the_same_library(tmp_path: Path) -> None:
 def test_unfriendly_libraries_are_sound(seed: int, level: float) -> None:
     library = make_library(seed, unfriendly=("all",), level=level)
     wanted = library.wanted[0]
-    row = next(each for each in library.rows if each.shelf == wanted.shelf)
+    row = next(item for item in library.rows if item.shelf == wanted.shelf)
     assert wanted in row.lent
     if wanted.accession not in library.no_slot:
-        gaps = [each for each in row.standing if isinstance(each, float) and each >= 10.0]
+        gaps = [item for item in row.standing if isinstance(item, float) and item >= 10.0]
         assert gaps[row.lent.index(wanted)] >= wanted.thickness_mm + 3.0
     with tempfile.TemporaryDirectory() as folder:
         write_library(library, Path(folder))

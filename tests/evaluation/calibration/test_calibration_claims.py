@@ -25,7 +25,7 @@ def found(sigmas: float = 1.0, **off: float) -> dict[str, Calibrated]:
         name: Calibrated(float(value) + off.get(name, 0.0), 0.2 * sigmas) for name, value in values.items()
     }
     claims["xyz_mm"] = Calibrated((x + off.get("xyz_mm", 0.0), y, z), (0.1 * sigmas,) * 3)
-    return {f"camera.calibrated.{name}": each for name, each in claims.items()}
+    return {f"camera.calibrated.{name}": claim for name, claim in claims.items()}
 
 
 def test_the_truth_is_taken() -> None:

@@ -56,9 +56,9 @@ def test_a_text_that_can_be_no_file_is_none(tmp_path: Path, title: str) -> None:
 
 def test_where_the_task_lies_does_not_matter(tmp_path: Path) -> None:
     places = [tmp_path / name for name in ("here", "there")]
-    for each in places:
-        each.mkdir()
-    here, there = (sums(walk(each)) for each in places)
+    for place in places:
+        place.mkdir()
+    here, there = (sums(walk(place)) for place in places)
     assert here == there
 
 

@@ -75,9 +75,9 @@ def machines(tmp_path: Path) -> Iterator[Machines]:
             client.wait_for_workers(3, timeout=60.0)
         yield Machines(scheduler, file, workers)
     finally:
-        for each in (*workers, scheduler):
-            each.kill()
-            each.wait()
+        for worker in (*workers, scheduler):
+            worker.kill()
+            worker.wait()
 
 
 def started(words: list[str], **more: str) -> subprocess.Popen[bytes]:
@@ -97,9 +97,9 @@ def test_killed_frozen_and_slow_workers_count_each_trial_once(
     notes = tmp_path / "notes"
     notes.mkdir()
     for together in Cluster(Work(notes), str(machines.file)).trials(range(count)):
-        seen.update(each.seed for each in together)
-        begun = {int(each) for path in notes.iterdir() for each in path.read_text("utf-8").split()}
-        if machines.workers[0].poll() is None and {each.pid for each in machines.workers} <= begun:
+        seen.update(item.seed for item in together)
+        begun = {int(part) for path in notes.iterdir() for part in path.read_text("utf-8").split()}
+        if machines.workers[0].poll() is None and {worker.pid for worker in machines.workers} <= begun:
             machines.workers[0].kill()
             machines.workers[0].wait()
             machines.workers[1].send_signal(signal.SIGSTOP)
@@ -116,7 +116,7 @@ def test_cluster_campaign_equals_local_one_and_reports_broken_trials(
     kept = {}
     for name, cluster in (("here", None), ("there", str(machines.file))):
         with TrialLog(tmp_path / name) as log:
-            seeds = [each.seed for each in run_campaign(setting, range(40), 1, log, cluster)]
+            seeds = [trial.seed for trial in run_campaign(setting, range(40), 1, log, cluster)]
             assert sorted(seeds) == list(range(40))
             kept[name] = list(log.trials())
     assert kept["here"] == kept["there"]

@@ -77,11 +77,11 @@ def test_each_is_injected_once_it_is_due_and_what_it_changed_is_kept(plan: Path)
         assert backend.asked
         backend.bitten += 1 if period < 50 else 0
     observer.end()
-    assert [(each["at_s"], each["bitten"]) for each in observer.injected] == [(2.0, 10), (3.0, 20), (6.0, 0)]
-    assert injected == [each["fault"] for each in observer.injected]
+    assert [(item["at_s"], item["bitten"]) for item in observer.injected] == [(2.0, 10), (3.0, 20), (6.0, 0)]
+    assert injected == [item["fault"] for item in observer.injected]
     late: Any = SimpleNamespace(time=30.0)  # of several instants that have passed one counts
     observer.period(late)
-    assert [each["at_s"] for each in observer.injected] == [2.0, 3.0, 6.0, 30.0]
+    assert [item["at_s"] for item in observer.injected] == [2.0, 3.0, 6.0, 30.0]
 
 
 @pytest.mark.slow
@@ -93,7 +93,7 @@ def test_they_come_and_are_recorded_with_each_trial(
     assert said.status == 0, said.err
     (trial,) = CampaignFolder.read(tmp_path / "out").trials()
     assert trial.faults[0] == {"fault": "exception", "at_s": 2.0, "bitten": 1}
-    assert sum(each["fault"].startswith("slip") for each in trial.faults) >= 2
+    assert sum(fault["fault"].startswith("slip") for fault in trial.faults) >= 2
     assert "MOVE_TO Fail code_error (motion): InjectedError: the backend broke" in said.out
     assert f"--faults {plan}" in said.out
     plan.write_text(PLAN.replace("2.0", "2.5"), encoding="utf-8")

@@ -68,7 +68,7 @@ def played(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> type[Played]:
 
 
 def seeds_of(batches: Iterable[list[Trial]]) -> list[int]:
-    return [each.seed for batch in batches for each in batch]
+    return [item.seed for batch in batches for item in batch]
 
 
 def test_a_process_has_a_tenth_of_a_second_of_work_before_it(played: type[Played]) -> None:
@@ -125,8 +125,8 @@ def test_the_fifth_death_in_one_trial_is_its_end(played: type[Played]) -> None:
         return None
 
     played.answer = answer
-    done = [each for batch in Workers(work, 1).trials(range(4)) for each in batch]
-    assert [(each.seed, each.status) for each in done] == [(0, 0), (1, 0), (2, 5), (3, 0)]
+    done = [item for batch in Workers(work, 1).trials(range(4)) for item in batch]
+    assert [(item.seed, item.status) for item in done] == [(0, 0), (1, 0), (2, 5), (3, 0)]
     assert done[2].summary["reason"] == "its process died 5 times, at last by signal 9"
     assert len(played.made) == 6
 

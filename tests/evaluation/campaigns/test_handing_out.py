@@ -119,7 +119,7 @@ def test_each_thread_has_two_trials_and_each_seed_comes_once(
     most = list[int]()
 
     def end_first(_: float) -> None:
-        open_ones = [each for each in scheduler.given if each.seed not in done]
+        open_ones = [item for item in scheduler.given if item.seed not in done]
         most.append(len(open_ones))
         done.add(open_ones[0].seed)
         scheduler.end(open_ones[0])
@@ -127,10 +127,10 @@ def test_each_thread_has_two_trials_and_each_seed_comes_once(
     done = set[int]()
     on_nap(monkeypatch, end_first)
     batches = list(cluster.trials(range(20)))
-    assert [each.seed for batch in batches for each in batch] == list(range(20))
+    assert [item.seed for batch in batches for item in batch] == list(range(20))
     assert max(most) == 6
     assert most[:15] == [6] * 15
-    assert [each.seed for each in scheduler.given] == list(range(20))
+    assert [item.seed for item in scheduler.given] == list(range(20))
     assert scheduler.cancelled == []
 
 
@@ -153,8 +153,8 @@ def test_a_late_trial_is_given_to_an_idle_worker_and_counts_once(
 
     on_nap(monkeypatch, end_the_copy)
     (done,) = list(cluster.trials([7]))
-    assert [each.seed for each in done] == [7]
-    assert [each.worker for each in scheduler.given] == [None, "two"]
+    assert [item.seed for item in done] == [7]
+    assert [item.worker for item in scheduler.given] == [None, "two"]
     assert 105.0 < times[0] <= 108.0  # five seconds, and a look each two
     assert scheduler.cancelled == [scheduler.given[0]]
 
@@ -187,9 +187,9 @@ def test_who_leaves_early_cancels_what_is_on_its_way(
 ) -> None:
     on_nap(monkeypatch, lambda _: scheduler.end(scheduler.given[0]))
     trials = cluster.trials(range(50))
-    assert [each.seed for each in next(trials)] == [0]
+    assert [item.seed for item in next(trials)] == [0]
     trials.close()
-    assert [each.seed for each in scheduler.cancelled] == [1, 2, 3, 4, 5]
+    assert [item.seed for item in scheduler.cancelled] == [1, 2, 3, 4, 5]
 
 
 def test_a_trial_that_comes_back_as_another_is_a_fault(

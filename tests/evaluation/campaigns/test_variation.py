@@ -109,7 +109,7 @@ def test_a_number_of_the_world_varies_and_the_robot_finds_it_so(
     words = ("--trials", "2", "--jobs", "1", "--vary", tmp_path / "vary.yaml", "--out", tmp_path / "out")
     assert handcart("campaign", tmp_path / "tour.yaml", *words).status == 0
     as_drawn, across = CampaignFolder.read(tmp_path / "out").trials()
-    assert [list(each.varied.values()) for each in (as_drawn, across)] == [[3.0], [4.4]]
-    driven = [each.summary["metrics"]["path_length_m"] for each in (as_drawn, across)]
+    assert [list(item.varied.values()) for item in (as_drawn, across)] == [[3.0], [4.4]]
+    driven = [item.summary["metrics"]["path_length_m"] for item in (as_drawn, across)]
     assert driven[1] > driven[0] + 1.0
     assert across.success

@@ -39,22 +39,22 @@ class Work:
 
 
 def ran(work: Work, count: int = 30, jobs: int = 2) -> list[Trial]:
-    return [each for together in Workers(work, jobs).trials(range(count)) for each in together]
+    return [item for together in Workers(work, jobs).trials(range(count)) for item in together]
 
 
 def test_each_seed_is_done_once_though_a_process_was_killed(tmp_path: Path) -> None:
     done = ran(Work(tmp_path, kills=7))
-    assert sorted(each.seed for each in done) == list(range(30))
-    assert all(each.success for each in done)
+    assert sorted(item.seed for item in done) == list(range(30))
+    assert all(item.success for item in done)
     assert (tmp_path / "killed-7").exists()
 
 
 @pytest.mark.slow
 def test_a_trial_that_kills_whoever_runs_it_has_ended(tmp_path: Path) -> None:
-    done = {each.seed: each for each in ran(Work(tmp_path, kills=1, always=True), 4)}
+    done = {item.seed: item for item in ran(Work(tmp_path, kills=1, always=True), 4)}
     assert sorted(done) == [0, 1, 2, 3]
     assert done[1].summary["reason"] == "its process died 5 times, at last by signal 9"
-    assert [each.status for each in done.values() if each.seed != 1] == [0, 0, 0]
+    assert [item.status for item in done.values() if item.seed != 1] == [0, 0, 0]
 
 
 def test_what_cannot_be_run_is_told(tmp_path: Path) -> None:
@@ -89,7 +89,7 @@ if __name__ == "__main__":
 
 def children(process: int) -> list[int]:
     found = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="utf-8")
-    return [int(each) for each in found.split()]
+    return [int(part) for part in found.split()]
 
 
 @pytest.mark.slow
@@ -113,9 +113,9 @@ def test_killed_at_any_instant_it_goes_on_and_loses_nothing(tmp_path: Path) -> N
     from handcart.evaluation.campaigns.data.trial_log import TrialLog
 
     with TrialLog(path) as log:
-        assert [each.seed for each in log.trials()] == list(range(60))
+        assert [trial.seed for trial in log.trials()] == list(range(60))
     end = time.monotonic() + 20.0
-    while any(alive(each) for each in left):
+    while any(alive(number) for number in left):
         assert time.monotonic() < end, "a worker outlives its parent"
         time.sleep(0.05)
 
@@ -157,7 +157,7 @@ def test_second_interrupt_ends_trials_that_ignore_the_first(tmp_path: Path) -> N
     process.wait(10.0)
     assert process.returncode
     end = time.monotonic() + 10.0
-    while any(alive(each) for each in there):
+    while any(alive(number) for number in there):
         assert time.monotonic() < end, "a worker outlives its parent"
         time.sleep(0.05)
     assert path.read_bytes() == b""

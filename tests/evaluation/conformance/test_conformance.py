@@ -176,14 +176,14 @@ def test_a_robot_with_an_indoor_positioning() -> None:
 def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
     trials = Batch(Solo(BENCH, Reach()), 0, 2)()
     assert len(trials) == 2 * len(PRIMITIVE_FAULTS)
-    assert [str(each) for each in trials if each.ending.wrong] == []
-    assert {each.ending.outcome for each in trials} >= {"Success", "Fail"}
+    assert [str(trial) for trial in trials if trial.ending.wrong] == []
+    assert {trial.ending.outcome for trial in trials} >= {"Success", "Fail"}
 
 
 def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
     rehearsal = Rehearsal(TASKS_FOLDER / "return_book" / "task.yaml", "kinematic")
-    assert {each.do for each in rehearsal.actions()} == {
-        each.do for each in load_task(TASKS_FOLDER / "return_book" / "task.yaml").network.actions
+    assert {action.do for action in rehearsal.actions()} == {
+        action.do for action in load_task(TASKS_FOLDER / "return_book" / "task.yaml").network.actions
     }
 
 
@@ -197,8 +197,8 @@ def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
 
 def test_full_mode_injects_over_2500_faults_on_kinematic() -> None:
     batches = KitSetting("kinematic").batches()
-    assert {each.instants for each in batches} == {40}
-    moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods
+    assert {batch.instants for batch in batches} == {40}
+    moving = {batch.action for batch in batches} - {3, 9}  # MODIFY takes a few periods
     assert len(moving) * 40 * len(PRIMITIVE_FAULTS) >= 2500
 
 
@@ -265,10 +265,10 @@ def test_an_untrue_outcome_is_wrong_at_any_rate() -> None:
 
 
 def test_whole_tasks_are_run_on_both_backends() -> None:
-    names = [str(each) for each in KitSetting("pybullet", seeds=2).task_runs()]
+    names = [str(run) for run in KitSetting("pybullet", seeds=2).task_runs()]
     assert "return_book on pybullet without errors" in names
     assert "drive_map on kinematic with seed 1" in names
-    assert {each.split(" on ")[0] for each in names} == {
+    assert {name.split(" on ")[0] for name in names} == {
         "drive_map",
         "fetch_and_carry",
         "return_book",
@@ -282,7 +282,7 @@ def test_whole_tasks_are_run_on_both_backends() -> None:
 def test_a_shipped_task_for_real() -> None:
     report = run_kit(KitSetting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
     assert report.ok
-    assert sorted(words for each in report.tasks for words in each.measured) == [
+    assert sorted(words for task in report.tasks for words in task.measured) == [
         "kinematic: Success 3 of 3",
         "kinematic: Success in drawn",
     ]
@@ -329,11 +329,11 @@ def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.Monk
     monkeypatch.setattr(fault, "imported", {"lamps:FAULTS": [PUSH]}.__getitem__)
     assert faults_of("MOVE_TO") == ()
     batch = Batch(Solo(BENCH, Reach()), 0, 1)
-    assert [each.kind for each in batch.faults("REACH", 0, all_sensors())] == [
+    assert [item.kind for item in batch.faults("REACH", 0, all_sensors())] == [
         *PRIMITIVE_FAULTS,
         FaultKind.WORLD,
     ]
-    assert [each.kind for each in batch.faults("STAND", 0, all_sensors())] == [*PRIMITIVE_FAULTS]
+    assert [item.kind for item in batch.faults("STAND", 0, all_sensors())] == [*PRIMITIVE_FAULTS]
 
 
 def test_a_fault_in_the_world_happens_for_its_periods() -> None:

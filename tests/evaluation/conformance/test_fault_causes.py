@@ -60,14 +60,14 @@ def test_the_kit_allows_five_in_a_hundred(right: int, wrong: int, ok: bool) -> N
     found = report(right, wrong)
     assert (found.ok, len(found.judged_causes), len(found.wrong_causes)) == (ok, right + wrong, wrong)
     line = f"{right} of {right + wrong} Fails and GiveUps name a cause"
-    assert any(line in each and ("WRONG" in each) is not ok for each in found.lines())
+    assert any(line in item and ("WRONG" in item) is not ok for item in found.lines())
     assert found.as_dict()["faults"]["causes"]["judged"] == right + wrong
 
 
 @pytest.mark.slow
 def test_faults_in_reach_lead_to_their_causes() -> None:
     batch = Batch(Solo(KitBench("kinematic", "cart"), Reach()), 0, 1)
-    trials = {each.kind: each for each in batch() if each.names_its_cause is not None}
+    trials = {item.kind: item for item in batch() if item.names_its_cause is not None}
     assert trials["cancel"].ending.cause == causes.CANCELLED.name
     assert trials["time-out"].ending.cause == causes.TIME_OUT.name
-    assert all(each.names_its_cause for each in trials.values())
+    assert all(item.names_its_cause for item in trials.values())

@@ -23,7 +23,7 @@ def running(process: int) -> bool:
 
 def children(process: int) -> list[int]:
     found = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="utf-8")
-    return [int(each) for each in found.split()]
+    return [int(part) for part in found.split()]
 
 
 @pytest.mark.slow
@@ -42,6 +42,6 @@ def test_no_process_of_the_kit_outlives_it() -> None:
     finally:
         kit.kill()
         kit.wait()
-    while any(running(each) for each in started):
+    while any(running(item) for item in started):
         assert time.monotonic() < end, "a worker outlives the kit"
         time.sleep(0.1)

@@ -27,7 +27,7 @@ def sights(tmp_path: Path, side: float, crate: tuple[float, float] = (50.0, 50.0
             prepared.robot.step()
             station.look()
         hand = scene.world_T("hand")
-        station_sees = np.array([each.place for each in station.sights]).reshape(-1, 3)
+        station_sees = np.array([sight.place for sight in station.sights]).reshape(-1, 3)
         off = station_sees - (hand[:3, 3] - REFLECTOR_HEIGHT_M * hand[:3, 0])
         assert np.abs(off).max(initial=0.0) < 5.0 * station.sigma
     return station

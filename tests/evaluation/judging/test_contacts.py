@@ -153,8 +153,8 @@ def test_an_arm_above_the_base_that_is_driven_into_a_lamp_is_told(hands: Hands) 
     hands.stand(1.3, 1.0, np.pi)
     hands.begins(MoveTo(place="home"))
     hands.drive(0.2, 60)
-    assert any("touched lamp" in each for each in hands.ends())
-    assert "base" not in {each.body for each in hands.survey.contacts}
+    assert any("touched lamp" in end for end in hands.ends())
+    assert "base" not in {contact.body for contact in hands.survey.contacts}
 
 
 @pytest.mark.parametrize("holds", [False, True], ids=["hand", "held book"])
@@ -172,21 +172,24 @@ def test_what_runs_into_a_shelf_is_told_with_its_force(hands: Hands, holds: bool
     hands.hand(0.25 if holds else 0.36, 0.214, 0.80)
     assert hands.ends()
     contacts = hands.survey.figures()["contacts"]
-    contact, *_ = [each for each in contacts if each["other"].endswith("panel of shelf_1")]
+    contact, *_ = [item for item in contacts if item["other"].endswith("panel of shelf_1")]
     assert contact["part"] == ("held" if holds else "hand")
     assert contact["body"] == ("held book 117" if holds else "fingers")
-    assert max(each["force_n"] for each in contacts) > 5.0, contacts
+    assert max(item["force_n"] for item in contacts) > 5.0, contacts
 
 
 def test_a_book_that_the_fingers_push_by_the_way_is_told(hands: Hands) -> None:
     hands.dock()
     hands.fingers(0.0)
-    row = {each.book.accession: each for each in hands.scene.of(BookProps).shelf_books("shelf_1")}
+    row = {
+        shelf_book.book.accession: shelf_book
+        for shelf_book in hands.scene.of(BookProps).shelf_books("shelf_1")
+    }
     hands.hand(0.10, row[102].lateral, 0.80)
     hands.begins(Insert(shelf="shelf_1"))
     hands.hand(DOCK - 0.15 + 0.02, row[102].lateral, 0.80)
-    assert any(each.startswith("fingers touched book 102, which") for each in hands.ends())
-    assert {each.part for each in hands.survey.contacts} == {"hand"}
+    assert any(end.startswith("fingers touched book 102, which") for end in hands.ends())
+    assert {contact.part for contact in hands.survey.contacts} == {"hand"}
     assert hands.scene.of(BookProps).shelf_books("shelf_1")[1].front > row[102].front + 0.01
 
 
@@ -198,13 +201,13 @@ def test_the_held_book_may_touch_its_neighbours_but_no_other(hands: Hands) -> No
     hands.begins(Insert(shelf="shelf_1"))
     hands.hand(0.05, slot + 0.012, 0.784)
     hands.hand(DOCK - 0.12 - 0.15 + 0.01, slot + 0.012, 0.784)
-    assert [each.other for each in hands.survey.contacts] == ["book 103"]
+    assert [contact.other for contact in hands.survey.contacts] == ["book 103"]
     assert hands.ends() == []
     hands.hand(0.05, slot + 0.012, 0.784)
     hands.hand(0.05, 0.2 - 0.065, 0.784)
     hands.begins(Insert(shelf="shelf_1"))
     hands.hand(DOCK - 0.12 - 0.15 + 0.01, 0.2 - 0.065, 0.784)
-    assert any("held book 117 touched book 102" in each for each in hands.ends())
+    assert any("held book 117 touched book 102" in end for end in hands.ends())
 
 
 def test_the_book_that_is_picked_up_may_be_touched(hands: Hands) -> None:

@@ -103,4 +103,4 @@ def test_a_dropped_block_makes_the_success_of_another_untrue(
         outcome = rig.do(second)
         assert isinstance(outcome, Success), outcome
         wrong = surveys.ended(1, second, outcome)
-        assert any("block 1" in each for each in wrong), wrong
+        assert any("block 1" in item for item in wrong), wrong

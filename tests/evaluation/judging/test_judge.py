@@ -41,15 +41,15 @@ def test_a_fail_that_did_not_restore_is_found(build_rig: Callable[..., Any]) -> 
 
     assert wrong() == []
     scene.base = Pose2(scene.base.x + 0.1, scene.base.y, scene.base.theta)
-    assert any("base mm" in each for each in wrong())
+    assert any("base mm" in item for item in wrong())
     scene.base = before.base
     scene.joints = scene.joints + np.array([0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
-    assert any("joints deg" in each for each in wrong())
+    assert any("joints deg" in item for item in wrong())
     scene.joints = before.joints
     book = next(iter(scene.of(BookProps).things()))
     book.pose = book.pose.copy()
     book.pose[2, 3] -= 0.5
-    assert any("book" in each for each in wrong())
+    assert any("book" in item for item in wrong())
 
 
 def test_a_book_on_the_tray_is_not_in_its_slot(build_rig: Callable[..., Any]) -> None:
@@ -76,7 +76,7 @@ class Claims:
         self.prepared, self.robot, self.scene = prepared, prepared.robot, prepared.backend.scene
         self.wheels = prepared.backend.get(Base)
         self.judge = Judge(prepared)
-        self.action = next(each for each in prepared.task.network.actions if each.do == "MOVE_TO")
+        self.action = next(action for action in prepared.task.network.actions if action.do == "MOVE_TO")
         self.place = next(name for name, place in prepared.model.places.items() if place.shelf is None)
 
     def start(self) -> None:
@@ -113,7 +113,7 @@ def test_a_success_that_rammed_a_mapped_wall_is_untrue(claims: Claims) -> None:
     ahead = [scene.body_plan.clearance(x + gap * np.cos(h), y + gap * np.sin(h), 0.0)[0] for h in headings]
     scene.move_base(Pose2(x, y, float(headings[int(np.argmin(ahead))])))
     claims.drive(0.5, round((gap - reach + 0.2) / 0.5 / claims.robot.period))
-    assert any("1. MOVE_TO Success: base touched wall on the map" in each for each in claims.end())
+    assert any("1. MOVE_TO Success: base touched wall on the map" in item for item in claims.end())
     assert claims.metrics()["contacts_of_base"] > 0
     assert claims.metrics()["untrue"]
 

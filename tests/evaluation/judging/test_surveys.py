@@ -95,7 +95,7 @@ def also(monkeypatch: pytest.MonkeyPatch) -> Callable[[type[Survey]], None]:
 def drive(prepared: Prepared, folder: Path | None = None) -> Judge:
     """A judge that saw a MOVE_TO of three periods."""
     judge = Judge(prepared, folder)
-    action = next(each for each in prepared.task.network.actions if each.do == "MOVE_TO")
+    action = next(item for item in prepared.task.network.actions if item.do == "MOVE_TO")
     primitive = MoveTo(place=next(iter(prepared.model.places)))
     judge.event(Started(prepared.robot.time, 1, action, primitive, 0))
     for _ in range(3):
@@ -125,7 +125,7 @@ def test_one_that_breaks_is_named_and_the_run_goes_on(
 ) -> None:
     also(type("Muddy", (Broken,), {"at": at}))
     figures = metrics(prepared, drive(prepared))
-    (words,) = [each for each in figures["untrue"] if "broke" in each]
+    (words,) = [item for item in figures["untrue"] if "broke" in item]
     assert re.search(r":Muddy broke and says no more: KeyError: 'pond' \(test_surveys.py, line \d+\)", words)
     assert "path_length_m" in figures
 

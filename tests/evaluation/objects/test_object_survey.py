@@ -92,7 +92,7 @@ def test_placed_object_has_to_stand_at_its_spot(
     primitive = PlaceObject(surface="table_b", spot="left")
     primitive._before = HeldObject("parcel_1", transform())
     wrong = wrong_in(rig, primitive)
-    assert any(words in each for each in wrong) if words else wrong == []
+    assert any(words in text for text in wrong) if words else wrong == []
 
 
 @pytest.mark.parametrize("rest", ["person", "hand", "floor", "table"])
@@ -117,7 +117,7 @@ def test_object_on_the_floor_contradicts_the_run() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["DropsParcel", "TurnsSighting", "PlacesBlindly", "LetsGoUnasked"])
 def test_faulty_primitive_is_found(name: str) -> None:
-    mutant = next(each for each in OBJECT_MUTANTS if each.name == name)
+    mutant = next(object_mutant for object_mutant in OBJECT_MUTANTS if object_mutant.name == name)
     assert mutant.look(KitSetting("kinematic", "librarian").bench) != []
 
 

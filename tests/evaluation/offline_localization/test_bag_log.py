@@ -33,7 +33,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 def storage_of(bag: Path) -> Path:
     """The file with the messages."""
-    return bag if bag.is_file() else next(each for each in bag.iterdir() if each.suffix != ".yaml")
+    return bag if bag.is_file() else next(path for path in bag.iterdir() if path.suffix != ".yaml")
 
 
 def copied(bag: Path, folder: Path, share: float = 1.0, metadata: bool = True) -> Path:
@@ -49,7 +49,7 @@ def copied(bag: Path, folder: Path, share: float = 1.0, metadata: bool = True) -
 def refusal(path: Path, stamps: str = "header") -> str:
     with pytest.raises(FileError) as caught:
         read_bag_log(path, stamps=stamps)  # type: ignore[arg-type]
-    return "\n".join(str(each.message) for each in caught.value.findings)
+    return "\n".join(str(finding.message) for finding in caught.value.findings)
 
 
 def same(one: DriveLog, other: DriveLog) -> bool:

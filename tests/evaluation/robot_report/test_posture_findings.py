@@ -41,7 +41,7 @@ def test_the_shipped_postures_touch_nothing() -> None:
 
 def test_posture_with_self_contact_is_reported_with_its_line(folder: Path) -> None:
     path, line = changed(folder, "look_at_tag", INTO_ITSELF)
-    found = [str(each) for each in posture_findings(path, load_robot(path))]
+    found = [str(finding) for finding in posture_findings(path, load_robot(path))]
     assert len(found) == 1
     assert found[0].startswith(f"{path}:{line}:")
     assert "in posture 'look_at_tag' the robot touches itself: " in found[0]
@@ -50,15 +50,17 @@ def test_posture_with_self_contact_is_reported_with_its_line(folder: Path) -> No
 
 def test_a_posture_to_drive_with_that_stands_out_is_told(folder: Path) -> None:
     path, line = changed(folder, "carry", "[0, 0, 10, 0, 0, 0]")
-    (found,) = [str(each) for each in posture_findings(path, load_robot(path)) if "footprint" in str(each)]
+    (found,) = [
+        str(finding) for finding in posture_findings(path, load_robot(path)) if "footprint" in str(finding)
+    ]
     assert found.startswith(f"{path}:{line}:")
     assert "the base drives in posture 'carry'" in found
     assert "allowed: within the footprint, 0.34 m" in found
     path, _ = changed(folder, "look_at_tag", "[0, 0, 10, 0, 0, 0]")
     assert not [
-        each
-        for each in posture_findings(path, load_robot(path))
-        if "look_at_tag" in str(each) and "footprint" in str(each)
+        finding
+        for finding in posture_findings(path, load_robot(path))
+        if "look_at_tag" in str(finding) and "footprint" in str(finding)
     ]
 
 
@@ -69,8 +71,8 @@ def test_all_bodies_of_a_link_may_stand_out(folder: Path) -> None:
     assert own in text
     rod = '<collision><origin xyz="0.5 0 0"/><geometry><box size="0.02 0.02 0.02"/></geometry></collision>'
     urdf.write_text(text.replace(own, own + rod), encoding="utf-8")
-    (home,) = [each for each in posture_facts(load_robot(str(folder / "robot.yaml"))) if each.name == "home"]
-    (plain,) = [each for each in posture_facts(load_robot("librarian")) if each.name == "home"]
+    (home,) = [fact for fact in posture_facts(load_robot(str(folder / "robot.yaml"))) if fact.name == "home"]
+    (plain,) = [fact for fact in posture_facts(load_robot("librarian")) if fact.name == "home"]
     assert home.farthest == "hand"
     assert home.reach > plain.reach + 0.05
 
@@ -78,4 +80,4 @@ def test_all_bodies_of_a_link_may_stand_out(folder: Path) -> None:
 def test_check_tells_it(folder: Path) -> None:
     path, line = changed(folder, "look_at_tag", INTO_ITSELF)
     facts = robot_facts(Path(path), None, quick=True)
-    assert [each for each in facts["warnings"] if each.startswith(f"{path}:{line}:")]
+    assert [warning for warning in facts["warnings"] if warning.startswith(f"{path}:{line}:")]

@@ -64,15 +64,15 @@ def test_inertia_that_is_wrong_by_rounding_is_told_with_the_amount() -> None:
 @pytest.mark.parametrize("name", ["librarian", "toyama", "atrv", "cart", "el_verde"])
 def test_links_of_shipped_robots_are_bodies(name: str) -> None:
     remarks = contents_of(load_robot(name).whole).remarks
-    assert [each for each in remarks if "inertia" in each.what or "mass" in each.what] == []
+    assert [remark for remark in remarks if "inertia" in remark.what or "mass" in remark.what] == []
 
 
 def prism(path: Path, outline: list[tuple[int, int]], fan: list[tuple[int, ...]]) -> Path:
     """A closed mesh: `outline` between z = 0 and 1, its ends divided into the polygons `fan`."""
     n = len(outline)
     lines = [f"v {x} {y} {z}" for z in (0, 1) for x, y in outline]
-    lines += ["f " + " ".join(str(1 + i) for i in reversed(each)) for each in fan]
-    lines += ["f " + " ".join(str(1 + n + i) for i in each) for each in fan]
+    lines += ["f " + " ".join(str(1 + i) for i in reversed(group)) for group in fan]
+    lines += ["f " + " ".join(str(1 + n + i) for i in group) for group in fan]
     lines += [f"f {1 + i} {1 + (i + 1) % n} {1 + n + (i + 1) % n} {1 + n + i}" for i in range(n)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path

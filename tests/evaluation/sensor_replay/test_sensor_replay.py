@@ -75,7 +75,7 @@ def test_recording_changes_nothing_in_a_run(
 ) -> None:
     summary, _ = run_task(TOUR, tmp_path, RunOptions(settings=settings))
     ours, plain_run = read_run(folder), read_run(Path(summary["run_dir"]))
-    assert [each["h"] for each in ours.records] == [each["h"] for each in plain_run.records]
+    assert [record["h"] for record in ours.records] == [record["h"] for record in plain_run.records]
 
 
 def test_one_bit_of_a_command_is_found(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

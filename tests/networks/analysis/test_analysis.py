@@ -58,7 +58,7 @@ def test_table_1_of_the_paper_has_its_known_answers(
 def test_all_defects_of_table_1_are_named_with_their_places() -> None:
     loaded = load_document(read_document(TABLE), ActionTable)
     findings = [*table_errors(loaded), *table_warnings(loaded)]
-    found = {(each.line, each.message.split(";")[0]) for each in findings}
+    found = {(finding.line, finding.message.split(";")[0]) for finding in findings}
     lines = {number: 7 + count for count, number in enumerate(loaded.value.rows, start=1)}
     named = {
         (lines[1], "Fail of row 1 leads to GIVEUP"),

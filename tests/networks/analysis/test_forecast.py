@@ -150,7 +150,7 @@ def test_figures_are_those_of_every_run_that_there_can_be(rows: list[Row], chanc
     assume(true is not None)
     assert true is not None
     found = forecast(net, known)
-    ends = [true.ends[each] for each in ("goal", "skipped", "no way", "give up")]
+    ends = [true.ends[name] for name in ("goal", "skipped", "no way", "give up")]
     assert [found.goal, found.left_undone, found.no_way, found.give_up] == pytest.approx(ends, abs=1e-9)
     assert found.cost_s == pytest.approx(true.cost)
     assert found.cost_sigma_s == pytest.approx(true.sigma, abs=1e-5)
@@ -167,7 +167,7 @@ def test_worst_cases_are_those_of_every_run_that_there_can_be(rows: list[Row]) -
     assert found.longest == true.longest <= net.bound()
     bound = {action.index for action in net.actions if action.binding is not None}
     assert {action.index for action in found.unused} == bound - true.used
-    assert {each.situation for each in found.short} == true.no_way_in
+    assert {item.situation for item in found.short} == true.no_way_in
 
 
 @pytest.mark.slow
@@ -276,7 +276,7 @@ def test_too_many_states_give_an_interval_around_the_value() -> None:
 
 def test_the_path_to_where_nothing_is_left() -> None:
     net = network(("a", "b", 5.0, 2, None), ("b", "z", 5.0, 1, "c"), ("c", "z", 9.0, 2, None))
-    assert [(each.situation, each.words()) for each in worst_cases(net).short] == [
+    assert [(item.situation, item.words()) for item in worst_cases(net).short] == [
         ("a", "MODIFY from a fails 2 times"),
         ("c", "MODIFY from b fails, MODIFY from c fails 2 times"),
     ]

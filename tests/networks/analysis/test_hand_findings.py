@@ -33,7 +33,9 @@ def found(folder: Path, *actions: str, start: str = "{}", fact: str = "holds a b
     path = shutil.copytree(STACKING, folder / "stacking", dirs_exist_ok=True) / "task.yaml"
     path.write_text(HEAD.replace("SITUATION", start).replace("FACT", fact) + "".join(actions))
     task = load_task(path)
-    return [str(each).removeprefix(f"{path}:") for each in [*hand_findings(task), *denied_hand_facts(task)]]
+    return [
+        str(finding).removeprefix(f"{path}:") for finding in [*hand_findings(task), *denied_hand_facts(task)]
+    ]
 
 
 def take(way: str, number: int) -> str:

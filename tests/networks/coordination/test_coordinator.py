@@ -192,8 +192,8 @@ def test_an_element_left_undone_is_journaled_and_ends_in_fail(stand: Stand, tmp_
         end = stand.finish(coordinator(stand, network, journal=journal, observers=[events.append]))
     assert (end.outcome, end.reason, end.skipped) == ("Fail", "left undone: book 1, b", ("book 1", "b"))
     assert (end.situation, end.actions, end.fails) == ("z", 0, 0)
-    records = [each for each in read_journal(tmp_path / "j").records if each["kind"] == "SKIP"]
-    assert [(each["action"], each["element"]) for each in records] == [(0, "book 1"), (1, "b")]
+    records = [record for record in read_journal(tmp_path / "j").records if record["kind"] == "SKIP"]
+    assert [(record["action"], record["element"]) for record in records] == [(0, "book 1"), (1, "b")]
     left = [event.reason for event in events if isinstance(event, LeftOut)]
     assert left == ["book 1 is left undone", "b is left undone"]
 
@@ -315,5 +315,5 @@ def test_what_an_action_learned_stands_in_its_result(stand: Stand, tmp_path: Pat
     network = ActionNetwork.build(map(Situation, "abc"), actions, "a", "c")
     with Journal(tmp_path / "j") as journal:
         stand.finish(coordinator(stand, network, journal=journal))
-    results = [each for each in read_journal(tmp_path / "j").records if each["kind"] == "RESULT"]
-    assert [each.get("learned") for each in results] == [{"obstacles": 1}, {"obstacles": 2}, None]
+    results = [record for record in read_journal(tmp_path / "j").records if record["kind"] == "RESULT"]
+    assert [result.get("learned") for result in results] == [{"obstacles": 1}, {"obstacles": 2}, None]

@@ -62,8 +62,8 @@ def test_a_measured_effect_lets_the_run_go_on(stand: Stand, tmp_path: Path) -> N
         end = stand.finish(Coordinator(network, stand.robot, stand.model, journal))
     assert (end.outcome, end.actions, end.fails) == ("Success", 2, 0)
     records = read_journal(tmp_path / "j").records
-    results = [each for each in records if each["kind"] == "RESULT"]
-    assert [each["evidence"]["finished_after"] for each in results] == ["CommandError: refused"] * 2
+    results = [record for record in records if record["kind"] == "RESULT"]
+    assert [result["evidence"]["finished_after"] for result in results] == ["CommandError: refused"] * 2
     assert standing(network, records).route.situation == "z"
 
 

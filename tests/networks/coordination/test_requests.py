@@ -27,7 +27,7 @@ def two_drives(stand: Stand) -> ActionNetwork:
 
 
 def outcomes(events: list[Event]) -> list[tuple[int, str]]:
-    return [(each.number, type(each.outcome).__name__) for each in events if isinstance(each, Ended)]
+    return [(event.number, type(event.outcome).__name__) for event in events if isinstance(event, Ended)]
 
 
 def ask_to_restore(run: Coordinator, asked: list[tuple[int | None, str]]) -> None:
@@ -132,7 +132,7 @@ def test_asked_to_end_while_it_plans_starts_no_action(stand: Stand, what: Reques
 
     end, events = run_asking(stand, ask)
     assert (end.outcome, end.actions) == ("Cancelled", 0)
-    assert not any(isinstance(each, Started) for each in events)
+    assert not any(isinstance(item, Started) for item in events)
 
 
 @pytest.mark.parametrize("what", [Request.STOP, Request.CANCEL])

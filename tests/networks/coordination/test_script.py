@@ -30,7 +30,7 @@ def test_outcomes_lead_where_they_would_lead_a_robot(
     cost = {action.cost_s: str(action.binding.fixed["name"]) for action in network.actions if action.binding}
     imagined = follow(network, outcomes)
     lines = [line.rpartition(": ")[2].split(", ") for line in imagined.lines]
-    assert [f"{cost[float(each.split()[0])]} {word}" for word, each in lines] == did
+    assert [f"{cost[float(item.split()[0])]} {word}" for word, item in lines] == did
     assert (imagined.outcome, imagined.cost_s) == (ended, cost_s)
     assert imagined.situation == ("z" if ended == "Success" else "a")
     assert bool(imagined.reason) == (ended != "Success")

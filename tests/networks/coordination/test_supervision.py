@@ -120,7 +120,7 @@ def test_stop_between_two_actions_plans_nothing_more(stand: Stand, what: Request
     )
     end = stand.finish(run)
     assert (end.outcome, end.reason, end.actions, end.fails) == ("Cancelled", ENDS[what], 0, 1)
-    assert [type(each).__name__ for each in events] == ["Planned", "LeftOut", "RunEnded"]
+    assert [type(event_).__name__ for event_ in events] == ["Planned", "LeftOut", "RunEnded"]
     assert isinstance(events[0], Planned)
     assert stand.backend.stops == 1
 
@@ -162,7 +162,7 @@ def test_stop_in_an_action_goes_before_closing_it(stand: Stand, tmp_path: Path, 
                 rest += 1
         assert stand.backend.wheels.travel == travel
         assert rest >= 4
-        stop = next(each for each in read_journal(journal.path).records if each["kind"] == "STOP")
+        stop = next(record for record in read_journal(journal.path).records if record["kind"] == "STOP")
     assert (stop["cause"], stop["asked_s"]) == (ENDS[what], round(asked, 6))
     assert stop["sent_s"] == pytest.approx(asked, abs=1e-6)
 

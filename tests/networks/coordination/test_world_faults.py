@@ -65,7 +65,7 @@ def line(
     go: type[Go], facts: Sequence[Mapping[str, str]] = (HOME, FAR, FAR), permit: bool = False
 ) -> ActionNetwork:
     """Return a network from a to b to c, with a drive for each step."""
-    names = [Situation(name, each) for name, each in zip("abc", facts, strict=True)]
+    names = [Situation(name, fact) for name, fact in zip("abc", facts, strict=True)]
     bound = Binding.of(go())
     actions = [Action("a", "b", bound, 1.0), Action("b", "c", bound, 1.0, permit=permit)]
     return ActionNetwork.build(names, actions, "a", "c")
@@ -85,12 +85,12 @@ def test_a_precondition_that_is_false_is_not_dispatched(stand: Stand, go: type[G
     with Journal(tmp_path / "j") as journal:
         end = stand.finish(Coordinator(network, stand.robot, stand.model, journal, observers=[events.append]))
     assert (end.outcome, end.actions, end.fails) == ("Success", 2, 1)
-    assert [type(each) for each in events if isinstance(each, LeftOut | Started)] == [
+    assert [type(event) for event in events if isinstance(event, LeftOut | Started)] == [
         LeftOut,
         Started,
         Started,
     ]
-    kinds = [each["kind"] for each in read_journal(tmp_path / "j").records]
+    kinds = [record["kind"] for record in read_journal(tmp_path / "j").records]
     assert kinds[:4] == ["PLAN", "NOT_STARTED", "PLAN", "START"]
 
 
@@ -101,8 +101,8 @@ def test_what_nobody_can_be_asked_to_permit_is_not_started(stand: Stand, go: typ
         Coordinator(line(go, permit=True), stand.robot, stand.model, observers=[events.append])
     )
     assert (end.outcome, end.situation, end.actions) == ("Fail", "b", 1)
-    left_out = [each for each in events if isinstance(each, LeftOut)]
-    assert left_out and all(each.reason == "permission was refused" for each in left_out)
+    left_out = [event for event in events if isinstance(event, LeftOut)]
+    assert left_out and all(event.reason == "permission was refused" for event in left_out)
 
 
 def test_a_success_that_is_not_seen_is_none(
@@ -112,8 +112,10 @@ def test_a_success_that_is_not_seen_is_none(
     monkeypatch.setattr(go, "seen", False)
     events: list[Event] = []
     end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
-    outcomes = [each.outcome for each in events if isinstance(each, Ended)]
-    assert all(isinstance(each, Fail) and "success is not confirmed" in each.reason for each in outcomes)
+    outcomes = [event.outcome for event in events if isinstance(event, Ended)]
+    assert all(
+        isinstance(outcome, Fail) and "success is not confirmed" in outcome.reason for outcome in outcomes
+    )
     assert end.outcome == "Fail"
     assert abs(stand.robot.pose.x) < 0.02
 
@@ -163,13 +165,13 @@ def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(
     network = line(go)
     end, events, records = pushed_while_asked(stand, network, -1.0, tmp_path)
     assert (end.outcome, end.fails, end.actions) == ("Success", 1, 3)
-    recon = next(each for each in records if each["kind"] == "RECON")
+    recon = next(record for record in records if record["kind"] == "RECON")
     assert recon["situation"] == "a"
     assert recon["at"]["base"][0] == pytest.approx(0.0, abs=0.02)
     assert recon["expected"]["base"][0] == pytest.approx(1.0, abs=0.02)
-    after = [each for each in records if each["q"] > recon["q"]]
+    after = [record for record in records if record["q"] > recon["q"]]
     assert (after[0]["kind"], after[0]["situation"]) == ("PLAN", "a")
-    left_out = next(each.reason for each in events if isinstance(each, LeftOut))
+    left_out = next(event.reason for event in events if isinstance(event, LeftOut))
     assert left_out.startswith("somebody changed the world: base_mm 1e+03")
 
 
@@ -178,7 +180,7 @@ def test_the_journal_tells_the_same_way(stand: Stand, go: type[Go], tmp_path: Pa
     network = line(go)
     _, _, records = pushed_while_asked(stand, network, -1.0, tmp_path)
     header = {"kind": "RUN", "network": network.fingerprint()}
-    recon = next(each["q"] for each in records if each["kind"] == "RECON")
+    recon = next(record["q"] for record in records if record["kind"] == "RECON")
     there = standing(network, [header, *records[: recon + 1]])
     assert (there.route.situation, there.fails) == ("a", 1)
     assert standing(network, [header, *records]).route.arrived
@@ -191,7 +193,7 @@ def test_pushed_to_where_it_never_was_it_asks_for_a_person(
     end, _, records = pushed_while_asked(stand, line(go), 0.5, tmp_path)
     assert end.outcome == "GiveUp"
     assert "somebody changed the world: base_mm 500" in end.reason
-    assert [each["kind"] for each in records[-2:]] == ["RECON", "END"]
+    assert [record["kind"] for record in records[-2:]] == ["RECON", "END"]
     assert records[-2]["situation"] is None
 
 
@@ -237,7 +239,7 @@ def test_pushed_back_to_where_an_action_had_ended(stand: Stand, go: type[Go]) ->
     network = ActionNetwork.build(names, ways, "a", "d")
     run = Coordinator(network, stand.robot, stand.model, observers=[events.append], permission=permission)
     assert stand.finish(run).outcome == "Success"
-    assert [each.action.source for each in events if isinstance(each, Started)] == ["a", "b", "b", "c"]
+    assert [event.action.source for event in events if isinstance(event, Started)] == ["a", "b", "b", "c"]
 
 
 @pytest.mark.parametrize(("sigma", "found"), [(0.05, "a"), (0.15, None)])
@@ -288,7 +290,7 @@ def test_a_precondition_that_breaks_counts_as_unmet(
     monkeypatch.setattr(go, "unmet_precondition", broken)
     end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
     assert (end.outcome, end.fails) == ("Success", 1)
-    assert [each.reason for each in events if isinstance(each, LeftOut)] == ["ZeroDivisionError: oh"]
+    assert [event.reason for event in events if isinstance(event, LeftOut)] == ["ZeroDivisionError: oh"]
 
 
 class Short(ActionPrimitive):
@@ -312,7 +314,7 @@ def test_a_time_out_never_calls_back_from_restoring(stand: Stand, drives_s: floa
     network = ActionNetwork.build([Situation("a"), Situation("b")], [action], "a", "b")
     events: list[Event] = []
     stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
-    (ended,) = [each.outcome for each in events if isinstance(each, Ended)]
+    (ended,) = [event.outcome for event in events if isinstance(event, Ended)]
     assert isinstance(ended, Fail)
     assert ended.reason == why
     assert stand.robot.time > 3.0
@@ -346,13 +348,13 @@ def test_two_primitives_at_a_time_both_stop_and_give_up(stand: Stand, go: type[G
     ends: list[Any] = []
     running = [attempt(go(), stand.robot, stand.model) for _ in range(2)]
     for _ in range(200):
-        for each in list(running):
+        for group in list(running):
             try:
-                next(each)
+                next(group)
             except StopIteration as end:
                 ends.append(end.value)
-                running.remove(each)
+                running.remove(group)
         stand.robot.step()
-    assert [type(each) for each in ends] == [GiveUp, GiveUp]
-    assert all(each.reason == NOT_ALONE for each in ends)
+    assert [type(item) for item in ends] == [GiveUp, GiveUp]
+    assert all(item.reason == NOT_ALONE for item in ends)
     assert stand.backend.wheels.command == (0.0, 0.0)

@@ -65,7 +65,7 @@ def started(task: Task | ActionNetwork, stand: Stand) -> tuple[list[str], str, i
     events: list[Event] = []
     end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
     done = [event.action.binding for event in events if isinstance(event, Started)]
-    return [str(each.fixed["name"]) for each in done if each], end.situation, end.exit_status
+    return [str(binding.fixed["name"]) for binding in done if binding], end.situation, end.exit_status
 
 
 TRAP = "situations: {a: {}, b: {}, stuck: {}, z: {}}\nactions:\n" + "".join(
@@ -151,7 +151,7 @@ def test_a_run_resumed_after_any_action_ends_as_the_whole(
         whole = _run(network, stand, outcomes, journal)
     records = read_journal(tmp_path / "whole").records
     assert whole[0] == "weigh" and whole[-1] == "z" and len(whole) == 6
-    cuts = [number for number, each in enumerate(records) if each["kind"] == "RESULT"]
+    cuts = [number for number, record in enumerate(records) if record["kind"] == "RESULT"]
     for count, cut in enumerate(cuts, start=1):
         left = {name: ends[whole[:count].count(name) :] for name, ends in outcomes.items()}
         at = standing(network, records[: cut + 1])
@@ -175,7 +175,7 @@ def _run(
     coordinator = Coordinator(network, stand.robot, stand.model, journal, [events.append], standing=at)
     end = stand.finish(coordinator)
     done = [event.action.binding for event in events if isinstance(event, Started)]
-    return [*(str(each.fixed["name"]) for each in done if each), end.situation]
+    return [*(str(binding.fixed["name"]) for binding in done if binding), end.situation]
 
 
 def test_attempts_of_a_budget_are_shared(load: Load, stand: Stand) -> None:
@@ -236,8 +236,8 @@ def test_fingerprints_of_files_without_new_keys_stay(load: Load) -> None:
     """Runs of older versions are resumed by this checksum."""
     network = load(HEAD + TRAP).network
     digest = hashlib.sha256(repr((network.start, network.goal)).encode())
-    for each in network.situations.values():
-        digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())
+    for situation in network.situations.values():
+        digest.update(repr((situation.name, sorted(situation.facts.items()), situation.element)).encode())
     for a in network.actions:
         row = (a.do, a.source, a.target, a.on_fail, a.cost_s, a.attempts)
         said = a.binding.said() if a.binding else {}

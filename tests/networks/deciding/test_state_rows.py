@@ -46,10 +46,12 @@ def drawn_process(seed: int) -> Process:
                     fail_endings=(FailEnding("blocked", there(), 0.1),) if draws.random() < 0.4 else (),
                 )
             )
-    actions = [Action(**{**vars(each), "unlimited": False}) if each.budget else each for each in actions]
+    actions = [
+        Action(**{**vars(action), "unlimited": False}) if action.budget else action for action in actions
+    ]
     names = [Situation(f"s{number}") for number in range(COUNT)]
     network = ActionNetwork.build(names, actions, "s0", f"s{COUNT - 1}")
-    chances = [Chance(each.p_success or 0.0, each.p_give_up) for each in network.actions]
+    chances = [Chance(action.p_success or 0.0, action.p_give_up) for action in network.actions]
     return Process(network, chances, 600.0)
 
 
@@ -77,9 +79,9 @@ def test_rows_are_followed_by_the_states_of_the_process(seed: int) -> None:
         expected: dict[tuple[int, State], float] = {}
         for option in process.options(state):
             own = [(option.stays, state)] if option.stays else []
-            for p, each in (*option.leads, *own):
-                expected[option.action.index, each] = p
-                ahead.append(each)
+            for p, item in (*option.leads, *own):
+                expected[option.action.index, item] = p
+                ahead.append(item)
         assert following(process, process.part[state.situation], state) == pytest.approx(expected)
     assert len(seen) > 5
 

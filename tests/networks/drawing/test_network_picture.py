@@ -71,9 +71,9 @@ def test_boxes_are_apart_and_hold_their_texts(picture: NetworkPicture) -> None:
         assert all(box.x < t.left and t.left + t.width < box.x + box.width for t in box.texts)
         assert all(box.y < t.y - t.size and t.y < box.y + box.height for t in box.texts)
     drawn: list[DrawnBox | DrawnFrame] = [*picture.boxes, *picture.frames]
-    for each in drawn:
-        assert 0 <= each.x < each.x + each.width <= picture.width
-        assert 0 <= each.y < each.y + each.height <= picture.height
+    for item in drawn:
+        assert 0 <= item.x < item.x + item.width <= picture.width
+        assert 0 <= item.y < item.y + item.height <= picture.height
 
 
 def test_no_link_passes_through_a_box(picture: NetworkPicture) -> None:

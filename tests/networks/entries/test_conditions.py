@@ -73,13 +73,13 @@ def names(task: Task, stand: Stand, journal: Journal | None = None, **script: st
     events: list[Event] = []
     end = stand.finish(Coordinator(task.network, stand.robot, stand.model, journal, [events.append]))
     started = [event.action.binding for event in events if isinstance(event, Started)]
-    return [*(str(each.fixed["name"]) for each in started if each), end.outcome]
+    return [*(str(binding.fixed["name"]) for binding in started if binding), end.outcome]
 
 
 def test_conditions_span_every_situation_of_a_run(load: Load) -> None:
     network = load(HEAD + BOOK).network
     expected = {"home, tray", "home, hand", "shelf, tray", "shelf, hand", "shelf, shelved", "home, shelved"}
-    blocked = {f"{each}, way blocked" for each in expected if each != "home, shelved"}
+    blocked = {f"{item}, way blocked" for item in expected if item != "home, shelved"}
     assert set(network.situations) == expected | blocked
     assert dict(network.situations["shelf, hand, way blocked"].facts) == {"base": "shelf", "book": "hand"}
     going = {a.on_fail for a in network.actions if a.binding and a.binding.fixed["name"] == "go"}
@@ -168,8 +168,8 @@ def test_conditions_that_explode_are_refused(load: Load, monkeypatch: pytest.Mon
 def test_actions_and_values_that_never_occur_are_named(load: Load) -> None:
     text = BOOK.replace("[tray, hand, shelved]", "[tray, hand, lost, shelved]")
     text += "  - {do: THINK, if: {book: lost}, then: {book: tray}, cost_s: 5, p: 1, with: {name: find}}\n"
-    every = [str(each) for each in task_findings(load(HEAD + text))]
-    found = [each for each in every if "needed" in each or "never" in each or "no run" in each]
+    every = [str(finding) for finding in task_findings(load(HEAD + text))]
+    found = [item for item in every if "needed" in item or "never" in item or "no run" in item]
     assert len(found) == 2
     assert "14:21: no run comes to a situation in which THINK changes something (book lost)" in found[0]
     assert "4:49: book is never 'lost' in any run" in found[1]
@@ -190,7 +190,9 @@ def test_journal_of_a_generated_network_is_resumed_and_drawn(
         assert names(task, stand, journal, go="F")[-1] == "Success"
     records = read_journal(path).records
     kept = network_of(orjson.loads(orjson.dumps(fields["plan_on"])))
-    assert [str(each) for each in kept.network.actions] == [str(each) for each in task.network.actions]
+    assert [str(action) for action in kept.network.actions] == [
+        str(action) for action in task.network.actions
+    ]
     assert standing(task.network, records).route.situation == "home, shelved"
     assert "home, tray" in to_svg(task.network)
 

@@ -8,7 +8,7 @@ from handcart.primitives.driving.move_to import MoveTo
 
 def titles(*actions: Action) -> list[str]:
     situations = [Situation("home"), Situation("shelf")]
-    return [str(each) for each in ActionNetwork.build(situations, actions, "home", "shelf").actions]
+    return [str(action) for action in ActionNetwork.build(situations, actions, "home", "shelf").actions]
 
 
 def drive(cost_s: float = 1.0, reverse: bool = False) -> Action:

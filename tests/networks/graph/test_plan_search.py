@@ -66,8 +66,8 @@ def test_a_part_that_is_too_large_leaves_the_rest_known() -> None:
     bridge = Action(easy.goal, hard.start, easy.actions[0].binding, 1.0, 1)
     net = ActionNetwork.build(joined, [*easy.actions, bridge, *hard.actions], easy.start, hard.goal)
     cases = worst_cases(net, Effort(20_000))
-    assert [str(each).partition(" has")[0] for each in cases.too_large] == ["the part between g0,0 and g6,6"]
-    assert {each.situation for each in cases.short} >= {each.source for each in (*easy.actions, bridge)}
+    assert [str(item).partition(" has")[0] for item in cases.too_large] == ["the part between g0,0 and g6,6"]
+    assert {item.situation for item in cases.short} >= {action.source for action in (*easy.actions, bridge)}
     assert 3 * len(easy.actions) + 1 < cases.longest_low < cases.longest <= net.bound()
 
 

@@ -92,7 +92,7 @@ def go_on(stand: Stand, periods: Generator[None, None, RunEnd], count: int) -> N
 
 
 def has(events: list[Event], kind: type[Event]) -> bool:
-    return any(isinstance(each, kind) for each in events)
+    return any(isinstance(event, kind) for event in events)
 
 
 def soon(
@@ -137,7 +137,7 @@ def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(
             time.sleep(0.001)
         disk.free.clear()
         go_on(stand, periods, 60)
-        kinds = [each["kind"] for each in read_journal(journal.path).records]
+        kinds = [record["kind"] for record in read_journal(journal.path).records]
         assert kinds == ["PLAN", "START", "INTENT", "PNR", "RESULT"]
         assert not has(events, Ended)
         with pytest.raises(StopIteration):
@@ -188,7 +188,7 @@ def test_what_was_intended_stands_in_the_journal(
     with Journal(tmp_path / "j") as journal:
         stand.finish(Coordinator(network, stand.robot, stand.model, journal))
     records = read_journal(tmp_path / "j").records
-    by_kind = {each["kind"]: each for each in records}
+    by_kind = {record["kind"]: record for record in records}
     assert (by_kind["INTENT"]["n"], by_kind["INTENT"]["effect"]) == (1, "the lamp goes out")
     assert (by_kind["PNR"]["n"], by_kind["PNR"]["what"]) == (1, "the lamp is out")
     assert by_kind["START"]["at"]["base"] == [0.0, 0.0, 0.0]
@@ -209,6 +209,6 @@ def test_a_run_is_over_when_its_end_is_on_the_disk(stand: Stand, disk: Disk, beg
             disk.free.clear()
             go_on(stand, periods, 1)
         go_on(stand, periods, 100)
-        assert [each["kind"] for each in read_journal(journal.path).records][-1] == "END"
+        assert [record["kind"] for record in read_journal(journal.path).records][-1] == "END"
         with pytest.raises(StopIteration):
             soon(disk, stand, periods, lambda: False)

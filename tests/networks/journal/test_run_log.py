@@ -173,7 +173,7 @@ def test_a_result_is_kept_before_it_is_journaled_and_told_after(stand: Stand, tm
         last = journal.last
         log.result(primitive, Success(), AT)
         assert log.open
-        assert [type(each) for each in events] == [Started, Restoring]
+        assert [type(event) for event in events] == [Started, Restoring]
         log.result_kept(action, primitive, Success())
     start, restore, result = read_journal(tmp_path / "j").records
     assert not log.open
@@ -207,12 +207,12 @@ def test_an_action_that_binds_late_is_told_anew_each_time(stand: Stand, tmp_path
             log = RunLog(stand.robot, stand.model, journal, ())
             for text in ("one", "two"):
                 log.start(action, stand.Think(name="x", text=text), 0)
-        assert [each["action"]["with"]["text"] for each in read_journal(path).records] == told
+        assert [record["action"]["with"]["text"] for record in read_journal(path).records] == told
 
 
 def followed(network: ActionNetwork, *records: Mapping[str, Any]) -> Any:
     header = {"kind": "RUN", "q": 0, "network": network.fingerprint()}
-    return standing(network, [header, *({"q": q, **each} for q, each in enumerate(records, 1))])
+    return standing(network, [header, *({"q": q, **record} for q, record in enumerate(records, 1))])
 
 
 def journal_of(network: ActionNetwork) -> tuple[dict[str, Any], ...]:

@@ -37,7 +37,7 @@ class Line:
         while self._more():
             pass
         *whole, self.came = self.came.split(b"\n")
-        return [json.loads(each) for each in whole]
+        return [json.loads(item) for item in whole]
 
     def _more(self) -> bool:
         try:
@@ -74,8 +74,8 @@ def lines(folder: Path) -> Iterator[Callable[[], Line]]:
         return opened[-1]
 
     yield open_one
-    for each in opened:
-        each.socket.close()
+    for line in opened:
+        line.socket.close()
 
 
 @pytest.fixture

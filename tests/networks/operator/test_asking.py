@@ -38,8 +38,8 @@ def answering(folder: Path, *answers: bytes) -> Iterator[list[bytes]]:
             other, _ = listening.accept()
             with other:
                 heard.append(other.recv(1 << 16))
-                for each in answers:
-                    other.sendall(each)
+                for answer in answers:
+                    other.sendall(answer)
 
         thread = threading.Thread(target=serve)
         thread.start()

@@ -22,10 +22,10 @@ def test_a_stop_waits_behind_nothing(run: Any, lines: Callable[[], Line], folder
     """U9: more idle lines than there may be, half messages, floods, and a queue full of other wishes."""
     idle = [lines() for _ in range(MAX_CONNECTIONS)]
     run.look()
-    for each in idle[::2]:
-        each.send(b'{"do":"sta')
-    for each in idle[1::2]:
-        each.send(b'{"do":"pause"}\n{"do":"continue"}\n' * 300)
+    for item in idle[::2]:
+        item.send(b'{"do":"sta')
+    for item in idle[1::2]:
+        item.send(b'{"do":"pause"}\n{"do":"continue"}\n' * 300)
     for _ in range(5):
         run.look()
     tell_to_stop(folder)
@@ -63,7 +63,7 @@ def test_each_line_gets_one_answer_a_period_in_order(control: Any, lines: Callab
     assert (len(flood.answers()), calm.answers()) == (1, [{"n": -1}])
     for _ in range(99):
         control.poll()
-    assert [each["n"] for each in flood.answers()] == list(range(1, 100))
+    assert [answer["n"] for answer in flood.answers()] == list(range(1, 100))
 
 
 def test_who_does_not_read_makes_nobody_else_wait(control: Any, lines: Callable[[], Line]) -> None:
@@ -119,14 +119,14 @@ def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
         many.append(lines())
         control.poll()
     clock.now += 1.0
-    for each in (*many[:20], *many[21:]):
-        each.send(b"{}\n")
+    for item in (*many[:20], *many[21:]):
+        item.send(b"{}\n")
     control.poll()
     clock.now += 1.0
     last = lines()
     control.poll()
-    assert [len(each.answers()) for each in many] == [1] * 20 + [0] + [1] * (MAX_CONNECTIONS - 21)
-    assert [number for number, each in enumerate(many) if each.hung_up] == [20]
+    assert [len(item.answers()) for item in many] == [1] * 20 + [0] + [1] * (MAX_CONNECTIONS - 21)
+    assert [number for number, item in enumerate(many) if item.hung_up] == [20]
     last.send(b"{}\n")
     control.poll()
     assert last.answers() == [{}]
@@ -154,7 +154,7 @@ def test_who_asked_more_than_once_is_not_waited_with(
         if waited[-1] and not waited[:-1]:
             line.send(b'{"n":1}\n{"n":2}\n')
     assert waited == [5.0, 5.0, 0.0, 5.0]
-    assert [each["n"] for each in line.answers()] == [1, 2]
+    assert [answer["n"] for answer in line.answers()] == [1, 2]
 
 
 def test_answer_that_does_not_fit_at_once_is_sent_when_there_is_room(

@@ -245,7 +245,10 @@ def test_u8_everybody_sees_what_everybody_said(run: Any) -> None:
     run.answer({"do": "break", "at": "b", "by": "Ada"})
     run.answer({"do": "step"})
     run.answer({"do": "jump", "by": "Eve"})
-    said = [(each["number"], each["by"], each["do"]) for each in run.answer({"do": "status"})["commands"]]
+    said = [
+        (command["number"], command["by"], command["do"])
+        for command in run.answer({"do": "status"})["commands"]
+    ]
     assert said == [(1, "Ada", "break"), (2, "the terminal", "step")]
     for _ in range(30):
         run.answer({"do": "step"})

@@ -40,13 +40,13 @@ Make = Callable[..., Path]
 
 def names_of(run: PastRun) -> list[str]:
     """Return the actions that a run started, by their parameter `name`."""
-    return [str(each.parameters["name"]) for each in run.actions]
+    return [str(action.parameters["name"]) for action in run.actions]
 
 
 def judged(run: PastRun) -> list[tuple[str, list[list[float]]]]:
     """Return the policy and the beliefs of each plan in the journal."""
-    plans = [each["judged"] for each in run.records if each["kind"] == "PLAN"]
-    return [(each["follows"], each["beliefs"]) for each in plans]
+    plans = [record["judged"] for record in run.records if record["kind"] == "PLAN"]
+    return [(plan["follows"], plan["beliefs"]) for plan in plans]
 
 
 def test_fails_of_other_copies_make_the_run_leave_the_rule(scripted_run: Make) -> None:
@@ -60,7 +60,7 @@ def test_fails_of_other_copies_make_the_run_leave_the_rule(scripted_run: Make) -
     ]
     by_rule = read_run(scripted_run(TASK.replace("belief: {attempts: 10}\n", ""), "without", ahead="FF"))
     assert names_of(by_rule)[4] == "ahead"
-    assert "judged" not in next(each for each in by_rule.records if each["kind"] == "PLAN")
+    assert "judged" not in next(record for record in by_rule.records if record["kind"] == "PLAN")
 
 
 def test_explain_names_belief_and_share_of_draws(scripted_run: Make) -> None:
@@ -85,8 +85,8 @@ def test_replay_judges_the_same_and_names_other_beliefs(scripted_run: Make) -> N
     assert found is not None
     assert (found.plans, found.actions, found.difference) == (3, 8, None)
     changed = [
-        {**each, "judged": {**each["judged"], "better": 0.5}} if each["kind"] == "PLAN" else each
-        for each in run.records
+        {**record, "judged": {**record["judged"], "better": 0.5}} if record["kind"] == "PLAN" else record
+        for record in run.records
     ]
     other = replay_decisions(replace(run, records=tuple(changed)))
     assert other is not None
@@ -100,12 +100,12 @@ def test_a_journal_restores_the_beliefs(scripted_run: Make) -> None:
     assert run.network is not None
     network = run.network.network
     header = {**run.header, "network": network.fingerprint()}
-    starts = [number for number, each in enumerate(run.records) if each["kind"] == "START"]
+    starts = [number for number, record in enumerate(run.records) if record["kind"] == "START"]
     for cut, beliefs in ((starts[1], ((0, 9.8, 1.2),)), (starts[4], ((0, 9.8, 2.2), (3, 11.9, 0.1)))):
         planner = standing(network, [header, *run.records[1 : cut + 1]]).route.planner
         assert isinstance(planner, BeliefPlanner)
-        found = [each for belief in planner.beliefs.changed for each in belief]
-        assert found == pytest.approx([each for belief in beliefs for each in belief])
+        found = [item for belief in planner.beliefs.changed for item in belief]
+        assert found == pytest.approx([item for belief in beliefs for item in belief])
 
 
 @pytest.mark.parametrize("wrong", ["belief: {attempts: 0.5}", "belief: {weight: 3}"])
@@ -121,13 +121,13 @@ def test_a_look_renews_the_belief(load: Callable[..., Task]) -> None:
     prior = BeliefPrior.of(10.0, task.entries)
     assert prior is not None
     beliefs = Beliefs(task.network, prior)
-    ahead = [each for each in task.network.actions if each.cost_s == 10.0]
-    look = next(each for each in task.network.actions if each.do == "DRIVE" and each.source == "a[1]")
+    ahead = [item for item in task.network.actions if item.cost_s == 10.0]
+    look = next(item for item in task.network.actions if item.do == "DRIVE" and item.source == "a[1]")
     for action in ahead[:2]:
         beliefs.failed(action)
     beliefs.succeeded(ahead[3])
     assert beliefs.weights(0) == pytest.approx((10.8, 2.2, 0.0))
-    assert len({beliefs.chances()[each.index] for each in ahead}) == 1
+    assert len({beliefs.chances()[item.index] for item in ahead}) == 1
     beliefs.succeeded(look)
     assert beliefs.weights(0) == pytest.approx((9.8, 0.2, 0.0))
     assert beliefs.weights(4) == pytest.approx((10.0, 1.0, 0.0))

@@ -71,12 +71,12 @@ def test_the_other_ways_cost_what_they_cost_then(run: Callable[..., tuple[PastRu
     first, _, second, third = past.actions
     choice = known(choice_of(past, first))
     assert choice.way.cost == 3.0
-    assert [(each.weight, known(each.way).cost) for each in choice.options] == [(2.0, 3.0), (6.0, 6.0)]
+    assert [(option.weight, known(option.way).cost) for option in choice.options] == [(2.0, 3.0), (6.0, 6.0)]
     assert known(choice.next_best).cost == 6.0
-    assert [each.index for each in known(choice.after_fail).actions] == [3, 0, 1]
+    assert [action.index for action in known(choice.after_fail).actions] == [3, 0, 1]
     again = known(choice_of(past, second))
     assert (again.chosen.index, again.way.cost) == (0, 5.0)
-    assert [(each.weight, each.fails) for each in again.options] == [(4.0, 1), (6.0, 0)]
+    assert [(option.weight, option.fails) for option in again.options] == [(4.0, 1), (6.0, 0)]
     assert third.index == 1
 
 
@@ -105,7 +105,7 @@ def test_plans_are_those_of_the_run(run: Callable[..., tuple[PastRun, ActionNetw
                 plan, action = planned.pop("next"), past.actions[record["n"] - 1]
                 choice = known(choice_of(past, action))
                 assert choice.way.cost == plan["cost"]
-                assert [each.index for each in choice.way.actions] == plan["way"]
+                assert [item.index for item in choice.way.actions] == plan["way"]
         assert costs
         shutil.rmtree(past.folder)
 
@@ -113,10 +113,10 @@ def test_plans_are_those_of_the_run(run: Callable[..., tuple[PastRun, ActionNetw
 def test_leaving_an_element_undone_is_an_option(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
     past, network = run(REPEAT, x="F")
     choice = known(choice_of(past, past.actions[0]))
-    skip = next(each for each in choice.options if each.action.binding is None)
+    skip = next(option for option in choice.options if option.action.binding is None)
     assert skip.weight == SKIP_WEIGHT
     kept = network_of(network_fields(network))
-    assert [str(each) for each in kept.network.actions] == [str(each) for each in network.actions]
+    assert [str(action) for action in kept.network.actions] == [str(action) for action in network.actions]
 
 
 def test_a_person_is_needed(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
@@ -131,7 +131,7 @@ def test_last_fail_is_the_latest_and_a_resumed_run_is_not_ended(
     run: Callable[..., tuple[PastRun, ActionNetwork]], tmp_path: Path
 ) -> None:
     past, _ = run(TASK, near="FF", far="F")
-    assert [each.outcome for each in past.actions].count("Fail") == 3
+    assert [action.outcome for action in past.actions].count("Fail") == 3
     assert (known(past.last_fail).number, known(past.last_fail).do) == (len(past.actions) - 1, "THINK")
     assert known(past.end)["outcome"] == "Success"
     path = tmp_path / "run" / "journal.jsonl"
@@ -163,5 +163,5 @@ def test_an_alternative_that_leads_on_has_its_route(
     past, _ = run(RETURNING)
     near, aside, blind = known(choice_of(past, past.actions[0])).options
     assert known(near.way).cost == 5.0
-    assert ([each.index for each in known(aside.way).actions], known(aside.way).cost) == ([1, 3], 91.0)
+    assert ([action.index for action in known(aside.way).actions], known(aside.way).cost) == ([1, 3], 91.0)
     assert (blind.way, blind.out) == (None, "leads only back here")

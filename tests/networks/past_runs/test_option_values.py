@@ -53,7 +53,7 @@ def test_each_alternative_has_its_figures(scripted_run: Make) -> None:
 
 def test_without_probabilities_there_are_no_figures(scripted_run: Make) -> None:
     found = choice(scripted_run(TASK.replace("p: 0.8, ", ""), "run"))
-    assert [each.value for each in found.options] == [None, None]
+    assert [option.value for option in found.options] == [None, None]
     assert not any("P(goal)" in line for line in choice_words(found))
 
 
@@ -94,7 +94,7 @@ def test_a_policy_is_explained_as_one(scripted_run: Make, policy: str, words: st
     lines = list(choice_words(found))
     assert lines[0].startswith(words)
     assert not any("chosen below" in line for line in lines)
-    chosen, other = (each.value for each in found.options)
+    chosen, other = (option.value for option in found.options)
     assert chosen is not None
     assert other is not None
     assert chosen.goal >= other.goal

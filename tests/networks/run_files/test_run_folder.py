@@ -34,7 +34,7 @@ def test_a_plain_folder_is_read(folder: Path) -> None:
         control.bind(os.path.relpath(folder / "control"))
         stop.bind(os.path.relpath(folder / "control.stop"))
         contents = read_run_journal(folder)
-    assert [each["kind"] for each in contents.records] == ["RUN", "PLAN"]
+    assert [record["kind"] for record in contents.records] == ["RUN", "PLAN"]
 
 
 @pytest.mark.parametrize(

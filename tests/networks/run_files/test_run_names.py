@@ -28,14 +28,14 @@ def test_latest_leads_to_the_run_begun_last(tmp_path: Path) -> None:
     for name in ("a-0", "b-0"):
         point_latest(a_run(tmp_path, name, 1.0, None))
     assert latest_run(tmp_path) == tmp_path / "b-0"
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["a-0", "b-0", "latest"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a-0", "b-0", "latest"]
 
 
 def test_a_folder_called_latest_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "latest").mkdir()
     point_latest(a_run(tmp_path, "a-0", 1.0, None))
     assert not (tmp_path / "latest").is_symlink()
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["a-0", "latest"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a-0", "latest"]
     with pytest.raises(NoRun, match="no run is known"):
         latest_run(tmp_path)
 
@@ -52,7 +52,7 @@ def test_the_newest_run_is_listed_first_and_none_twice(tmp_path: Path) -> None:
     (tmp_path / "notes").mkdir()
     (tmp_path / "torn-0").mkdir()
     (tmp_path / "torn-0" / "journal.jsonl").write_text('{"q":')
-    assert [(each.folder.name, each.outcome) for each in list_runs(tmp_path)] == [
+    assert [(run.folder.name, run.outcome) for run in list_runs(tmp_path)] == [
         ("b-0", ""),
         ("a-0", "Success"),
     ]

@@ -218,7 +218,7 @@ def test_by_wheels_alone_nobody_knows_where_the_base_stands(run: Run) -> None:
     check = check_state(standing_as_left(run.prepare(), past).robot, past)
     assert not check.sure
     assert not any(name.startswith("base") for name in check.residuals)
-    assert any(each.startswith("the pose of the base: only its wheels measure it") for each in check.unknown)
+    assert any(item.startswith("the pose of the base: only its wheels measure it") for item in check.unknown)
 
 
 @pytest.mark.parametrize("rolls", [0, 3])
@@ -383,7 +383,7 @@ def test_a_word_on_something_else_settles_nothing(run: Run) -> None:
 def test_a_journal_of_another_version_is_not_gone_on_with(run: Run) -> None:
     """D12"""
     run.cut("END", 0)
-    header = {key: each for key, each in run.records[0].items() if key not in _OWN}
+    header = {key: item for key, item in run.records[0].items() if key not in _OWN}
     other = run.folder.with_name("other")
     other.mkdir()
     with Journal(other / "journal.jsonl") as journal:

@@ -121,9 +121,11 @@ def test_the_log_of_actions_says_what_the_journal_does(
     log = ActionLog()
     execute(prepared, tmp_path / "run", RunOptions(observers=(log,)))
     kept = read_run(tmp_path / "run").actions
-    assert [each.outcome for each in log.actions] == ["Fail", "Success", "Success"]
-    assert [replace(each, result={}) for each in log.actions] == [replace(each, result={}) for each in kept]
-    assert [each.reason for each in log.actions] == [each.reason for each in kept]
+    assert [action.outcome for action in log.actions] == ["Fail", "Success", "Success"]
+    assert [replace(action, result={}) for action in log.actions] == [
+        replace(item, result={}) for item in kept
+    ]
+    assert [action.reason for action in log.actions] == [item.reason for item in kept]
 
 
 def test_same_seed_same_journal(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:

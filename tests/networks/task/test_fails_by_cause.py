@@ -74,7 +74,7 @@ def done(network: ActionNetwork, stand: Stand, journal: Journal | None = None, *
     events: list[Event] = []
     end = stand.finish(Coordinator(network, stand.robot, stand.model, journal, [events.append]))
     names = [event.action.binding for event in events if isinstance(event, Started)]
-    return [*(str(each.fixed["name"]) for each in names if each), end.situation]
+    return [*(str(binding.fixed["name"]) for binding in names if binding), end.situation]
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,9 @@ def test_a_journal_leads_to_the_same_situation(load: Load, stand: Stand, tmp_pat
     found = standing(network, read_journal(tmp_path / "j").records)
     assert found.route.situation == "z"
     kept = network_of(json.loads(json.dumps(network_fields(network)))).network
-    assert [each.fail_endings for each in kept.actions] == [each.fail_endings for each in network.actions]
+    assert [action.fail_endings for action in kept.actions] == [
+        action.fail_endings for action in network.actions
+    ]
 
 
 @pytest.mark.parametrize(
@@ -170,12 +172,14 @@ def test_a_fault_in_a_cause_is_named_with_its_place(load: Load, old: str, new: s
 
 def test_check_names_causes_that_no_fail_has(load: Load) -> None:
     task = load(HEAD + NETWORK.replace("blocked:", "blokced:"))
-    findings = [str(each) for each in task_findings(task)]
+    findings = [str(finding) for finding in task_findings(task)]
     assert any(
-        "no Fail of TRIP has the cause 'blokced'; did you mean 'blocked'?" in each for each in findings
+        "no Fail of TRIP has the cause 'blokced'; did you mean 'blocked'?" in finding for finding in findings
     )
-    assert any("(a to c), after a Fail of TRIP by 'slipped', ends with status 3" in each for each in findings)
-    assert not any("blokced" in str(each) for each in task_findings(load(HEAD + NETWORK)))
+    assert any(
+        "(a to c), after a Fail of TRIP by 'slipped', ends with status 3" in finding for finding in findings
+    )
+    assert not any("blokced" in str(finding) for finding in task_findings(load(HEAD + NETWORK)))
 
 
 REPEATED = """\
@@ -189,8 +193,8 @@ repeat: {over: [x, y], as: one, start: a, goal: z}
 
 def test_copies_of_a_repeat_keep_their_own_targets(load: Load, stand: Stand) -> None:
     network = load(HEAD + REPEATED).network
-    assert [each.target for each in network.actions[0].fail_endings] == ["b[1]", "a[2]"]
-    assert [each.target for each in network.actions[1].fail_endings] == ["b[2]", "z"]
+    assert [ending.target for ending in network.actions[0].fail_endings] == ["b[1]", "a[2]"]
+    assert [ending.target for ending in network.actions[1].fail_endings] == ["b[2]", "z"]
     assert done(network, stand, x="B", y="O") == ["x", "around", "y", "z"]
 
 

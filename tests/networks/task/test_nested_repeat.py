@@ -72,10 +72,10 @@ def test_each_trip_has_items_of_its_own(load: Callable[..., Task]) -> None:
         ("there[2][1]", "there[2][2]"): "r",
         ("there[2][2]", "done"): "s",
     }
-    facts = {name: dict(each.facts) for name, each in network.situations.items()}
+    facts = {name: dict(situation.facts) for name, situation in network.situations.items()}
     assert facts["held[2][2]"] == {"load": 1, "hand": "full"}
     assert [facts[f"there[1][{n}]"]["load"] for n in (1, 2)] == [2, 1]
-    words = {each.element for each in network.situations.values()}
+    words = {situation.element for situation in network.situations.values()}
     assert {"trip[1]", "trip[2], item[1] from loading", "trip[2], item[2] from there", None} <= words
 
 
@@ -129,7 +129,9 @@ def test_what_is_wrong_is_told_at_its_line(
     assert old in TRIPS
     with pytest.raises(FileError) as error:
         load(TRIPS.replace(old, new, 1))
-    assert any(each.line == line and message in each.message for each in error.value.findings), error.value
+    assert any(finding.line == line and message in finding.message for finding in error.value.findings), (
+        error.value
+    )
 
 
 def test_parts_within_parts_are_no_bomb(load: Callable[..., Task]) -> None:

@@ -139,7 +139,7 @@ def test_elements_of_another_part_are_unknown(load: Callable[..., Task]) -> None
     assert (found.line, found.column) == (17, 66)
     assert found.message == "unknown element 'word'; allowed: term, term.KEY with a key of each element"
     task = load(changed("name: u, text: {each: word}", "name: u, text: {each: term}", text))
-    elements = {each.element for each in task.network.situations.values()}
+    elements = {situation.element for situation in task.network.situations.values()}
     assert {"word[1] (one)", "term[1] (three)"} < elements
 
 
@@ -178,7 +178,7 @@ def test_what_is_wrong_with_one_of_the_parts(
 ) -> None:
     with pytest.raises(FileError) as error:
         load(changed(old, new))
-    places = {(each.line, each.column): each.message for each in error.value.findings}
+    places = {(finding.line, finding.column): finding.message for finding in error.value.findings}
     assert message in places.get((line, column), ""), error.value
 
 
@@ -224,7 +224,7 @@ def test_what_check_tells_is_of_both_parts(load: Callable[..., Task]) -> None:
     found = task_findings(
         load(text.replace("repeat", lost, 1).replace("  z:\n", "  e: {book: lost}\n  z:\n"))
     )
-    assert [each.message.split(":")[0] for each in found] == ["from 'e' nothing leads to the goal"]
+    assert [finding.message.split(":")[0] for finding in found] == ["from 'e' nothing leads to the goal"]
 
 
 def test_drawings_show_both_parts_once(load: Callable[..., Task]) -> None:
@@ -243,13 +243,13 @@ def test_places_of_the_map_in_both_parts(load: Callable[..., Task], tmp_path: Pa
     (tmp_path / "lib" / "map.yaml").write_text("")
     text = changed("start: s\ngoal", "knowledge: {map: map.yaml, places: places.yaml}\nstart: s\ngoal")
     text = text.replace("[one, two]", "{all: places}").replace("[three, four, five]", "{all: places}")
-    elements = {each.element for each in load(text).network.situations.values()}
+    elements = {situation.element for situation in load(text).network.situations.values()}
     assert elements == {None, "word[1] (home) from a", "word[1] (home) from c"}
 
 
 def test_editors_know_both_forms() -> None:
     repeat = schema(TaskFile)["properties"]["repeat"]
-    assert [each.get("type", each.get("$ref")) for each in repeat["anyOf"]] == [
+    assert [item.get("type", item.get("$ref")) for item in repeat["anyOf"]] == [
         "array",
         "#/$defs/Repeat",
         "null",

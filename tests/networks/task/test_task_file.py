@@ -53,7 +53,7 @@ def fixed(action: Action) -> Mapping[str, Any]:
 def findings(load: Callable[..., Task], text: str, **settings: str) -> list[tuple[int, str]]:
     with pytest.raises(FileError) as error:
         load(text, **settings)
-    return [(each.line, each.message) for each in error.value.findings]
+    return [(finding.line, finding.message) for finding in error.value.findings]
 
 
 class Dawdle(ActionPrimitive):
@@ -98,7 +98,7 @@ def test_a_primitive_is_looked_up_once_for_all_its_actions(
     path.write_text(TASK.replace("THINK", "THIMK"))
     with pytest.raises(FileError) as error:
         load_task(path, {}, primitive)
-    assert [each.line for each in error.value.findings] == [12, 13]
+    assert [finding.line for finding in error.value.findings] == [12, 13]
 
 
 def test_good_file(load: Callable[..., Task]) -> None:

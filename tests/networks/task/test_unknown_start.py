@@ -48,7 +48,7 @@ def test_a_robot_that_cannot_locate_itself_is_refused(robot: str, needed: str) -
         check(TASK, settings={**UNKNOWN, "robot": robot})
     wrong = [str(finding) for finding in refused.value.findings]
     assert any(
-        "an unknown start is found by scans on a map; needed: " in each and needed in each for each in wrong
+        "an unknown start is found by scans on a map; needed: " in item and needed in item for item in wrong
     )
 
 

@@ -68,7 +68,7 @@ class Pots(Props[GardenSection]):
 
     def _placed(self, specs: Iterable[VesselSpec]) -> dict[str, Vessel]:
         place = Vessel.set_down
-        return {each.name: place(self.scene, each, self.seed, level_ml=each.level_ml) for each in specs}
+        return {spec.name: place(self.scene, spec, self.seed, level_ml=spec.level_ml) for spec in specs}
 
     def things(self) -> Iterable[Vessel]:
         return [*self.pots.values(), *self.cans.values()]

@@ -105,7 +105,7 @@ def _over(robot: Robot, plant: Plant, can: Box) -> list[Transform]:
     x, y = robot.pose.inverse().apply(np.array([[plant.x_m, plant.y_m]]))[0]
     place = np.array([x, y, plant.height_m + plant.size_m[2] + OVER])
     turned = [ACROSS @ transform(rpy=(0.0, math.radians(tilt), 0.0)) for tilt in TILTS]
-    return [transform(tuple(place - (each @ rim)[:3])) @ each for each in turned]
+    return [transform(tuple(place - (item @ rim)[:3])) @ item for item in turned]
 
 
 def _pots(robot: Robot, garden: PlantsFile) -> tuple[Box, ...]:

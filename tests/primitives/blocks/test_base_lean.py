@@ -46,7 +46,7 @@ def test_of_noise_hardly_any_is_left() -> None:
     rng = np.random.default_rng(0)
     drawn = SIGMA * rng.standard_normal((500, 2, 2))
     with at_the_wall() as rig:
-        left = np.array([leans(unmodelled_leans(rig.robot, *each)[1]) for each in drawn])
+        left = np.array([leans(unmodelled_leans(rig.robot, *item)[1]) for item in drawn])
     shares = np.sqrt((left**2).mean() / (((drawn[:, 1] - drawn[:, 0]) / 2) ** 2).mean())
     assert shares < 0.7
 

@@ -49,5 +49,5 @@ def test_what_nobody_could_build_is_named_with_its_line(
     tmp_path: Path, rows: str, line: int, words: str
 ) -> None:
     findings = list(wall_findings(load_drawing(drawing_file(tmp_path, rows))))
-    assert [each.line for each in findings] == [line]
+    assert [finding.line for finding in findings] == [line]
     assert words in findings[0].message

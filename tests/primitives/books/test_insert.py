@@ -16,7 +16,7 @@ from tests.primitives.conftest import Rig
 
 def fronts(rig: Any) -> dict[int, float]:
     """x of the spines on the shelf, by accession, in [m]."""
-    return {each.book.accession: each.front for each in rig.scene.of(BookProps).shelf_books("shelf_1")}
+    return {book.book.accession: book.front for book in rig.scene.of(BookProps).shelf_books("shelf_1")}
 
 
 def spine(rig: Any) -> Any:

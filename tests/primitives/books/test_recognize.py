@@ -101,7 +101,7 @@ def test_two_books_on_the_tray_are_told(
 ) -> None:
     def two(*args: Any, **more: Any) -> list[Tag]:
         seen = read_tags(*args, **more)
-        return [*seen, *(Tag(118, each.corners + np.array([30.0, 0.0])) for each in seen)]
+        return [*seen, *(Tag(118, tag.corners + np.array([30.0, 0.0])) for tag in seen)]
 
     monkeypatch.setattr("handcart.primitives.books.recognize.read_tags", two)
     rig = with_tray(TRAY.format(210, "readable"))

@@ -36,7 +36,7 @@ def inserted(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
 def standing(rig: Rig, accession: int) -> Any:
     """Return the book on the shelf; None if it is not there."""
     found = [
-        each for each in rig.scene.of(BookProps).shelf_books("shelf_1") if each.book.accession == accession
+        book for book in rig.scene.of(BookProps).shelf_books("shelf_1") if book.book.accession == accession
     ]
     return found[0] if found else None
 
@@ -47,7 +47,10 @@ def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
     inserted: Callable[..., Rig], seed: int
 ) -> None:
     rig = inserted(seed)
-    others = {each.book.accession: each.front for each in rig.scene.of(BookProps).shelf_books("shelf_1")}
+    others = {
+        shelf_book.book.accession: shelf_book.front
+        for shelf_book in rig.scene.of(BookProps).shelf_books("shelf_1")
+    }
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, Success)
     book = standing(rig, 117)

@@ -33,7 +33,7 @@ def docked(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
         known.slot = None
         assert known.book is not None
         known.book = known.book.model_copy(update={"call": call})
-        specs = [each.book.spec for each in rig.scene.of(BookProps).shelf_books("shelf_1")]
+        specs = [book.book.spec for book in rig.scene.of(BookProps).shelf_books("shelf_1")]
         books = [
             Book(
                 accession=spec.accession,
@@ -55,8 +55,8 @@ def docked(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
 def row(rig: Rig) -> list[tuple[float, float]]:
     """Left and right of each book in the shelf frame, in [m]."""
     return [
-        (each.lateral + each.book.thickness / 2, each.lateral - each.book.thickness / 2)
-        for each in rig.scene.of(BookProps).shelf_books("shelf_1")
+        (book.lateral + book.book.thickness / 2, book.lateral - book.book.thickness / 2)
+        for book in rig.scene.of(BookProps).shelf_books("shelf_1")
     ]
 
 

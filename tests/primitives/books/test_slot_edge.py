@@ -45,7 +45,7 @@ def test_what_the_held_book_hides_needn_t_agree() -> None:
 
 def test_another_row_is_no_shift_of_this_one() -> None:
     apart = (0.002, 0.002, -0.0035, 0.0037, -0.002, -0.0005)
-    other = tuple(side + each for side, each in zip(SIDES, apart, strict=True))
+    other = tuple(side + item for side, item in zip(SIDES, apart, strict=True))
     assert moved(strips(other), SIDES, 0.004) is None
 
 

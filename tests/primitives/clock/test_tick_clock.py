@@ -107,7 +107,7 @@ def test_two_robots_in_two_threads_see_a_clock_each() -> None:
             clock[0] += period
         ticks[name] = round(clock[0] / period)
 
-    threads = [threading.Thread(target=run, args=each) for each in (("fast", 0.01), ("slow", 0.1))]
+    threads = [threading.Thread(target=run, args=item) for item in (("fast", 0.01), ("slow", 0.1))]
     for thread in threads:
         thread.start()
     for thread in threads:

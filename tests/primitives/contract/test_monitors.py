@@ -228,7 +228,7 @@ def test_a_cause_names_the_calls_and_no_more_than_some() -> None:
     evidence = Evidence()
     evidence.blame(raised(Discrepancy("one")))
     evidence.blame(raised(Discrepancy("two")), restoring=True)
-    assert [(each.reason, each.restoring) for each in evidence.causes] == [("one", False), ("two", True)]
+    assert [(item.reason, item.restoring) for item in evidence.causes] == [("one", False), ("two", True)]
 
 
 def test_calibrated_values_are_told_by_the_end_of_their_key() -> None:

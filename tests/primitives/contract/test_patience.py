@@ -138,9 +138,9 @@ def test_left_trace_keeps_fingers_that_moved_meanwhile(make_rig: Callable[..., R
     way.moments = [Moment(robot.pose, joints + a, g) for a, g in zip(away, opened, strict=True)]
     back.moments = way.moments[4:]
     left = way.left_after(back)
-    grips = [each.grip for each in left.moments]
+    grips = [moment.grip for moment in left.moments]
     assert left.is_rest and [grip for grip, _ in itertools.groupby(grips)] == [0.0, 0.04, 0.0]
-    assert max(float(each.joints[0] - joints[0]) for each in left.moments) == pytest.approx(0.1)
+    assert max(float(moment.joints[0] - joints[0]) for moment in left.moments) == pytest.approx(0.1)
 
 
 def test_left_trace_has_no_step_that_is_too_large(make_rig: Callable[..., Rig]) -> None:
@@ -150,6 +150,6 @@ def test_left_trace_has_no_step_that_is_too_large(make_rig: Callable[..., Rig]) 
     way, back = Trace(robot), Trace(robot)
     way.moments = [Moment(robot.pose, joints, 0.0)]
     back.moments = [Moment(robot.pose, joints + turned, 0.0) for turned in (0.0, 0.2, 0.5)]
-    left = np.array([each.joints for each in way.left_after(back).moments])
+    left = np.array([moment.joints for moment in way.left_after(back).moments])
     assert np.abs(np.diff(left, axis=0)).max() <= float(robot.joint_speeds.max()) * robot.period + 1e-9
     assert np.allclose(left[-1], joints + 0.5) and np.allclose(left[0], joints)

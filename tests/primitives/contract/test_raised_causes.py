@@ -87,13 +87,13 @@ class Leaf(Behaviour):
 
 
 def test_causes_are_found_in_helpers_and_late_imports() -> None:
-    assert [each.name for each in causes_of(Skate)] == ["frozen", "jammed", "melted"]
+    assert [kind.name for kind in causes_of(Skate)] == ["frozen", "jammed", "melted"]
     assert causes_of(Glide) == causes_of(Skate)
     assert set(possible_causes(Skate)) == {*causes_of(Skate), *framework_causes()}
 
 
 def test_causes_of_shipped_primitives_are_their_own() -> None:
-    found = {name: {each.name for each in causes_of(primitive_class(name))} for name in primitive_names()}
+    found = {name: {kind.name for kind in causes_of(primitive_class(name))} for name in primitive_names()}
     assert {"jammed", "slipped", "neighbour_pushed", "arm_blocked"} <= found["INSERT"]
     assert {"blocked", "no_route", "lost", "undetermined"} <= found["MOVE_TO"]
     assert "jammed" not in found["MOVE_TO"] | found["STACK"]
@@ -101,7 +101,7 @@ def test_causes_of_shipped_primitives_are_their_own() -> None:
 
 
 def test_framework_causes_hold_for_any_primitive() -> None:
-    names = {each.name for each in framework_causes()}
+    names = {cause.name for cause in framework_causes()}
     assert {"no_rest", "no_effect", "precondition", "displaced", "base_stopped", "not_following"} <= names
     assert {"cancelled", "time_out", "code_error", "robot_fault"} <= names
     assert "jammed" not in names

@@ -20,7 +20,7 @@ def constant_boxes(boxes: list[list[float]]) -> bytes:
 
 def _value(name: str, shape: list[int | str]) -> bytes:
     sizes = b"".join(
-        _bytes(1, _number(1, each) if isinstance(each, int) else _text(2, each)) for each in shape
+        _bytes(1, _number(1, item) if isinstance(item, int) else _text(2, item)) for item in shape
     )
     return _text(1, name) + _bytes(2, _bytes(1, _number(1, 1) + _bytes(2, sizes)))
 

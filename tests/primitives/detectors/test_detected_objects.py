@@ -65,13 +65,13 @@ def test_detections_of_two_views_are_fused_by_their_covariances() -> None:
 
 def test_two_kinds_at_one_place_stay_two_candidates() -> None:
     found = [detected("mug", 0.5, 0.0), detected("tin", 0.5, 0.0)]
-    names = [each.name for each in explained([seen_at(0.5, 0.0)], found, np.eye(4))[0].may_be]
+    names = [candidate.name for candidate in explained([seen_at(0.5, 0.0)], found, np.eye(4))[0].may_be]
     assert names == ["mug", "tin"]
 
 
 def test_detection_elsewhere_leaves_the_decision_to_the_size() -> None:
     (standing,) = explained([seen_at(0.5, 0.0, "parcel")], [detected("mug", 0.7, 0.0)], np.eye(4))
-    assert [each.name for each in standing.may_be] == ["parcel"]
+    assert [candidate.name for candidate in standing.may_be] == ["parcel"]
 
 
 def test_tilted_detection_has_fallen_over() -> None:

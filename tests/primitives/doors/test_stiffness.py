@@ -41,4 +41,4 @@ def test_handle_that_stops_suddenly_is_felt_below_the_limit(stiffness: float) ->
 def test_handle_that_creeps_is_blocked_and_one_that_goes_is_not() -> None:
     way = [0.01 + 0.00002 * number for number in range(BLOCKED_PERIODS + 1)]
     assert is_blocked(way) and not is_blocked(way[1:])
-    assert not is_blocked([4.0 * each for each in way])
+    assert not is_blocked([4.0 * item for item in way])

@@ -11,9 +11,9 @@ EXACT = Case(seed=0, offsets=(0.0, 0.0), thickness_m=0.1, is_drawn=False, tolera
 
 def test_walls_on_cell_borders_end_in_no_false_outcome() -> None:
     arrivals = drive(EXACT, places=2)
-    assert not any(each.false for each in arrivals)
-    assert max(each.pose_off_mm for each in arrivals) < 40.0
-    assert max(each.pose_sigmas for each in arrivals) < 3.0
+    assert not any(arrival.false for arrival in arrivals)
+    assert max(arrival.pose_off_mm for arrival in arrivals) < 40.0
+    assert max(arrival.pose_sigmas for arrival in arrivals) < 3.0
 
 
 @pytest.mark.slow
@@ -22,5 +22,5 @@ def test_walls_on_cell_borders_end_in_no_false_outcome() -> None:
 def test_a_place_that_needs_less_is_reached(thickness: float, is_drawn: bool) -> None:
     case = EXACT._replace(seed=1, thickness_m=thickness, is_drawn=is_drawn, tolerance_mm=80.0)
     arrivals = drive(case)
-    assert [each.outcome for each in arrivals] == ["Success"] * 4
-    assert not any(each.false for each in arrivals)
+    assert [arrival.outcome for arrival in arrivals] == ["Success"] * 4
+    assert not any(arrival.false for arrival in arrivals)

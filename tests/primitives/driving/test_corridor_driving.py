@@ -37,8 +37,8 @@ def test_a_place_that_needs_less_is_a_true_success() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_pillars_determine_the_pose(seed: int) -> None:
     ended = drive(PLAIN._replace(seed=seed, pillars=True))
-    assert [each.outcome for each in ended] == ["Success", "Success"]
-    assert max(each.off_mm for each in ended) < 40.0
+    assert [item.outcome for item in ended] == ["Success", "Success"]
+    assert max(item.off_mm for item in ended) < 40.0
 
 
 @pytest.mark.slow
@@ -46,4 +46,4 @@ def test_pillars_determine_the_pose(seed: int) -> None:
 def test_a_wrong_start_is_never_a_false_outcome(seed: int) -> None:
     for pillars in (True, False):
         ended = drive(PLAIN._replace(seed=seed, pillars=pillars, wrong_start=True))
-        assert not any(each.false for each in ended)
+        assert not any(item.false for item in ended)

@@ -21,7 +21,7 @@ from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap, from_b
 BEAMS = 360
 ANGLES = np.radians(np.arange(BEAMS) - 180.0)
 ROOM = from_boxes(
-    [FloorBox(*each) for each in ((0, 3, 0, 6, 0.2), (0, -3, 0, 6, 0.2), (3, 0, 0, 0.2, 6))],
+    [FloorBox(*item) for item in ((0, 3, 0, 6, 0.2), (0, -3, 0, 6, 0.2), (3, 0, 0, 0.2, 6))],
     0.05,
     (-4.0, -4.0),
     (8.0, 8.0),

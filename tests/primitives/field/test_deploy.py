@@ -73,7 +73,7 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pyte
     ((pose, covariance),) = noted
     assert pose.apply(np.array([laid.beside]))[0] == pytest.approx((laid.x, laid.y))
     draws = np.random.default_rng(0).multivariate_normal(pose, covariance, 20_000)
-    places = np.array([Pose2(*each).apply(np.array([laid.beside]))[0] for each in draws.tolist()])
+    places = np.array([Pose2(*draw).apply(np.array([laid.beside]))[0] for draw in draws.tolist()])
     spread = np.cov(places.T)
     assert laid.spread == pytest.approx(spread, abs=0.03 * float(np.trace(spread)))
 
@@ -265,7 +265,7 @@ def test_point_covariance_follows_from_the_pose_of_the_base(away: tuple[float, f
     spec = SimpleNamespace(arm=SimpleNamespace(accuracy_mm=20.0))
     robot: Any = SimpleNamespace(localization=SimpleNamespace(covariance=covariance), spec=spec)
     draws = np.random.default_rng(0).multivariate_normal(np.zeros(3), covariance, 40_000)
-    places = np.array([Pose2(*each).apply(np.array([away]))[0] for each in draws.tolist()])
+    places = np.array([Pose2(*draw).apply(np.array([away]))[0] for draw in draws.tolist()])
     expected = np.cov(places.T) + 0.02**2 * np.eye(2)
     assert _spread(robot, np.array(away)) == pytest.approx(expected, abs=0.03 * float(np.trace(expected)))
 

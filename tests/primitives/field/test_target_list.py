@@ -37,7 +37,7 @@ def faults(
 ) -> list[tuple[int, int, str]]:
     with pytest.raises(FileError) as error:
         read(tmp_path, text, name, field)
-    return [(each.line, each.column, each.message) for each in error.value.findings]
+    return [(finding.line, finding.column, finding.message) for finding in error.value.findings]
 
 
 def test_the_base_stands_where_the_course_has_it(tmp_path: Path) -> None:
@@ -132,7 +132,7 @@ def test_a_list_as_strangers_write_it_is_refused_at_its_line(
 ) -> None:
     """T2, T14"""
     messages = faults(tmp_path, text)
-    assert [each for each, _, _ in messages] == [line]
+    assert [item for item, _, _ in messages] == [line]
     assert words in messages[0][2]
     assert len(messages[0][2]) < 300
 

@@ -43,7 +43,7 @@ def test_head_finds_picks_and_places_an_object(rig: Rig) -> None:
     scene = scene_of(rig)
     parcel = scene.thing_named("object parcel_1").pose
     assert abs(parcel[2, 3] - 0.6) < 1e-3 and parcel[2, 2] > 0.999
-    assert {each.body for each in scene.contacts} == {"load"}  # touched down
+    assert {contact.body for contact in scene.contacts} == {"load"}  # touched down
 
 
 def test_head_turns_to_a_point_and_the_arm_keeps_its_posture(rig: Rig) -> None:
@@ -74,7 +74,7 @@ def test_inverse_kinematics_keep_the_head_where_it_is(rig: Rig) -> None:
     assert arm.moves_tip.tolist() == [False, False, *[True] * 6]
     pose = arm.forward(np.array(rig.robot.spec.posture("search_ready")))
     found = list(arm.solutions(pose, near, restarts=10))
-    assert found and all(np.array_equal(each[:2], near[:2]) for each in found)
+    assert found and all(np.array_equal(array[:2], near[:2]) for array in found)
 
 
 def test_primitives_that_need_the_hand_camera_refuse_a_head(rig: Rig) -> None:

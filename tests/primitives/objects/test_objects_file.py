@@ -36,7 +36,7 @@ def test_contradictions_are_all_reported_at_their_lines(tmp_path: Path) -> None:
     path.write_text(CONTRADICTIONS, encoding="utf-8")
     with pytest.raises(FileError) as caught:
         check_quietly(path)
-    found = [(each.line, each.column, each.message) for each in caught.value.findings]
+    found = [(finding.line, finding.column, finding.message) for finding in caught.value.findings]
     messages = {line: [text for other, _, text in found if other == line] for line, _, _ in found}
     assert messages == {
         4: ["the tag 3 is larger than the side +z; allowed: within its side"],
@@ -85,7 +85,7 @@ def test_unfit_robot_is_refused_before_a_motion(
     objects = changed(tmp_path, "objects.yaml", (old, new), *more)
     with pytest.raises(FileError) as caught:
         _faults(objects)
-    assert [(each.line, words in each.message) for each in caught.value.findings] == [(line, True)]
+    assert [(finding.line, words in finding.message) for finding in caught.value.findings] == [(line, True)]
 
 
 def _faults(objects: Path) -> None:

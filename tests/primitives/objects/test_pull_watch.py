@@ -149,4 +149,4 @@ def test_missing_reading_is_no_pull_and_keeps_nobody_waiting() -> None:
 
 
 def test_directions_have_words() -> None:
-    assert [direction_words(each) for each in (AHEAD, -LEFT, -UP)] == ["ahead", "right", "down"]
+    assert [direction_words(item) for item in (AHEAD, -LEFT, -UP)] == ["ahead", "right", "down"]

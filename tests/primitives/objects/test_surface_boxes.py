@@ -15,8 +15,8 @@ from handcart.robotics.kinematics.shapes import corners
 
 def extents(surface: ObjectSurface) -> list[tuple[list[float], list[float]]]:
     """Return the lower and upper corner of each body, rounded to mm."""
-    bodies = [corners(each) for each in surface.boxes("shelf")]
-    return [(each.min(axis=0).round(3).tolist(), each.max(axis=0).round(3).tolist()) for each in bodies]
+    bodies = [corners(box) for box in surface.boxes("shelf")]
+    return [(body.min(axis=0).round(3).tolist(), body.max(axis=0).round(3).tolist()) for body in bodies]
 
 
 def test_table_is_solid_down_to_the_floor() -> None:

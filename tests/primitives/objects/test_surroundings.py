@@ -25,7 +25,10 @@ def kept_clear(rig: Rig, without: str = "") -> dict[str, Solid]:
     """Return what is kept clear of, on the map, by its name."""
     to_map = inverse(base_T_map(rig.robot))
     view = rig.model.view(LookFor(object="parcel_1"))  # type: ignore[arg-type]
-    return {each.name: each.seen_from(to_map) for each in surroundings(rig.robot, view, without)}
+    return {
+        surrounding.name: surrounding.seen_from(to_map)
+        for surrounding in surroundings(rig.robot, view, without)
+    }
 
 
 def note_seen(rig: Rig, name: str, x: float, y: float) -> None:

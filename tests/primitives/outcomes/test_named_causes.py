@@ -17,7 +17,7 @@ ROOMS = ("primitives", "networks", "evaluation", "backends", "tasks", "tools", "
 RAISED = {"Discrepancy", "NeedsPerson"}
 FILES = [path for room in ROOMS for path in sorted((ROOT / room).rglob("*.py"))]
 RAISING = {
-    path: text for path in FILES if any(f"{each}(" in (text := path.read_text("utf-8")) for each in RAISED)
+    path: text for path in FILES if any(f"{item}(" in (text := path.read_text("utf-8")) for item in RAISED)
 }
 CAUSE_MODULES = [path for path in FILES if path.name == "causes.py" or path.name.endswith("_causes.py")]
 
@@ -35,7 +35,7 @@ def lacking(text: str) -> list[int]:
     """Lines that raise without a cause that is a constant, of another module or of their own."""
     lines = []
     for call in raising(ast.parse(text)):
-        cause = next((each.value for each in call.keywords if each.arg == "cause"), None)
+        cause = next((keyword.value for keyword in call.keywords if keyword.arg == "cause"), None)
         name = getattr(cause, "attr", getattr(cause, "id", ""))
         constant = name.isupper() and name != "UNNAMED"
         derived = isinstance(cause, ast.Call)  # of a function that selects one

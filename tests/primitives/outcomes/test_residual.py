@@ -27,7 +27,7 @@ def test_a_residual_of_an_object_reads_back_from_its_label(name: str) -> None:
 @pytest.mark.parametrize("label", ["", "object", "mast_mm", "object cup", "objects cup mm"])
 def test_a_label_of_another_version_is_kept_as_it_is(label: str) -> None:
     found = read_residuals({label: 3.0}, {label: 2.0})
-    assert [(each.kind, each.label, each.is_motion) for each in found.all] == [
+    assert [(item.kind, item.label, item.is_motion) for item in found.all] == [
         (ResidualKind.OTHER, label, True)
     ]
 

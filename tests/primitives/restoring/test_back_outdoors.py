@@ -110,7 +110,7 @@ def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> Non
     for _ in range(3):
         last = base(rig)
         fails.append(rig.do(ComesBack(seconds=6.0)))
-    assert all(isinstance(each, Fail) for each in fails)
+    assert all(isinstance(fail, Fail) for fail in fails)
     by_this, in_all = (1e3 * base(rig).distance(before) for before in (last, begun))
     assert isinstance(fails[-1], Fail)
     measured = fails[-1].residuals["base_mm"]

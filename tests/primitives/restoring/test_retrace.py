@@ -72,8 +72,8 @@ def test_nearest_moment_is_among_the_last_ones() -> None:
 def test_trace_is_split_where_the_base_starts_and_stops() -> None:
     ways = [0.0, 0.0, 0.0, 0.05, 0.1, 0.1, 0.1]
     moments = [moment(Pose2(way, 0.0, 0.0)) for way in ways]
-    numbers = {id(each): number for number, each in enumerate(moments)}
-    found = [[numbers[id(each)] for each in stretch] for stretch in _stretches(moments)]
+    numbers = {id(moment_): number for number, moment_ in enumerate(moments)}
+    found = [[numbers[id(item)] for item in stretch] for stretch in _stretches(moments)]
     assert found == [[0, 1, 2], [2, 3, 4], [4, 5, 6]]
 
 

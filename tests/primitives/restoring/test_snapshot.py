@@ -208,7 +208,7 @@ def test_moved_is_what_is_beyond_its_limit_or_not_known(off_mm: float, told: boo
 def test_an_object_of_any_name_counts_as_motion(name: str) -> None:
     stood = replace(START, seen={name: (1.0, 0.0, 0.5)})
     gone = residuals(stood, replace(stood, seen={}), make_spec()).moved
-    assert [(each.kind, each.name, each.value) for each in gone.all] == [
+    assert [(item.kind, item.name, item.value) for item in gone.all] == [
         (ResidualKind.OBJECT, name, math.inf)
     ]
 
@@ -252,8 +252,8 @@ def test_a_trace_keeps_commands_as_they_were() -> None:
     trace.record()
     command += 1.0
     trace.record()
-    assert [each.joints.tolist() for each in trace.moments] == [[0.1, 0.2, 0.3], [1.1, 1.2, 1.3]]
-    assert [each.grip for each in trace.moments] == [0.015, 0.015]
+    assert [moment.joints.tolist() for moment in trace.moments] == [[0.1, 0.2, 0.3], [1.1, 1.2, 1.3]]
+    assert [moment.grip for moment in trace.moments] == [0.015, 0.015]
     assert Moment(robot.pose, command, 0.0).odometry_pose is None
 
 

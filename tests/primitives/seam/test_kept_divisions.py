@@ -49,7 +49,7 @@ def test_a_room_is_another_one_where_anything_in_it_is() -> None:
     spec = load_robot("xarm_cart")
     arm = spec.arm_model()
     wall = [(0.0, 1.5, 0.0, 4.0, 0.1)]
-    grid, other = (from_boxes(each, 0.05, (-2.0, -2.0), (4.0, 4.0)) for each in (wall, []))
+    grid, other = (from_boxes(item, 0.05, (-2.0, -2.0), (4.0, 4.0)) for item in (wall, []))
     here, nothing = Pose2(0.0, -1.0, 0.0), np.empty((0, 2))
     box = Box(transform((0.5, 0.0, 0.5)), (0.1, 0.1, 0.1), "work")
     room = StandingRoom(spec, arm, grid, nothing, here)
@@ -61,5 +61,5 @@ def test_a_room_is_another_one_where_anything_in_it_is() -> None:
         StandingRoom(spec, arm, grid, nothing, here, (box,)),
         StandingRoom(spec, arm, grid, nothing, here, avoided=(Pose2(0.5, -0.5, 0.0),)),
     ]
-    keys = [each.key for each in (room, *others)]
+    keys = [item.key for item in (room, *others)]
     assert len(set(keys)) == len(keys)

@@ -119,7 +119,7 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
     assert isinstance(rig.do(Divide(placements=2)), Success)
     work = rig.model.of(Seam).seam_work
     assert asked == [LAST - 5 + 1]
-    assert [(each.place, each.first, each.last) for each in work.rest] == [
+    assert [(item.place, item.first, item.last) for item in work.rest] == [
         ("place_3", 5, 8),
         ("place_4", 8, LAST),
     ]

@@ -19,8 +19,8 @@ URDF = """\
 def doubts(kind: str, low: float, high: float, mimic: str = "") -> list[str]:
     """Return the remarks on such a URDF, which is usable nevertheless."""
     found = urdf_faults(URDF.format(kind=kind, low=low, high=high, mimic=mimic))
-    assert all(each.mild for each in found)
-    return [f"{each.line}: {each.message}" for each in found]
+    assert all(fault.mild for fault in found)
+    return [f"{fault.line}: {fault.message}" for fault in found]
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_follower_driven_beyond_its_limits_is_told(kind: str, mimic: str, words:
     found = doubts(kind, -0.2, 0.8, mimic)
     assert len(found) == bool(words)
     assert words in "".join(found)
-    assert all(each.startswith("5: joint 'j2': ") for each in found)
+    assert all(text.startswith("5: joint 'j2': ") for text in found)
 
 
 def test_follower_of_a_follower_is_driven_by_the_first() -> None:

@@ -27,7 +27,7 @@ URDF = """\
 
 
 def error_of(text: str) -> str:
-    return "\n".join(f"{each.line}: {each.message}" for each in urdf_faults(text))
+    return "\n".join(f"{fault.line}: {fault.message}" for fault in urdf_faults(text))
 
 
 def test_a_sound_urdf_is_without_fault() -> None:
@@ -83,7 +83,7 @@ def test_a_fault_is_told_at_its_line(old: str, new: str, words: str) -> None:
 
 def test_all_faults_are_told_at_once() -> None:
     wrong = URDF.replace('value="2"', 'value="nan"').replace('radius="0.1"', 'radius=""')
-    assert [each.line for each in urdf_faults(wrong)] == [3, 6]
+    assert [fault.line for fault in urdf_faults(wrong)] == [3, 6]
 
 
 def test_a_joint_that_mimics_nothing_is_only_doubtful() -> None:
@@ -92,4 +92,4 @@ def test_a_joint_that_mimics_nothing_is_only_doubtful() -> None:
     assert doubt.message.startswith(
         "joint 'elbow': it mimics 'soulder', which is no joint, and counts as free"
     )
-    assert not any(each.mild for each in urdf_faults(URDF.replace('value="2"', 'value=""')))
+    assert not any(fault.mild for fault in urdf_faults(URDF.replace('value="2"', 'value=""')))

@@ -50,8 +50,8 @@ def test_a_link_that_is_not_there_is_told() -> None:
 @pytest.mark.parametrize("name", ["cart", "el_verde", "librarian", "toyama"])
 def test_bodies_are_those_of_pinocchio(name: str) -> None:
     urdf = load_robot(name).urdf_text()
-    theirs = sorted(ArmModel(urdf, (), tip="base").link_shapes(np.empty(0)), key=lambda each: each.name)
-    ours = sorted(bodies_of(urdf), key=lambda each: each.name)
+    theirs = sorted(ArmModel(urdf, (), tip="base").link_shapes(np.empty(0)), key=lambda shape: shape.name)
+    ours = sorted(bodies_of(urdf), key=lambda item: item.name)
     assert len(ours) > 3
     for here, there in zip(ours, theirs, strict=True):
         assert (type(here), here.name) == (type(there), there.name)

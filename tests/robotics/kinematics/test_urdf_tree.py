@@ -70,7 +70,7 @@ def test_a_joint_that_floats_is_fixed_and_what_is_seen_left_out() -> None:
         'name="first" type="prismatic"', 'name="first" type="floating"'
     )
     robot = read_urdf(kinematic_urdf(text))
-    assert [each.get("type") for each in robot.findall("joint")] == ["fixed", "prismatic", "prismatic"]
+    assert [match.get("type") for match in robot.findall("joint")] == ["fixed", "prismatic", "prismatic"]
     assert robot.find(".//visual") is None
     assert ArmModel(text, ["second"]).dof == 1
 

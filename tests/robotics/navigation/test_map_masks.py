@@ -22,8 +22,8 @@ def chart(
     occupied: Sequence[tuple[int, int]] = (),
 ) -> GridMap:
     cells = np.zeros(shape, dtype=bool)
-    for each in occupied:
-        cells[each] = True
+    for pair in occupied:
+        cells[pair] = True
     return GridMap(cells, np.zeros(shape, dtype=bool), resolution, *origin)
 
 

@@ -119,7 +119,7 @@ class Begun:
         self.ended += 1
 
     def communicate(self) -> None:
-        assert all(each.ended for each in self.every)
+        assert all(item.ended for item in self.every)
         self.ended += 1
 
 
@@ -136,13 +136,13 @@ def test_cores_that_are_free_take_what_is_needed_last(
         assert not Begun.every  # nothing has been compiled
         assert kernel(1.0) == 2.0
         kernel(np.float32(1.0))  # once more: they are at it already
-        shares = [each.words[4:] for each in Begun.every]
+        shares = [item.words[4:] for item in Begun.every]
         assert len(shares) == processes
         if shares:
             assert sorted(name for share in shares for name in share) == ["first", "second", "third"]
             assert shares[0][0] == "third"
-        assert all(each.ended == 0 for each in Begun.every)
-    assert all(each.ended == 2 for each in Begun.every)
+        assert all(item.ended == 0 for item in Begun.every)
+    assert all(item.ended == 2 for item in Begun.every)
 
 
 def test_where_no_process_can_be_started_it_is_compiled_here(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ COUNT = 400_000
 @pytest.mark.parametrize("bounds", [(0.025,), (0.0125, 0.0125), (0.025, 0.02, 0.01), (0.0, 0.0)])
 def test_uniform_errors_and_noise_keep_their_limit(bounds: tuple[float, ...]) -> None:
     rng, sigma = np.random.default_rng(7), 0.004
-    errors = sum(rng.uniform(-each, each, COUNT) for each in bounds) + rng.normal(0.0, sigma, COUNT)
+    errors = sum(rng.uniform(-bound, bound, COUNT) for bound in bounds) + rng.normal(0.0, sigma, COUNT)
     (limit,) = uniform_limits(np.array([bounds]), np.array([sigma]))
     assert np.mean(np.abs(errors) > limit) == pytest.approx(BEYOND_3_SIGMA, abs=4e-4)
 

@@ -40,6 +40,6 @@ def test_blurred_corners_of_a_far_tag_are_no_distance(inset: float) -> None:
 def test_both_poses_of_a_far_tag_fit_and_one_is_upright() -> None:
     seen = view(0.0)
     found = tag_poses(Tag(7, seen.corners), CAMERA, SIDE)
-    tilts = [np.degrees(np.arccos((seen.base_T_camera @ each.camera_T_tag)[2, 2])) for each in found]
+    tilts = [np.degrees(np.arccos((seen.base_T_camera @ pose.camera_T_tag)[2, 2])) for pose in found]
     assert len(found) == 2 and found[0].rms_px <= found[1].rms_px < 0.6
     assert min(tilts) < 1.0 and max(tilts) > 45.0

@@ -57,8 +57,8 @@ class Trials:
         summary |= {"sim_time_s": 1.0, "wall_time_s": 1.0, "actions": 1, "fails": 0}
         if seed != 2:
             return Trial(seed, 0, summary)
-        for each in self.signals:
-            signal.raise_signal(each)
+        for item in self.signals:
+            signal.raise_signal(item)
         return Trial(seed, 130, summary | {"outcome": "Cancelled", "reason": self.reason})
 
 
@@ -81,14 +81,14 @@ def test_an_interrupt_ends_a_campaign_at_once(
     done: list[Trial] = []
     with pytest.raises(KeyboardInterrupt):
         done.extend(run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(5), 1))
-    assert [each.seed for each in done] == [0, 1]
+    assert [trial.seed for trial in done] == [0, 1]
     assert ran.seeds == [0, 1, 2]
 
 
 def test_a_trial_that_somebody_stopped_is_left_out(trials: Callable[..., Trials], tmp_path: Path) -> None:
     trials("stopped by request")
     done = list(run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(5), 1))
-    assert [each.seed for each in done] == [0, 1, 3, 4]
+    assert [trial.seed for trial in done] == [0, 1, 3, 4]
 
 
 def test_what_ended_before_an_interrupt_is_told(
@@ -172,7 +172,7 @@ def living(group: int) -> list[str]:
     for path in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):
             stats.append(path.read_text(encoding="utf-8"))
-    rest = [(each, each.rpartition(")")[2].split()) for each in stats]
+    rest = [(item, item.rpartition(")")[2].split()) for item in stats]
     return [stat for stat, fields in rest if int(fields[2]) == group and fields[0] != "Z"]
 
 
@@ -225,7 +225,7 @@ def test_shares_of_each_action(
         assert (share["attempts"], share["p"], share["p_give_up"]) == (2, 1.0, 0.0)
         assert share["p_wilson"] == pytest.approx([0.3424, 1.0], abs=1e-4)
     else:
-        line = next(each for each in said.out.splitlines() if each.startswith("MOVE_TO"))
+        line = next(item for item in said.out.splitlines() if item.startswith("MOVE_TO"))
         assert line.split()[-6:] == ["2", "1.000", "0.342", "to", "1.000", "0.000"]
 
 
@@ -237,7 +237,7 @@ def test_a_repeated_action_is_one_row_named_as_in_the_file(
     tour.write_text(ROUNDS, encoding="utf-8")
     said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs", "--json")
     assert said.status == 0
-    shares = [(each["action"], each["attempts"]) for each in json.loads(said.out)["actions"]]
+    shares = [(action["action"], action["attempts"]) for action in json.loads(said.out)["actions"]]
     assert shares == [("MOVE_TO (here to there)", 2), ("MOVE_TO (there to done)", 2)]
 
 
@@ -255,7 +255,7 @@ def test_generated_worlds_are_asked_for_by_name_and_options(
     handcart: Callable[..., Said], generate: list[str], wrong: str
 ) -> None:
     task = str(ROOT / "tasks" / "return_book" / "task.yaml")
-    words = [each for word in generate for each in ("--generate", word)]
+    words = [item for word in generate for item in ("--generate", word)]
     said = handcart("campaign", task, "--trials", "1", *words)
     assert said.status == 2
     assert wrong in said.err

@@ -143,7 +143,7 @@ def test_trials_link_to_their_runs_also_in_merged_campaigns(
     assert (tmp_path / "all" / "report.html").read_text(encoding="utf-8") == page
     links = re.findall(r'<a href="(.*?)">\d', page)
     assert links == [f"runs/tour-{seed}/report.html" for seed in (0, 1)]
-    assert all((tmp_path / "all" / each).is_file() for each in links)
+    assert all((tmp_path / "all" / link).is_file() for link in links)
 
 
 @needs_browser

@@ -120,10 +120,10 @@ def test_probabilities_of_causes_are_written_with_intervals(
     assert re.search(r"blocked +30 +0\.29\d+ +0\.21\d to 0\.3[89]\d", said.out)
     assert handcart("learn", campaign, "--write").status == 0
     entry = load_task(tour).file.actions[0]
-    blocked, no_route = (each.p or 0.0 for each in entry.fail_entries.values())
+    blocked, no_route = (fail_entry.p or 0.0 for fail_entry in entry.fail_entries.values())
     assert (blocked, no_route) == pytest.approx((30.33 / 102.1, 0.33 / 102.1), abs=2e-3)
     assert isinstance(entry, ActionEntry)
-    assert [each.to for each in entry.fail_entries.values()] == ["b", "b"]
+    assert [fail_entry.to for fail_entry in entry.fail_entries.values()] == ["b", "b"]
     other = float(re.search(r"else: \{p: (0\.\d+)\}", tour.read_text())[1])  # type: ignore[index]
     assert (entry.p or 0.0) + blocked + no_route + other == pytest.approx(1.0, abs=1e-4)
     assert re.search(

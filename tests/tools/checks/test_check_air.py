@@ -26,7 +26,7 @@ def test_a_difference_is_told_with_its_place(handcart: Callable[..., Said], tmp_
     text = file.read_text(encoding="utf-8")
     section = "ros2: {odometry: {topic: odom, frame: map}, first_message_s: 0.5}"
     file.write_text(text.replace("ros2: {}", section), encoding="utf-8")
-    line = next(n for n, each in enumerate(text.splitlines(), 1) if each.startswith("ros2"))
+    line = next(n for n, item in enumerate(text.splitlines(), 1) if item.startswith("ros2"))
     words = ("check", str(file), "--ros2", "--bench", "kinematic", "--seconds", "0.5")
     said = handcart(*words)
     assert said.status == 2

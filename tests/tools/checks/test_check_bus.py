@@ -19,13 +19,13 @@ def cart(tmp_path: Path) -> Callable[..., Path]:
     """The cart's file, changed."""
 
     def changed(**pairs: str) -> Path:
-        for each in CART.iterdir():
-            (tmp_path / each.name).write_bytes(each.read_bytes())
+        for item in CART.iterdir():
+            (tmp_path / item.name).write_bytes(item.read_bytes())
         path = tmp_path / "robot.yaml"
         text = path.read_text(encoding="utf-8")
         for key, value in pairs.items():
             lines = [
-                f"  {key}: {value}" if each.startswith(f"  {key}:") else each for each in text.splitlines()
+                f"  {key}: {value}" if line.startswith(f"  {key}:") else line for line in text.splitlines()
             ]
             text = "\n".join(lines) + "\n"
         path.write_text(text, encoding="utf-8")
@@ -41,7 +41,7 @@ def test_each_frame_is_told_with_its_bits(handcart: Callable[..., Said], cart: C
     assert "CAN bus: 4.0% of 500 kbit/s" in said.out
     bus = json.loads(handcart("check", cart(), "--json").out)["robot"]["bus"]
     assert bus["share"] == pytest.approx(0.04, abs=1e-3)
-    assert sum(each["share"] for each in bus["frames"]) == pytest.approx(bus["share"], abs=1e-4)
+    assert sum(frame["share"] for frame in bus["frames"]) == pytest.approx(bus["share"], abs=1e-4)
 
 
 def test_c19_an_overloaded_bus_is_refused(handcart: Callable[..., Said], cart: Callable[..., Path]) -> None:

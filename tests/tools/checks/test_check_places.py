@@ -71,30 +71,30 @@ def test_check_reports_clearance_and_reachability_of_each_place(
     said = handcart("check", task("desk", "behind", "closet"), "--json")
     found = json.loads(said.out)
     assert (said.status, found["ok"]) == (2, False)
-    rooms = {each["name"]: each for each in found["places"]}
-    assert {name: each["why_not"] for name, each in rooms.items()} == {
+    rooms = {place["name"]: place for place in found["places"]}
+    assert {name: room["why_not"] for name, room in rooms.items()} == {
         "home": None,
         "desk": None,
         "near": "too near",
         "behind": "too narrow",
         "closet": "cut off",
     }
-    assert [name for name, each in rooms.items() if each["reachable"]] == ["home", "desk"]
+    assert [name for name, room in rooms.items() if room["reachable"]] == ["home", "desk"]
     assert rooms["desk"]["component"] == rooms["home"]["component"] != rooms["behind"]["component"]
     assert rooms["desk"] | {"clearance_m": 0.95, "needed_m": 0.38, "fits": True, "line": 4} == rooms["desk"]
     narrow = rooms["behind"]
     assert narrow["narrow_m"] == pytest.approx([4.0, 1.8], abs=0.1)
     assert (narrow["width_m"], narrow["width_needed_m"]) == (pytest.approx(0.6, abs=0.051), 0.72)
-    assert [(each["line"], each["column"]) for each in found["findings"]] == [(6, 3), (7, 3)]
+    assert [(finding["line"], finding["column"]) for finding in found["findings"]] == [(6, 3), (7, 3)]
 
 
 def test_a_place_that_nothing_drives_to_is_a_warning_alone(task: Callable[..., Path]) -> None:
     checked = check(task("desk"))
     assert checked.errors == ()
-    warnings = [each.partition("places.yaml:")[2] for each in checked.warnings]
+    warnings = [warning.partition("places.yaml:")[2] for warning in checked.warnings]
     unused = "5:3: no action uses the place 'near'; something at (1.00, 0.05) m leaves 0.310 m"
     assert warnings[0].startswith(unused)
-    assert [each[:4] for each in warnings] == ["5:3:", "6:3:", "7:3:"]
+    assert [warning[:4] for warning in warnings] == ["5:3:", "6:3:", "7:3:"]
 
 
 def test_a_place_that_nothing_uses_is_told_and_no_warning(
@@ -136,4 +136,4 @@ def test_place_only_passed_is_reported_without_a_limit() -> None:
     shipped = Path(__file__).resolve().parents[3] / "tasks" / "return_book" / "task.yaml"
     checked = check(shipped)
     assert (checked.errors, checked.warnings) == ((), ())
-    assert all(each.used for each in checked.places)
+    assert all(place.used for place in checked.places)

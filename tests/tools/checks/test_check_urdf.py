@@ -74,7 +74,7 @@ def test_a_urdf_alone_is_told_of(handcart: Callable[..., Said], crane: Path) -> 
     report = json.loads(handcart("check", crane, "--json").out)
     assert report["ok"]
     assert report["robot"]["outline"]["chains"] == [["lift", "slew", "tip"]]
-    assert [each["name"] for each in report["robot"]["joints"]] == ["lift", "slew", "tip"]
+    assert [joint["name"] for joint in report["robot"]["joints"]] == ["lift", "slew", "tip"]
 
 
 def test_a_draft_is_not_written_over_a_file(handcart: Callable[..., Said], crane: Path, robot: Path) -> None:
@@ -90,7 +90,7 @@ def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[...
     assert report["robot"]["self_contact"]["always"] == [["base", "boom"]]
     assert report["robot"]["self_contact"]["free"] == 0
     assert report["robot"]["reach"] is not None
-    assert any("touch however the arm stands: base with boom;" in each for each in report["warnings"])
+    assert any("touch however the arm stands: base with boom;" in warning for warning in report["warnings"])
     assert "  base touches boom in 100 % of postures\n" in handcart("check", robot).out
     said = handcart("check", robot, "--allow")
     assert said.status == 0
@@ -98,7 +98,7 @@ def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[...
     assert "allowed_contacts:\n  - [base, boom]\n" in robot.read_text(encoding="utf-8")
     after = json.loads(handcart("check", robot, "--json").out)
     assert after["robot"]["self_contact"]["free"] == 200
-    assert not any("however the arm stands" in each for each in after["warnings"])
+    assert not any("however the arm stands" in warning for warning in after["warnings"])
     assert "no pair was added" in handcart("check", robot, "--allow").err
 
 
@@ -106,7 +106,7 @@ def test_only_robots_with_trays_and_tags_are_told_of_books(
     handcart: Callable[..., Said], robot: Path
 ) -> None:
     report = json.loads(handcart("check", robot, "--json").out)
-    assert not any("'tray'" in each or "return_book" in each for each in report["warnings"])
+    assert not any("'tray'" in warning or "return_book" in warning for warning in report["warnings"])
     assert "books" not in report["robot"]
     text = robot.read_text(encoding="utf-8")
     robot.write_text(text.replace("    home:", "    look_at_tag: [150, 0, 0]\n    home:"), encoding="utf-8")
@@ -161,7 +161,7 @@ def test_a_robot_that_cannot_follow_a_seam_is_told_at_its_line(
     said = handcart("place", robot, SEAM, "-o", tmp_path / "seam")
     assert said.status == 2
     assert words in said.err
-    number = next((n for n, each in enumerate(robot.read_text().splitlines(), 1) if "joints:" in each), 0)
+    number = next((n for n, item in enumerate(robot.read_text().splitlines(), 1) if "joints:" in item), 0)
     assert f"{robot}:{number if add else 2}:" in said.err
 
 

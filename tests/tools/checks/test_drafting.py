@@ -204,7 +204,7 @@ def test_xacro_file_without_the_library_is_told_how(handcart: Callable[..., Said
     assert said.status == 2
     assert "r.urdf.xacro:1:1: a xacro file needs xacrodoc, not installed" in said.err
     assert "pip install 'handcart[xacro]'; or write a URDF: xacro FILE > robot.urdf" in said.err
-    assert [each.name for each in tmp_path.iterdir()] == ["r.urdf.xacro"]
+    assert [path.name for path in tmp_path.iterdir()] == ["r.urdf.xacro"]
 
 
 @pytest.mark.skipif(not is_there("xacrodoc"), reason="xacrodoc is not installed")
@@ -217,7 +217,7 @@ def test_xacro_file_is_expanded_beside_the_draft(
 ) -> None:
     said = xacro_draft(handcart, tmp_path, XACRO.replace('value="0.1"', f'value="{bad or 0.1}"'))
     assert words in said.err
-    files: Sequence[str] = sorted(each.name for each in tmp_path.iterdir())
+    files: Sequence[str] = sorted(path.name for path in tmp_path.iterdir())
     assert files == (["r.urdf.xacro"] if bad else ["r.urdf", "r.urdf.xacro", "robot.yaml"])
     if not bad:
         assert load_robot(str(tmp_path / "robot.yaml")).drive.tread_m == pytest.approx(0.4)

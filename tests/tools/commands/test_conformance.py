@@ -28,7 +28,7 @@ def test_status_0_only_if_all_holds(
     for words in ((), ("--json",)):
         said = handcart("conformance", "--quick", *words)
         assert said.status == (5 if wrong else 0)
-        assert all(each in said.out for each in wrong)
+        assert all(text in said.out for text in wrong)
     assert json.loads(said.out)["checks"][0]["ok"] is not bool(wrong)
 
 

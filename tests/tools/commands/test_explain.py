@@ -52,16 +52,16 @@ def test_a_blocked_way(handcart: Callable[..., Said], runs: Callable[[str], Path
     said = handcart("explain", folder, "--action", 3, "--json")
     assert said.status == 0
     report = json.loads(said.out)
-    assert [each["outcome"] for each in report["actions"]] == ["Success", "Success", "Fail", "Fail"]
+    assert [item["outcome"] for item in report["actions"]] == ["Success", "Success", "Fail", "Fail"]
     (cause,) = report["cause"]
     assert (cause["check"], cause["calls"]) == ("watch", ["MoveTo.watch"])
     measured = cause["measured"]
     assert measured["sensor"] == "RangeSensor"
     assert 0.0 <= measured["value"] < measured["limit"]
-    assert all(each["within"] for each in report["residuals"])
-    assert {each["name"] for each in report["residuals"]} >= {"base_mm", "joints_deg", "held"}
+    assert all(residual["within"] for residual in report["residuals"])
+    assert {residual["name"] for residual in report["residuals"]} >= {"base_mm", "joints_deg", "held"}
     choice = report["choice"]
-    assert [each["do"] for each in choice["options"]] == ["MOVE_TO"]
+    assert [option["do"] for option in choice["options"]] == ["MOVE_TO"]
     assert choice["next_best"] is None
     assert choice["after_fail"]["cost_s"] == 136.0
     assert report["relied_on"] == {"book": 1}

@@ -69,8 +69,8 @@ def test_every_frame_is_in_a_candump_log(handcart: Callable[..., Said], run: Cal
     with CanutilsLogReader(folder / "frames_000.log") as reader:
         frames = list(reader)
     assert len(frames) > 300
-    assert {0x601, 0x581, 0x000, 0x080, 0x181, 0x77F} <= {each.arbitration_id for each in frames}
-    assert sum(each.arbitration_id == 0x080 for each in frames) > 35
+    assert {0x601, 0x581, 0x000, 0x080, 0x181, 0x77F} <= {frame.arbitration_id for frame in frames}
+    assert sum(frame.arbitration_id == 0x080 for frame in frames) > 35
     assert frames[-1].timestamp > 2.0
     report = json.loads(handcart("explain", folder, "--json").out)
     assert report["frames"].endswith("_frames.log")

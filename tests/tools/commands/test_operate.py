@@ -64,7 +64,7 @@ class Alive:
         return json.loads(out.splitlines()[-1])
 
     def kinds(self) -> list[str]:
-        return [each["kind"] for each in read_journal(self.folder / "journal.jsonl").records]
+        return [record["kind"] for record in read_journal(self.folder / "journal.jsonl").records]
 
 
 @pytest.fixture
@@ -78,9 +78,9 @@ def alive(tour: Path, tmp_path: Path) -> Iterator[Callable[..., Alive]]:
         return started[-1]
 
     yield start
-    for each in started:
-        each.process.kill()
-        each.process.communicate()
+    for alive_ in started:
+        alive_.process.kill()
+        alive_.process.communicate()
 
 
 @pytest.mark.slow

@@ -50,7 +50,7 @@ def test_u8_who_doesn_t_command_only_stops(console: Served, live: LiveRun) -> No
     other.take("Bob")
     assert other.command(do="pause").status == 200
     assert console.command(do="continue").json["error"] == "Bob commands; take the command first"
-    assert [each["by"] for each in live.heard] == ["Bob"]
+    assert [message["by"] for message in live.heard] == ["Bob"]
 
 
 def events(console: Served, count: int) -> list[dict[str, Any]]:
@@ -67,10 +67,10 @@ def test_u8_everybody_sees_who_commands_and_what_was_said(console: Served) -> No
     console.command(do="pause")
     (state,) = events(replace(console, tab="tab-2"), 1)
     assert state["lease"] == {"tab": "tab-1", "name": "Ada"}
-    run = next(each for each in state["runs"] if each["name"] == LIVE)
-    assert [(each["do"], each["by"]) for each in run["commands"]] == [("pause", "Ada")]
+    run = next(item for item in state["runs"] if item["name"] == LIVE)
+    assert [(command["do"], command["by"]) for command in run["commands"]] == [("pause", "Ada")]
     assert run["alive"]
-    over = next(each for each in state["runs"] if each["name"] == OVER)
+    over = next(item for item in state["runs"] if item["name"] == OVER)
     assert (over["alive"], over["state"]) == (False, "Success")
 
 
@@ -126,7 +126,7 @@ def test_who_commands_has_a_name(served: Served, name: object) -> None:
 def test_break_points_of_all_copies_of_a_situation(console: Served, live: LiveRun) -> None:
     reply = console.command(do="break", places=["at_home", "between"], on=True, nonce="n")
     assert reply.json["breaks"] == ["at_home", "between"]
-    assert [each["nonce"] for each in live.heard] == ["n.0", "n.1"]
+    assert [message["nonce"] for message in live.heard] == ["n.0", "n.1"]
     assert console.command(do="break", places=[], on=True).status == 409
 
 
@@ -220,13 +220,13 @@ def test_u9_stop_goes_through_while_everybody_asks(console: Served, live: LiveRu
             mine.ask("GET", f"/api/runs/{OVER}")
 
     others = [threading.Thread(target=bother, args=(number,)) for number in range(50)]
-    for each in others:
-        each.start()
+    for other in others:
+        other.start()
     try:
         for _ in range(20):
             assert console.ask("POST", f"/api/runs/{LIVE}/stop", {}).status == 200
     finally:
         over.set()
-        for each in others:
-            each.join()
+        for other in others:
+            other.join()
     assert live.stops >= 1

@@ -142,8 +142,8 @@ def test_u14_only_runs_that_are_listed_have_names(served: Served, name: str) -> 
 )
 def test_u14_only_pictures_are_files(served: Served, file: str, tmp_path: Path) -> None:
     there, secret = served.runs / OVER / "evidence", tmp_path / "secret.png"
-    for each in (secret, there / "passwd", there / "003_MOVE_TO_Fail.npz"):
-        each.write_bytes(b"for nobody's eyes")
+    for item in (secret, there / "passwd", there / "003_MOVE_TO_Fail.npz"):
+        item.write_bytes(b"for nobody's eyes")
     (there / "link.png").symlink_to(secret)
     asked = served.ask("GET", f"/api/runs/{OVER}/files/{file}")
     assert asked.status in (403, 404, 409)
@@ -295,11 +295,11 @@ def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.
     """Slow heads, too; and of very many connections the first ones."""
     monkeypatch.setattr(connections, "SILENT_S", 0.3)
     slow = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(10)]
-    for each in slow:
-        each.sendall(b"GET / HTTP/1.1\r\nHost: ")
-    for each in slow:
-        with each, suppress(ConnectionResetError):
-            assert each.recv(100) == b""
+    for item in slow:
+        item.sendall(b"GET / HTTP/1.1\r\nHost: ")
+    for item in slow:
+        with item, suppress(ConnectionResetError):
+            assert item.recv(100) == b""
     monkeypatch.setattr(connections, "SILENT_S", 30.0)
     many = [socket.create_connection(("127.0.0.1", served.server.port), timeout=20) for _ in range(60)]
     _until_closed(40, many)
@@ -308,14 +308,14 @@ def test_u11_who_says_nothing_is_hung_up_on(served: Served, monkeypatch: pytest.
 
 def _until_closed(count: int, many: Sequence[socket.socket]) -> None:
     """Until so many of them are hung up on; then hang up on the others."""
-    for each in many:
-        each.setblocking(False)
+    for socket_ in many:
+        socket_.setblocking(False)
     end = monotonic() + 20.0
-    while sum(_closed(each) for each in many) < count:
+    while sum(_closed(socket_) for socket_ in many) < count:
         assert monotonic() < end
         sleep(0.05)
-    for each in many:
-        each.close()
+    for socket_ in many:
+        socket_.close()
 
 
 def _closed(line: socket.socket) -> bool:

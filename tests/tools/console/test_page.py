@@ -89,13 +89,17 @@ def test_a_run_is_permitted_and_stopped(seen: Seen, served: Served, live: LiveRu
     command(page)
     page.get_by_role("button", name="Permit").click()
     page.get_by_text("permit, by Ada").wait_for(timeout=20_000)
-    assert [(each["do"], each["ask"], each["by"]) for each in live.heard] == [("permit", 1, "Ada")]
+    assert [(message["do"], message["ask"], message["by"]) for message in live.heard] == [
+        ("permit", 1, "Ada")
+    ]
     page.get_by_role("button", name="STOP").click()
     page.wait_for_timeout(500)
     assert live.stops == 1
     assert "token" not in page.url
     assert seen.errors == []
-    assert [each for each in seen.requests if not each.startswith((f"http://{served.host}", "blob:"))] == []
+    assert [
+        request for request in seen.requests if not request.startswith((f"http://{served.host}", "blob:"))
+    ] == []
 
 
 def test_u7_a_double_click_permits_once(served: Served, live: LiveRun) -> None:
@@ -105,7 +109,7 @@ def test_u7_a_double_click_permits_once(served: Served, live: LiveRun) -> None:
         command(seen.page)
         seen.page.get_by_role("button", name="Permit").dblclick()
         seen.page.wait_for_timeout(500)
-    assert {each["ask"] for each in live.heard} == {1}
+    assert {message["ask"] for message in live.heard} == {1}
 
 
 def test_u8_without_the_command_only_stop_is_there(seen: Seen, served: Served, live: LiveRun) -> None:
@@ -127,7 +131,9 @@ def test_a_break_point_is_pressed_with_the_keyboard(seen: Seen, served: Served, 
     spot.focus()
     page.keyboard.press("Enter")
     page.wait_for_timeout(1000)
-    assert [(each["do"], each["at"], each["on"]) for each in live.heard] == [("break", "between", True)]
+    assert [(message["do"], message["at"], message["on"]) for message in live.heard] == [
+        ("break", "between", True)
+    ]
     assert spot.get_attribute("aria-pressed") == "true"
     page.keyboard.press(" ")
     page.wait_for_timeout(1000)
@@ -208,7 +214,7 @@ def test_u10_what_a_run_is_called_is_never_run(served: Served, live: LiveRun) ->
             page.locator("#commands").get_by_text(payload, exact=False).first.wait_for(timeout=20_000)
             assert page.evaluate("typeof attacked") == "undefined", payload
         assert page.get_by_role("heading", name="Commands").is_visible()
-        assert [each for each in seen.requests if "evil" in each] == []
+        assert [request for request in seen.requests if "evil" in request] == []
         page.screenshot()
 
 
@@ -227,7 +233,7 @@ def test_u10_what_a_journal_says_is_never_run(served: Served, live: LiveRun) -> 
         assert seen.page.evaluate("typeof attacked") == "undefined"
         assert seen.page.locator("#network script, #network img, #network a, #network iframe").count() == 0
         assert seen.page.locator("#network text").count() >= 2 * len(PAYLOADS)
-        assert [each for each in seen.requests if "evil" in each] == []
+        assert [request for request in seen.requests if "evil" in request] == []
 
 
 def test_a_real_run_is_stepped_through_and_nothing_is_left(tmp_path: Path) -> None:

@@ -56,8 +56,8 @@ def test_without_a_port_the_next_free_one_is_taken(tmp_path: Path, monkeypatch: 
     asked.clear()
     sockets = module._sockets(("127.0.0.1",), None)
     assert asked == [8090, 8091, 8092]
-    for each in sockets:
-        each.close()
+    for socket_ in sockets:
+        socket_.close()
     monkeypatch.setattr(module, "TRIES", 2)
     with pytest.raises(NoConsole, match="any port from 8090 to 8091 of 127"):
         Server(tmp_path, "127.0.0.1", None)

@@ -29,7 +29,7 @@ def cut(ran: Path, folder: Path, kind: bytes, times: int) -> Path:
 
 def test_a_run_that_is_over_shows_its_end(ran: Path) -> None:
     shown = RunDetails(ran, alive=False).summary(None)
-    assert [(each["number"], each["outcome"]) for each in shown["actions"]] == [
+    assert [(action["number"], action["outcome"]) for action in shown["actions"]] == [
         (1, "Success"),
         (2, "Success"),
     ]
@@ -61,7 +61,7 @@ def test_pictures_are_listed_by_their_action_and_no_other_files(ran: Path, tmp_p
     for name in ("010_b.jpg", "002_c.png", "x_a.jpeg", "003_d.npz"):
         (folder / "evidence" / name).write_bytes(b"")
     shown = RunDetails(folder, alive=False).summary(None)["pictures"]
-    assert [(each["action"], each["file"]) for each in shown] == [
+    assert [(item["action"], item["file"]) for item in shown] == [
         (0, "evidence/x_a.jpeg"),
         (2, "evidence/002_c.png"),
         (10, "evidence/010_b.jpg"),

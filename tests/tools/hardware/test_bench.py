@@ -71,7 +71,7 @@ def test_wheels_are_driven_over_the_network(
         assert backend.figures()["loop"]["periods"] == 20
     time.sleep(1.0)
     last = bench.read_text().splitlines()[-1].split(",")
-    assert [each.split(":")[2] for each in last[2:]] == ["0.0", "0.0"]
+    assert [item.split(":")[2] for item in last[2:]] == ["0.0", "0.0"]
 
 
 def test_faults_are_listed(handcart: Callable[..., Said]) -> None:

@@ -17,7 +17,7 @@ from handcart.evaluation.bringup.site import Site
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.tools.conftest import Said
 
-NAMES = [each.name for each in ALL_RUNGS]
+NAMES = [rung.name for rung in ALL_RUNGS]
 CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
 ANSWERS = {
     "pressed": True,
@@ -58,9 +58,9 @@ def climb(ladder: Ladder, upto: str) -> list[Any]:
 def test_the_lower_half(ladder: Ladder) -> None:
     """The steps from the interface to the stop test are recorded in order."""
     tried = climb(ladder, "stop_test")
-    assert [each.rung for each in tried] == NAMES[:7]
-    assert all(each.passed for each in tried)
-    facts = {each.rung: each.facts for each in tried}
+    assert [item.rung for item in tried] == NAMES[:7]
+    assert all(item.passed for item in tried)
+    facts = {item.rung: item.facts for item in tried}
     assert facts["identify"]["nodes"]["left wheel"]["node"] == 1
     assert facts["read_back"]["supervision"]["left wheel"]["6007h:0"] == 3
     assert set(facts["emergency_stop"]["states"].values()) == {"SWITCH ON DISABLED"}
@@ -75,7 +75,7 @@ def test_the_lower_half(ladder: Ladder) -> None:
 def test_none_is_left_out_and_it_goes_on_where_it_was(site: Site) -> None:
     climb(Ladder(site), "identify")
     again = Ladder(site)
-    assert [each.rung for each in again.records()] == NAMES[:2]
+    assert [record.rung for record in again.records()] == NAMES[:2]
     (site.folder / "01_interface.yaml").unlink()
     assert again.next is ALL_RUNGS[0]
 
@@ -159,13 +159,13 @@ def test_the_whole_ladder(handcart: Callable[..., Said], tmp_path: Path) -> None
     """Up to the task; the calibration is a change to review."""
     robot = tmp_path / "cart"
     robot.mkdir()
-    for each in CART.iterdir():
-        if each.is_file():
-            (robot / each.name).write_bytes(each.read_bytes())
+    for path in CART.iterdir():
+        if path.is_file():
+            (robot / path.name).write_bytes(path.read_bytes())
     words = ("bringup", robot / "robot.yaml", "--bench", "kinematic", "--all", "--folder", tmp_path / "b")
     report = json.loads(handcart(*words, "--json").out)
     assert (report["climbed"], report["next"]) == (NAMES, None)
-    review = next(each for each in report["tried"] if each["rung"] == "calibrate")["facts"]["review"]
+    review = next(item for item in report["tried"] if item["rung"] == "calibrate")["facts"]["review"]
     found = Path(review.removeprefix("handcart adopt "))
     said = handcart("adopt", found, "--write")
     assert said.status == 0

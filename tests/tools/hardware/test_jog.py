@@ -72,13 +72,13 @@ def test_u6_letting_go_stops_the_axis(backend: CanBackend, librarian: RobotFile)
 def test_one_axis_moves_and_no_other(backend: CanBackend, librarian: RobotFile, axis: str) -> None:
     jogger = Jogger(backend, librarian)
     jogger.settle()
-    before = {each: jogger.position(each) for each in jogger.axes}
+    before = {item: jogger.position(item) for item in jogger.axes}
     way = 0.05 if axis != "gripper" else 0.02 * (1 if before[axis] < 0.03 else -1)
     done = jogger.jog(axis, way, always)
-    moved = {each: jogger.position(each) - before[each] for each in jogger.axes}
+    moved = {item: jogger.position(item) - before[item] for item in jogger.axes}
     assert done.ended == "there"
     assert moved.pop(axis) == pytest.approx(way, rel=0.1)
-    assert all(abs(each) < 1e-3 for each in moved.values())
+    assert all(abs(item) < 1e-3 for item in moved.values())
 
 
 def test_the_hand_is_never_faster_than_250_mm_s(backend: CanBackend, librarian: RobotFile) -> None:

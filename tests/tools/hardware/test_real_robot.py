@@ -114,7 +114,7 @@ def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
         assert said.status == 6
         assert "waits for a person: a wheel is stuck" in said.err
         assert f"handcart ack {folder} {number}" in said.err
-    assert [each.name for each in (tmp_path / "runs").iterdir() if not each.is_symlink()] == [folder.name]
+    assert [path.name for path in (tmp_path / "runs").iterdir() if not path.is_symlink()] == [folder.name]
     assert handcart("ack", folder, number).status == 0
     assert run().status == 0
 
@@ -219,7 +219,7 @@ def test_resume_shows_all_and_moves_only_with_a_persons_word(
     assert handcart("resume", folder, "--confirm", last - 1).status == 6
     said = handcart("resume", folder, "--confirm", last, "--json")
     assert said.status == 0
-    kinds = [each["kind"] for each in records(folder)]
+    kinds = [record["kind"] for record in records(folder)]
     assert kinds[last + 1 :] == ["RECON", "EPOCH", "START", "RESULT", "END"]
     assert json.loads(said.out.splitlines()[-1])["metrics"].get("untrue", []) == []
 
@@ -250,7 +250,7 @@ def test_real_action_in_doubt_measured_at_its_start_has_failed(
     assert "unknown: how far action 2, MOVE_TO from at_shelf, had come" in said.err
     assert said.status == 0
     assert json.loads(said.out.splitlines()[-1])["fails"] == 1
-    closed = next(each for each in records(folder) if each.get("by") == "recon")
+    closed = next(record for record in records(folder) if record.get("by") == "recon")
     assert (closed["n"], closed["outcome"]) == (2, "Fail")
     assert closed["residuals"]["base_mm"] < 25
 

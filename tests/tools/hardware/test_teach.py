@@ -100,7 +100,7 @@ def test_hand_points_the_given_way(
     assert said.err == ""
     spec = load_robot(str(robot))
     pose = spec.arm_model().forward(np.array(spec.posture("look")))
-    assert pose[:3, 3] == pytest.approx([float(each) for each in options[0][7:].split(",")], abs=1e-4)
+    assert pose[:3, 3] == pytest.approx([float(part) for part in options[0][7:].split(",")], abs=1e-4)
     assert pose[:3, 0] == pytest.approx(x, abs=1e-3)
     assert z is None or pose[:3, 2] == pytest.approx(z, abs=1e-3)
 

@@ -138,7 +138,7 @@ def test_world_walls_report_things_that_a_map_lacks(plan: Path, tmp_path: Path, 
     (tmp_path / "world.yaml").write_text(WORLD, encoding="utf-8")
     said = handcart("map", "walls", plan, tmp_path / "world.yaml", "--json")
     found = json.loads(said.out)
-    assert [each["name"] for each in found["lacking"]] == ["sofa"]
+    assert [item["name"] for item in found["lacking"]] == ["sofa"]
     assert found["lacking"][0]["missing"] > 0.9
     assert found["p95_m"] < 0.05
     assert "sofa: " in handcart("map", "walls", plan, tmp_path / "world.yaml").out

@@ -84,7 +84,7 @@ def test_a_requested_run_begins_and_a_second_one_is_refused(client: Client, tmp_
 def test_a_kinematic_run_is_watched_stopped_and_resumed(client: Client, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "handcart", *RUN, "--runs", str(tmp_path)]
     status: list[Any] = []
-    client.listen("std_msgs/String", "handcart/status", lambda each: status.append(orjson.loads(each.data)))
+    client.listen("std_msgs/String", "handcart/status", lambda item: status.append(orjson.loads(item.data)))
     kinds = {
         "handcart/markers": "visualization_msgs/MarkerArray",
         "handcart/map": "nav_msgs/OccupancyGrid",

@@ -34,7 +34,7 @@ def test_the_first_different_outcome_is_named(handcart: Handcart, scripted_run: 
     assert "first different record: RESULT at" in said.out
     found = json.loads(handcart("compare", one, other, "--json").out)
     assert found["first_difference"] == 1
-    assert [each["n"] for each in found["actions"]] == [[1, 1], [2, 2], [3, None], [None, 3]]
+    assert [action["n"] for action in found["actions"]] == [[1, 1], [2, 2], [3, None], [None, 3]]
     assert found["actions"][3]["outcomes"] == [None, "GiveUp"]
     assert found["outcomes"] == ["Success", "GiveUp"]
     assert not found["equal"]
@@ -43,7 +43,7 @@ def test_the_first_different_outcome_is_named(handcart: Handcart, scripted_run: 
 def test_actions_are_aligned_after_one_too_many(handcart: Handcart, scripted_run: Make) -> None:
     one, other = scripted_run(TASK, "one"), scripted_run(TASK, "other", near="F")
     rows = json.loads(handcart("compare", one, other, "--json").out)["actions"]
-    assert [(each["to"], each["n"], each["differs"]) for each in rows][-1] == ("z", [2, 3], None)
+    assert [(row["to"], row["n"], row["differs"]) for row in rows][-1] == ("z", [2, 3], None)
 
 
 def packed(folder: Path, path: Path) -> Path:

@@ -23,8 +23,8 @@ def test_a_run_leaves_one_page_that_needs_nothing_else(
     assert f"Again: <code>handcart run {tour} --seed 0</code>" in page
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
     assert sources
-    assert all(each.startswith(("data:image/", "#action-")) for each in sources)
-    assert all(f'id="{each[1:]}"' in page for each in sources if each.startswith("#"))
+    assert all(source.startswith(("data:image/", "#action-")) for source in sources)
+    assert all(f'id="{source[1:]}"' in page for source in sources if source.startswith("#"))
     summary = orjson.loads((tmp_path / "runs" / "latest" / "summary.json").read_bytes())
     assert f'<td>actions</td><td class="n">{summary["actions"]}</td>' in page
 

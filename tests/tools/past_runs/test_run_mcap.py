@@ -51,7 +51,7 @@ def messages(path: Path) -> dict[str, list[tuple[str, float, Any]]]:
 
 def counts(recorded: Playback) -> dict[str, int]:
     """Return the expected number of messages of a run, by topic."""
-    rows, moves = recorded.rows, sum(len(each.time) for each in recorded.things.values())
+    rows, moves = recorded.rows, sum(len(thing.time) for thing in recorded.things.values())
     each_row = dict.fromkeys(("/pose", "/tf", "/truth", "/joint_states"), len(rows.time))
     rest = {"/scan": len(rows.scan_time), "/things": moves, "/scenery": len(recorded.scenery.solids)}
     rest |= {"/particles": len(rows.cloud_time), "/camera": len(rows.picture_time)}
@@ -69,20 +69,20 @@ def test_all_that_was_recorded_is_there_once(
         said.out == f"written: {path}, " + ", ".join(f"{expected[at]} {at}" for at in sorted(expected)) + "\n"
     )
     found, rows = messages(path), recorded.rows
-    assert {topic: len(each) for topic, each in found.items()} == expected
-    for topic, each in found.items():
-        assert {schema for schema, _, _ in each} == {f"foxglove.{SCHEMAS[topic]}"}
+    assert {topic: len(item) for topic, item in found.items()} == expected
+    for topic, item in found.items():
+        assert {schema for schema, _, _ in item} == {f"foxglove.{SCHEMAS[topic]}"}
     assert len(rows.time) > 200
-    poses = [(at, each.pose.position.x, each.pose.position.y) for _, at, each in found["/pose"]]
+    poses = [(at, item.pose.position.x, item.pose.position.y) for _, at, item in found["/pose"]]
     assert np.array(poses) == pytest.approx(np.column_stack([rows.time, rows.pose[:, :2]]), abs=1e-9)
-    true = [each.pose.orientation.w for _, _, each in found["/truth"]]
+    true = [item.pose.orientation.w for _, _, item in found["/truth"]]
     assert true == pytest.approx(rows.truth[:, 3])
     moved = found["/tf"][-1][2].transforms[0]
     assert (moved.parent_frame_id, moved.child_frame_id) == ("map", "base")
     assert (moved.translation.x, moved.translation.y) == pytest.approx(rows.pose[-1, :2])
     assert found["/scan"][-1][2].ranges == pytest.approx(recorded.ranges(-1))
     robot = recorded.scenery.robot
-    joints = {each.name: each.position for each in found["/joint_states"][-1][2].joints}
+    joints = {joint.name: joint.position for joint in found["/joint_states"][-1][2].joints}
     assert [joints[name] for name in robot.joints] == pytest.approx(rows.joints[-1])
     assert joints["left_finger"] == joints["right_finger"] == pytest.approx(rows.width[-1] / 2)
 
@@ -92,13 +92,13 @@ def test_what_stood_around_stands_where_it_stood(
 ) -> None:
     handcart("export", run, "-o", tmp_path / "run.mcap")
     found, recorded = messages(tmp_path / "run.mcap"), Playback.read(run)
-    drawn = {each.entities[0].id: each.entities[0].cubes[0] for _, _, each in found["/scenery"]}
-    pillar = next(each for each in recorded.scenery.solids if each.name == "pillar")
+    drawn = {item.entities[0].id: item.entities[0].cubes[0] for _, _, item in found["/scenery"]}
+    pillar = next(solid for solid in recorded.scenery.solids if solid.name == "pillar")
     assert (drawn["pillar"].pose.position.x, drawn["pillar"].size.z) == pytest.approx((pillar.pose[0], 2.0))
-    (grid,) = (each for _, _, each in found["/map"])
+    (grid,) = (item for _, _, item in found["/map"])
     cells = np.frombuffer(grid.data, np.int8).reshape(-1, grid.column_count)
     x, y = pillar.pose[0] - grid.pose.position.x, pillar.pose[1] - grid.pose.position.y
-    row, column, near = (round(each / grid.cell_size.x) for each in (y, x, 0.3))
+    row, column, near = (round(item / grid.cell_size.x) for item in (y, x, 0.3))
     around = slice(column - near, column + near)
     assert 100 in cells[row - near : row + near, around]
     assert 100 not in cells[len(cells) - row - near : len(cells) - row + near, around]
@@ -108,16 +108,16 @@ def test_events_are_in_words_and_what_the_run_was_is_told(
     handcart: Callable[..., Said], run: Path, tmp_path: Path
 ) -> None:
     handcart("export", run, "-o", tmp_path / "run.mcap")
-    events = [each for _, _, each in messages(tmp_path / "run.mcap")["/events"]]
-    assert Counter(each.name for each in events) == {"RUN": 1, "PLAN": 1, "START": 1, "RESULT": 1, "END": 1}
-    assert [each.message for each in events if each.name in ("START", "RESULT")] == [
+    events = [item for _, _, item in messages(tmp_path / "run.mcap")["/events"]]
+    assert Counter(event.name for event in events) == {"RUN": 1, "PLAN": 1, "START": 1, "RESULT": 1, "END": 1}
+    assert [event.message for event in events if event.name in ("START", "RESULT")] == [
         "1. MOVE_TO: from at_home to at_shelf",
         "1. MOVE_TO: Success",
     ]
     with (tmp_path / "run.mcap").open("rb") as file:
         reader = make_reader(file)
-        (about,) = [each.metadata for each in reader.iter_metadata()]
-        attached = {each.name: each.data for each in reader.iter_attachments()}
+        (about,) = [item.metadata for item in reader.iter_metadata()]
+        attached = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
     assert (about["outcome"], about["seed"], about["task"]) == ("Success", "0", "Drive to a shelf")
     assert orjson.loads(attached["summary.json"])["outcome"] == "Success"
     assert attached["robot.urdf"].decode() == Playback.read(run).scenery.robot.urdf

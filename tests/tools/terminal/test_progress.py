@@ -46,7 +46,7 @@ def test_terminal_shows_loading_progress_and_next_steps(tour: Path) -> None:
     shown, status = typed_into(words)
     assert status == 0
     assert "loading" in shown
-    far = [int(each) for each in re.findall(r"MOVE_TO: at_home to at_shelf  (\d+) of about 30 s", shown)]
+    far = [int(match) for match in re.findall(r"MOVE_TO: at_home to at_shelf  (\d+) of about 30 s", shown)]
     assert far
     assert far == sorted(far)
     assert far[-1] > 5

@@ -89,9 +89,9 @@ class Gate(OwnPage):
         return None if page is None else self._dressed(page)
 
     def _has_token(self, protocols: str) -> bool:
-        given = [each.strip() for each in protocols.split(",")]
+        given = [part.strip() for part in protocols.split(",")]
         return any(
-            each.startswith(TOKEN_PREFIX) and self.knows(each.removeprefix(TOKEN_PREFIX)) for each in given
+            item.startswith(TOKEN_PREFIX) and self.knows(item.removeprefix(TOKEN_PREFIX)) for item in given
         )
 
     def _dressed(self, page: Response) -> Response:

@@ -35,7 +35,7 @@ def test_each_sync_is_a_period(cart: RobotFile, bench: Bench, clock: Any) -> Non
     backend: Any
     with CanBackend(cart, bench) as backend:
         seen: list[float] = []
-        server = BenchServer(bench, cart.period_s, clock, lambda each: seen.append(each.time))
+        server = BenchServer(bench, cart.period_s, clock, lambda item: seen.append(item.time))
         drive(backend, server, clock, 20, 0.2)
         assert len(seen) == 20
         assert bench.time == pytest.approx(20 * cart.period_s)
@@ -63,15 +63,15 @@ def test_k1_drives_stop_by_themselves_when_the_program_is_gone(
         drive(backend, server, clock, 40, 0.4)
         ramp = 0.4 / backend.axes.left.limits.braking
         drives = bench.drives.values()
-        assert all(each.velocity != 0.0 for each in drives)
+        assert all(item.velocity != 0.0 for item in drives)
         gone, stood = clock.now, None
         while clock.now < gone + 2.0:
             clock.now += 0.005
             server.catch_up()
-            if all(each.velocity == 0.0 for each in drives):
+            if all(item.velocity == 0.0 for item in drives):
                 stood = stood or clock.now
             else:
                 assert stood is None
         assert stood is not None
         assert stood - gone <= cart.can.heartbeat_timeout_ms / 1e3 + ramp + 0.02
-        assert all(each.life.state != "OPERATION ENABLED" for each in drives)
+        assert all(item.life.state != "OPERATION ENABLED" for item in drives)

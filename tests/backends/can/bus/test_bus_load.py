@@ -30,7 +30,7 @@ def test_the_worst_case_of_stuffing(length: int) -> None:
 
 def test_load_of_a_bus() -> None:
     load = BusLoad.of([CyclicFrame("two", 0x201, 6, 0.01), CyclicFrame("one", 0x181, 8, 0.01)], 125_000)
-    assert [each.what for each in load.frames] == ["one", "two"]
+    assert [frame.what for frame in load.frames] == ["one", "two"]
     assert load.share == pytest.approx((135 + 115) / 1250)
     assert load.burst_s == pytest.approx(250 / 125_000)
     assert not load.too_much
@@ -40,7 +40,7 @@ def test_load_of_a_bus() -> None:
 def test_cyclic_frames_of_a_robot_have_their_ids_lengths_and_times() -> None:
     cart = load_robot("cart").can
     assert cart is not None
-    frames = [tuple(each) for each in cyclic_frames(cart, 0.1)]
+    frames = [tuple(frame) for frame in cyclic_frames(cart, 0.1)]
     beat = cart.heartbeat_ms / 1e3
     assert frames == [
         ("SYNC", 0x080, 0, 0.1),

@@ -114,6 +114,6 @@ def test_channels_of_robots_are_groups_of_their_own() -> None:
     channels = {own_channel(f"robot {number}") for number in range(200)}
     assert len(channels) > 195
     assert own_channel("cart") == own_channel("cart")
-    assert all(1 <= int(part) <= 254 for each in channels for part in each.split(".")[2:])
+    assert all(1 <= int(part) <= 254 for channel in channels for part in channel.split(".")[2:])
     assert own_channel("cart") in other_channel_hint("udp_multicast", "cart")
     assert "such as" not in other_channel_hint("socketcan", "cart")

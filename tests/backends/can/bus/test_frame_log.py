@@ -41,8 +41,8 @@ def make_log(clock: Any) -> Iterator[Callable[..., FrameLog]]:
         return made[-1]
 
     yield make
-    for each in made:
-        each.close()
+    for log in made:
+        log.close()
 
 
 def read(path: Path) -> list[can.Message]:
@@ -78,11 +78,11 @@ def test_it_is_bounded(tmp_path: Path, clock: Any, make_log: Make) -> None:
         clock.now = 0.01 * number
         log.note(frame(number), sent=True)
     log.close()
-    files = sorted(each.name for each in tmp_path.glob("frames_*.log"))
+    files = sorted(path.name for path in tmp_path.glob("frames_*.log"))
     assert len(files) == MAX_PARTS
     assert files[0] == "frames_000.log"  # how the drives were set up
     assert read(tmp_path / files[-2])[-1].arbitration_id >= 190
-    assert all((tmp_path / each).stat().st_size < 300 for each in files)
+    assert all((tmp_path / file).stat().st_size < 300 for file in files)
 
 
 def test_the_seconds_around_a_mark(tmp_path: Path, clock: Any, make_log: Make) -> None:
@@ -95,7 +95,7 @@ def test_the_seconds_around_a_mark(tmp_path: Path, clock: Any, make_log: Make) -
             log.mark()
             log.note(frame(0x7FF), sent=False)
     log.keep(tmp_path / "evidence" / "003_MOVE_TO_Fail")
-    ids = [each.arbitration_id for each in read(tmp_path / "evidence" / "003_MOVE_TO_Fail_frames.log")]
+    ids = [item.arbitration_id for item in read(tmp_path / "evidence" / "003_MOVE_TO_Fail_frames.log")]
     around = round(MARK_MARGIN_S / 0.1)
     assert ids[: around + 1] == list(range(50 - around, 51))
     assert ids[-around - 1 :] == list(range(99 - around, 100))
@@ -111,7 +111,7 @@ def test_the_seconds_are_stamped_with_the_robots_time(tmp_path: Path, clock: Any
     clock.now += 0.25
     log.note(frame(2), sent=True)
     log.keep(tmp_path / "end")
-    assert [each.timestamp for each in read(tmp_path / "end_frames.log")] == pytest.approx([12.5, 12.75])
+    assert [item.timestamp for item in read(tmp_path / "end_frames.log")] == pytest.approx([12.5, 12.75])
 
 
 def test_a_mark_and_what_follows_at_once_overlap_by_nothing(
@@ -122,7 +122,7 @@ def test_a_mark_and_what_follows_at_once_overlap_by_nothing(
     log.mark()
     log.note(frame(2), sent=True)
     log.keep(tmp_path / "end")
-    assert [each.arbitration_id for each in read(tmp_path / "end_frames.log")] == [1, 2]
+    assert [item.arbitration_id for item in read(tmp_path / "end_frames.log")] == [1, 2]
 
 
 def test_a_folder_that_takes_nothing_stops_nobody(tmp_path: Path, clock: Any, make_log: Make) -> None:

@@ -49,18 +49,18 @@ def test_frames_of_each_mode_hold_its_objects(
     first, *more = planned.commands
     assert (first.number, first.objects, first.transmission, first.length) == (1, objects, transmission, 6)
     speed = [(2, (0x6081,), 255)] if mode == 1 else []
-    assert [tuple(each) for each in more] == speed
-    assert [tuple(each) for each in planned.answers] == [
+    assert [tuple(item) for item in more] == speed
+    assert [tuple(answer) for answer in planned.answers] == [
         (1, (0x6041, 0x6064, 0x6061), 1),
         (2, (0x606C, 0x6077, 0x603F), 1),
     ]
-    assert [each.length for each in planned.answers] == [7, 8]
+    assert [answer.length for answer in planned.answers] == [7, 8]
 
 
 def test_frames_leave_out_what_a_drive_lacks() -> None:
     answers = layout(9, (0x6077, 0x603F)).answers
-    assert [each.objects for each in answers] == [(0x6041, 0x6064, 0x6061), (0x606C,)]
-    assert [each.length for each in answers] == [7, 4]
+    assert [answer.objects for answer in answers] == [(0x6041, 0x6064, 0x6061), (0x606C,)]
+    assert [answer.length for answer in answers] == [7, 4]
 
 
 @pytest.mark.parametrize(

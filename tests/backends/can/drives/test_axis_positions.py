@@ -73,7 +73,7 @@ def test_an_axis_is_silent_by_the_syncs_it_has_not_answered(axis: Any) -> None:
     axis.ask()
     axis.ask()
     assert (axis.unanswered, axis.answered) == (2, False)
-    assert [each.number for each in axis.missing] == [1, 2]
+    assert [item.number for item in axis.missing] == [1, 2]
     assert axis.ever_answered
 
 

@@ -21,7 +21,8 @@ PROFILE_POSITION, PROFILE_VELOCITY, CYCLIC_POSITION, CYCLIC_VELOCITY = 1, 3, 8, 
 def set_to(backend: Any, name: str, robot: RobotFile, period: float) -> dict[tuple[int, int], int]:
     assert robot.can is not None
     return {
-        (each.index, each.subindex): each.value for each in settings(backend.axes[name], robot.can, period)
+        (setting.index, setting.subindex): setting.value
+        for setting in settings(backend.axes[name], robot.can, period)
     }
 
 
@@ -52,7 +53,7 @@ def test_a_joint_holds_at_a_stop_and_keeps_its_limits(make: Make, robot: RobotFi
     axis = backend.axes["joint 1"]
     found = set_to(backend, "joint 1", robot, 0.05)
     assert found[0x605A, 0] == (6 if axis.spec.stop == "hold" else 2)
-    ends = sorted(axis.units.counts(each) for each in (axis.limits.lower, axis.limits.upper))
+    ends = sorted(axis.units.counts(item) for item in (axis.limits.lower, axis.limits.upper))
     assert [found[0x607D, 1], found[0x607D, 2]] == ends
     assert found[0x6072, 0] == axis.limits.torque == 1000
     assert found[0x6065, 0] == axis.units.size(axis.limits.window)
@@ -64,7 +65,7 @@ def test_a_joint_holds_at_a_stop_and_keeps_its_limits(make: Make, robot: RobotFi
 
 def test_mapped_objects_are_read_back_with_their_bits(make: Make, robot: RobotFile) -> None:
     axis = make(robot=robot, room=False).axes["left wheel"]
-    found = {(each.index, each.subindex): each.value for each in mapping(axis)}
+    found = {(value.index, value.subindex): value.value for value in mapping(axis)}
     assert found == {
         (0x1400, 2): 255,
         (0x1600, 0): 2,

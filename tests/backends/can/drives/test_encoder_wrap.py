@@ -48,7 +48,7 @@ def open_backend(robot: RobotFile, bench: Bench) -> Iterator[Any]:
 
 def moved_until_fault(backend: Any, bench: Bench, node: int, periods: int = 200) -> tuple[float, OffDemand]:
     """Move slowly; return by how much a position was ever false, and the fault."""
-    (axis,) = (each for each in backend.axes.values() if each.spec.node == node)
+    (axis,) = (item for item in backend.axes.values() if item.spec.node == node)
     worst = 0.0
     for _ in range(periods):
         try:
@@ -70,7 +70,7 @@ def test_encoder_that_wraps_stops_the_robot_and_is_named(
     """S13: also where the wrap is smaller than the window of the following error."""
     bench.drives[node].wrong.wraps = 2**bits
     backend = open_backend()
-    (axis,) = (each for each in backend.axes.values() if each.spec.node == node)
+    (axis,) = (item for item in backend.axes.values() if item.spec.node == node)
     if bits == 14:
         assert 2**bits / abs(axis.units.scale) < axis.limits.window
     worst, fault = moved_until_fault(backend, bench, node)
@@ -84,7 +84,7 @@ def test_position_range_inside_the_travel_is_refused_at_set_up(bench: Bench, ope
     drive.objects[RANGE, 1], drive.objects[RANGE, 2] = -(2**15), 2**15 - 1
     with pytest.raises(EncoderWraps, match=r"joint 1 drive .* wraps every 65536 counts .* inside the travel"):
         open_backend()
-    assert {each.life.state for each in bench.drives.values()} == {"SWITCH ON DISABLED"}
+    assert {item.life.state for item in bench.drives.values()} == {"SWITCH ON DISABLED"}
 
 
 def test_wheel_that_says_where_it_wraps_rolls_on(bench: Bench, open_backend: Any) -> None:

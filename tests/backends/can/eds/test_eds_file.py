@@ -43,7 +43,7 @@ def refused(folder: Path, text: str) -> list[str]:
     path = eds(folder, text)
     with pytest.raises(FileError) as error:
         read_eds(path, 5)
-    return [str(each).removeprefix(f"{path}:") for each in error.value.findings]
+    return [str(finding).removeprefix(f"{path}:") for finding in error.value.findings]
 
 
 def test_quirks_that_are_taken(tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_what_the_library_chokes_on_is_told_with_its_place(tmp_path: Path, wrong
 
 def test_all_of_it_at_once(tmp_path: Path) -> None:
     text = (HEAD + WORD).replace("0x9A", "009").replace("0x0006", "word").replace("ParameterName", "Name")
-    assert [each.split(" ")[0] for each in refused(tmp_path, text)] == ["7:14:", "10:1:", "13:10:"]
+    assert [item.split(" ")[0] for item in refused(tmp_path, text)] == ["7:14:", "10:1:", "13:10:"]
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_damaged_files_are_refused_in_words(tmp_path: Path) -> None:
             read_eds(path, 5)
             ends["read"] += 1
         except FileError as error:
-            assert all(each.line >= 1 and each.column >= 1 for each in error.findings)
+            assert all(finding.line >= 1 and finding.column >= 1 for finding in error.findings)
             ends["refused"] += 1
     assert min(ends.values()) > 10
 

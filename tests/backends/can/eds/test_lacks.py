@@ -43,8 +43,8 @@ JOINTS = (11, 12, 13, 14, 15, 16)
 def maker_eds(*lacks: int | str) -> str:
     """Our own file without some objects, as makers' are: `6066` or `1400sub5`."""
     text = OWN.read_text(encoding="utf-8")
-    for each in lacks:
-        name = each if isinstance(each, str) else f"{each:04X}"
+    for item in lacks:
+        name = item if isinstance(item, str) else f"{item:04X}"
         sections = name if "sub" in name else rf"{name}(?:sub\d+)?"
         text = re.sub(rf"(?ims)^\[(?:{sections})\]\n.*?(?=^\[|\Z)", "", text)
     return text
@@ -242,7 +242,7 @@ def test_check_and_bring_up_say_what_is_not_watched(tmp_path: Path) -> None:
 
 def world(folder: Path) -> Path:
     path = folder / "world.yaml"
-    walls = "\n".join(f"  - {{from_m: {each['from_m']}, to_m: {each['to_m']}}}" for each in ROOM["walls"])
+    walls = "\n".join(f"  - {{from_m: {wall['from_m']}, to_m: {wall['to_m']}}}" for wall in ROOM["walls"])
     start = ", ".join(f"{key}: {value}" for key, value in ROOM["start"].items())
     path.write_text(f"format: handcart-world/1\nstart: {{{start}}}\nwalls:\n{walls}\n", encoding="utf-8")
     return path

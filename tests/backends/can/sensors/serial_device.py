@@ -29,7 +29,7 @@ class Device:
         return int.from_bytes(fcntl.ioctl(self._theirs, termios.FIONREAD, bytes(4)), "little")
 
     def unplug(self) -> None:
-        for each in (self._ours, self._theirs):
-            if each >= 0:
-                os.close(each)
+        for item in (self._ours, self._theirs):
+            if item >= 0:
+                os.close(item)
         self._ours = self._theirs = -1

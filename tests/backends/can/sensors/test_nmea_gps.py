@@ -244,5 +244,5 @@ def test_how_sure_a_fix_is_is_of_its_time(device: Device, receiver: NmeaGps, clo
 def test_random_sentences_end_nothing() -> None:
     """S3 S5: 1,000,000 by `python -m benchmarks.hostile.gps_fuzz`."""
     seen = list(fuzzed_sentences(4000, seed=1))
-    assert [each.wrong for each in seen if each.wrong] == []
-    assert 0 < sum(each.fixes for each in seen) < 4000
+    assert [account.wrong for account in seen if account.wrong] == []
+    assert 0 < sum(account.fixes for account in seen) < 4000

@@ -30,8 +30,8 @@ def make_camera(clock: Any) -> Iterator[Callable[..., VideoCamera]]:
         return made[-1]
 
     yield make
-    for each in made:
-        each.close()
+    for camera in made:
+        camera.close()
 
 
 def picture(grey: int) -> np.ndarray:

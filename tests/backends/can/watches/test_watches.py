@@ -187,7 +187,7 @@ def test_node_that_answers_twice_is_two_nodes() -> None:
 
 
 @pytest.mark.parametrize(
-    "can_id", [0x000, 0x080, 0x201, 0x302, 0x401, 0x502, 0x601, 0x602, 0x77F], ids=lambda each: f"{each:03X}"
+    "can_id", [0x000, 0x080, 0x201, 0x302, 0x401, 0x502, 0x601, 0x602, 0x77F], ids=lambda item: f"{item:03X}"
 )
 def test_stranger_with_a_frame_of_the_master_trips(can_id: int) -> None:
     watch = StrangerWatch(NAMES, 0x7F)

@@ -39,8 +39,8 @@ def make(tmp_path: Path) -> Iterator[Make]:
         return made[-1]
 
     yield it
-    for each in made:
-        each.close()
+    for backend in made:
+        backend.close()
 
 
 @pytest.fixture

@@ -50,11 +50,11 @@ def test_two_renderers_see_the_same_places(make: Make) -> None:
     painted, drawn = drawn_twice(make(), looking(EYE, AT))
     assert drawn.shape == painted.shape
     # The block is at the right, the landmark, whose edges are as grey here and there, at the left.
-    tops = [middle(np.abs(each[:, 400:].astype(int) - TOP) < 4) for each in (painted, drawn)]
+    tops = [middle(np.abs(item[:, 400:].astype(int) - TOP) < 4) for item in (painted, drawn)]
     assert np.abs(tops[0] - tops[1]).max() < 0.5  # [px]
-    papers = [middle(each > 235) for each in (painted, drawn)]
+    papers = [middle(item > 235) for item in (painted, drawn)]
     assert np.abs(papers[0] - papers[1]).max() < 0.5  # the landmark's paper
-    inks = [middle(each < 40) for each in (painted, drawn)]
+    inks = [middle(item < 40) for item in (painted, drawn)]
     assert np.abs(inks[0] - inks[1]).max() < 1.0
 
 
@@ -67,7 +67,7 @@ def test_what_moves_moves_in_the_picture_as_well(make: Make) -> None:
     backend._engine.set_pose(body, transform((0.05, 0.0, 0.0)) @ backend._engine.pose(body))
     after = camera.ideal(pose)
     camera.close()
-    was, comes = (middle(np.abs(each.astype(int) - TOP) < 4) for each in (before, after))
+    was, comes = (middle(np.abs(item.astype(int) - TOP) < 4) for item in (before, after))
     assert np.hypot(*(comes - was)) > 30.0
 
 
@@ -111,7 +111,7 @@ def test_what_stands_still_is_drawn_once(make: Make) -> None:
 @pytest.mark.usefixtures("gl")
 def test_who_draws_what_the_camera_sees_stands_in_the_worlds_file(make: Make) -> None:
     pictures: list[Any] = [make(more)._sensors["camera"] for more in ("", "camera: engine\n")]
-    greys = [each.image().astype(int) for each in pictures if each is not None]
+    greys = [picture.image().astype(int) for picture in pictures if picture is not None]
     assert len(greys) == 2
     assert (greys[0] != greys[1]).any()
     assert np.median(np.abs(greys[0] - greys[1])) < 60

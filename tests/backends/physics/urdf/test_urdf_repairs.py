@@ -54,15 +54,15 @@ def test_a_body_gets_mass_and_inertia_that_bodies_have(
     small, middle, large = np.linalg.eigvalsh(base_of(mended).inertia)
     assert small > 0.0
     assert large < small + middle
-    assert [each.what for each in repairs if each.link == "base"] == ([words] if words else [])
+    assert [repair.what for repair in repairs if repair.link == "base"] == ([words] if words else [])
     if not words:
         assert base_of(mended).inertia == pytest.approx(base_of(urdf).inertia, rel=1e-6)
 
 
 def test_frames_are_light_and_only_those_that_move_are_told() -> None:
     mended, repairs = repaired(base_with(2.0, 0.02, 0.03, 0.04))
-    assert [each.mass for each in links_of(mended)] == [2.0, MIN_MASS_KG, MIN_MASS_KG]
-    assert [each.link for each in repairs] == ["turns"]
+    assert [facts.mass for facts in links_of(mended)] == [2.0, MIN_MASS_KG, MIN_MASS_KG]
+    assert [repair.link for repair in repairs] == ["turns"]
 
 
 def test_a_mass_without_inertia_is_given_one() -> None:

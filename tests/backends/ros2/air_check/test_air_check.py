@@ -67,7 +67,7 @@ def test_a_bench_that_fits_has_no_findings(hear: Any) -> None:
     report = hear()
     assert report.faults == ()
     assert report.remarks == ()
-    measured = {each.topic: each for each in report.topics}
+    measured = {topic.topic: topic for topic in report.topics}
     assert measured["odom"].rate_hz == pytest.approx(20.0, rel=0.01)
     assert measured["odom"].frames == ("odom",)
     assert report.nodes["cmd_vel"] == ["/bench (geometry_msgs/Twist)"]
@@ -94,7 +94,7 @@ def test_a_difference_is_found_at_its_key(
     hear: Any, said: dict[str, Any], true: dict[str, Any], key: str, words: str
 ) -> None:
     faults = hear(said, true).faults
-    assert any(each.key[1] == key and words in each.words for each in faults), faults
+    assert any(fault.key[1] == key and words in fault.words for fault in faults), faults
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_a_difference_is_found_at_its_key(
 )
 def test_a_fault_on_the_wire_is_found(hear: Any, fault: str, words: str) -> None:
     faults = hear(faults=(fault,)).faults
-    assert any(words in each.words for each in faults), faults
+    assert any(words in item.words for item in faults), faults
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def test_several_differences_are_found_at_once(hear: Any) -> None:
     faults = hear(
         {"velocity": {"type": "TwistStamped"}, "lidar": {"topic": "scann"}, "names": {"joint_1": "j1"}}
     ).faults
-    assert {each.key[1] for each in faults} == {"velocity", "lidar", "joint_states"}
+    assert {fault.key[1] for fault in faults} == {"velocity", "lidar", "joint_states"}
 
 
 def test_a_scan_without_returns_is_remarked(robot: RobotFile, inner: Backend) -> None:
@@ -144,7 +144,7 @@ def test_a_scan_without_returns_is_remarked(robot: RobotFile, inner: Backend) ->
     bench._drivers._send["scan"] = blind  # type: ignore[index]
     report = listen(robot, RosSpec(), bench.link, bench.step, SECONDS)
     assert report.faults == ()
-    assert [each.words for each in report.remarks if "no beam of its last scan returns" in each.words]
+    assert [remark.words for remark in report.remarks if "no beam of its last scan returns" in remark.words]
 
 
 def test_a_check_is_no_second_master(robot: RobotFile, inner: Backend) -> None:
@@ -183,4 +183,6 @@ def test_a_second_node_that_sends_other_joints_is_found(robot: RobotFile, inner:
         publish(message)
 
     faults = listen(robot, RosSpec(first_message_s=0.5), bench.link, wait, SECONDS).faults
-    assert any("jumps by" in each.words and "do two nodes send it?" in each.words for each in faults), faults
+    assert any("jumps by" in fault.words and "do two nodes send it?" in fault.words for fault in faults), (
+        faults
+    )

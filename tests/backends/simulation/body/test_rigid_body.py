@@ -38,12 +38,14 @@ def random_shape(rng: np.random.Generator) -> Shape:
 def distance(one: Shape, pose: Transform, other: Shape, other_pose: Transform) -> float:
     """Return the distance by coal, in [m]; negative for an overlap."""
     request, result = pin.coal.DistanceRequest(), pin.coal.DistanceResult()
-    places = (pin.coal.Transform3s(each[:3, :3], each[:3, 3]) for each in (pose, other_pose))
+    places = (pin.coal.Transform3s(item[:3, :3], item[:3, 3]) for item in (pose, other_pose))
     here, there = places
     return float(pin.coal.distance(coal_body(one), here, coal_body(other), there, request, result))
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.slow) for each in range(1, 10))])
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(index, marks=pytest.mark.slow) for index in range(1, 10))]
+)
 def test_both_say_of_1000_random_pairs_whether_they_touch(seed: int) -> None:
     rng, pairs = np.random.default_rng(seed), []
     for _ in range(1000):
@@ -53,5 +55,5 @@ def test_both_say_of_1000_random_pairs_whether_they_touch(seed: int) -> None:
         if abs(apart) > UNSURE:
             pairs.append((touch(fcl_body(one), pose, fcl_body(other), other_pose), apart < 0.0))
     assert len(pairs) > 990
-    assert [each for each in pairs if each[0] is not each[1]] == []
+    assert [pair for pair in pairs if pair[0] is not pair[1]] == []
     assert 100 < sum(touches for touches, _ in pairs) < 900

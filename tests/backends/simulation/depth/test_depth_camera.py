@@ -130,7 +130,7 @@ def test_scale_is_drawn_once_by_the_seed(make: Make) -> None:
     depths = [float(first(make("kinematic", keys, NOISY, seed=seed)).depth[30, 60]) for seed in (1, 1, 2)]
     assert depths[0] == depths[1]
     assert abs(depths[0] - depths[2]) > 1e-3
-    assert max(abs(each - 1.05) for each in depths) < 0.15
+    assert max(abs(depth - 1.05) for depth in depths) < 0.15
 
 
 def test_picture_is_one_a_period_and_new_in_the_next(make: Make, backend_name: str) -> None:

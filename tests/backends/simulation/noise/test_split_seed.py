@@ -25,8 +25,8 @@ def test_branches_share_what_was_drawn_before_them() -> None:
     assert drawn(one, "slip", 2) == drawn(other, "slip", 3 - 1) == drawn(7, "slip", 2)
     assert drawn(one, "slip", 3) == drawn(7, "slip", 3)
     assert keyed(one, "wheels").random() == keyed(7, "wheels").random()
-    assert len({drawn(each, "slip", 4) for each in (7, one, other)}) == 3
-    assert len({drawn(each, "gyros", 0) for each in (7, one, other)}) == 3  # not requested before
+    assert len({drawn(item, "slip", 4) for item in (7, one, other)}) == 3
+    assert len({drawn(item, "gyros", 0) for item in (7, one, other)}) == 3  # not requested before
 
 
 def test_a_branch_of_a_branch_keeps_what_each_has_drawn() -> None:

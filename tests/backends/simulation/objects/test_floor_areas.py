@@ -36,7 +36,7 @@ def test_area_carries_what_is_put_down_on_it(scene: Scene, x: float, height: flo
 
 
 def test_area_is_no_obstacle_of_the_base(scene: Scene) -> None:
-    assert "mat" in {each.box.name for each in scene.solids}
+    assert "mat" in {solid.box.name for solid in scene.solids}
     assert "mat" not in scene.full_plan.names
 
 

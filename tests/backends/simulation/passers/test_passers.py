@@ -78,7 +78,7 @@ def test_passer_walks_into_a_standing_robot_and_on(world: Any) -> None:
             built.step()
             nearest = min(nearest, math.dist(built.scene.passers.steps()[0][2].position, (1.0, 1.0)))
         assert nearest > built.scene.robot.footprint_radius_m + 0.25 - 0.02  # it walks around, not through
-        assert [(each.body, each.other) for each in built.scene.contacts] == [("base", "bert")]
+        assert [(contact.body, contact.other) for contact in built.scene.contacts] == [("base", "bert")]
         assert built.scene.base[:2] == (1.0, 1.0)
 
 
@@ -99,7 +99,7 @@ def test_base_that_drives_at_a_passer_stops_at_the_contact(world: Any) -> None:
         for _ in range(round(8.0 / built.period)):
             built.get(Base).drive(0.4, 0.0)
             built.step()
-        assert [each.other for each in built.scene.contacts] == ["cleo"]
+        assert [contact.other for contact in built.scene.contacts] == ["cleo"]
         radius = built.scene.robot.footprint_radius_m
         assert built.scene.base.x == pytest.approx(3.0 - 0.25 - radius, abs=0.01)
 
@@ -114,7 +114,7 @@ def test_same_seed_gives_the_same_walk_from_a_checkpoint(world: Any) -> None:
         step(second, 2.5)
         step(other, 2.5)
         built = first, second, other
-        ways = [[each.position.tolist() for _, _, each in b.scene.passers.steps()] for b in built]
+        ways = [[item.position.tolist() for _, _, item in b.scene.passers.steps()] for b in built]
         assert ways[0] == ways[1]
         assert ways[0] != ways[2]
         assert np.array_equal(first.get(RangeSensor).scan().ranges, second.get(RangeSensor).scan().ranges)
@@ -147,6 +147,6 @@ def test_two_passers_of_one_name_are_refused(world: Any) -> None:
 def test_passer_through_a_wall_or_on_the_start_is_found(world: Any) -> None:
     path = world("  - {name: dora, waypoints_m: [[1, 1], [5, 1], [5, 5]]}\n")
     loaded, whole = read_world(path)
-    found = [str(each) for each in world_findings(loaded, whole, load_robot("cart"), None, None)]
-    assert any(":5:40:" in each and "dora walks through wall 1" in each for each in found), found
-    assert any("passer dora stands where the robot starts" in each for each in found), found
+    found = [str(finding) for finding in world_findings(loaded, whole, load_robot("cart"), None, None)]
+    assert any(":5:40:" in item and "dora walks through wall 1" in item for item in found), found
+    assert any("passer dora stands where the robot starts" in item for item in found), found

@@ -46,20 +46,20 @@ def readings(
 def test_nothing_is_known_before_the_first_reading_arrives(scene: Scene) -> None:
     system = made(scene)
     assert system.reading() is None
-    assert [each.number for each in readings(system, scene, 3)] == [1]
+    assert [reading.number for reading in readings(system, scene, 3)] == [1]
 
 
 def test_readings_come_at_their_rate_and_late(scene: Scene) -> None:
     taken = readings(made(scene, sigma_mm=0.0, heading_sigma_mrad=0.0), scene, 100, speed=1.0)
-    assert [each.number for each in taken] == list(range(1, len(taken) + 1))
+    assert [item.number for item in taken] == list(range(1, len(taken) + 1))
     assert len(taken) == 20
-    for each in taken:
-        assert each.age == pytest.approx(0.03)
-        assert each.pose.x == pytest.approx((each.number - 1) * 0.05, abs=1e-9)
+    for item in taken:
+        assert item.age == pytest.approx(0.03)
+        assert item.pose.x == pytest.approx((item.number - 1) * 0.05, abs=1e-9)
 
 
 def test_its_noise_is_what_the_file_says(scene: Scene) -> None:
-    poses = np.array([each.pose for each in readings(made(scene), scene, 4000)])
+    poses = np.array([reading.pose for reading in readings(made(scene), scene, 4000)])
     assert poses.mean(axis=0) == pytest.approx(np.array(scene.base), abs=5e-5)
     assert poses.std(axis=0) == pytest.approx([3e-4, 3e-4, 3e-4], rel=0.1)
 
@@ -79,6 +79,6 @@ def test_a_kept_state_goes_on_where_it_was(scene: Scene) -> None:
     system, other = made(scene), made(scene)
     readings(system, scene, 17)
     set_attributes(other, other.STATE, attributes(system, system.STATE))
-    for each in (system, other):
-        each.advance(18)
+    for item in (system, other):
+        item.advance(18)
     assert other.reading() == system.reading()

@@ -45,10 +45,10 @@ def test_the_seed_draws_how_the_camera_is_off() -> None:
     mount = mount_of(robot, spec)
     stated = stated_camera(spec, mount)
     drawn = [true_camera(spec, mount, robot.errors, seed) for seed in range(60)]
-    far, turned = np.array([difference(stated.hand_T_camera, each.hand_T_camera) for each in drawn]).T
+    far, turned = np.array([difference(stated.hand_T_camera, camera.hand_T_camera) for camera in drawn]).T
     assert np.sqrt(np.mean(far**2)) == pytest.approx(1.5e-3 * np.sqrt(3), rel=0.2)
     assert np.sqrt(np.mean(turned**2)) == pytest.approx(10e-3 * np.sqrt(3), rel=0.2)
-    assert np.std([each.model.K[0, 0] for each in drawn]) == pytest.approx(8.0, rel=0.3)
+    assert np.std([camera.model.K[0, 0] for camera in drawn]) == pytest.approx(8.0, rel=0.3)
     again = true_camera(spec, mount, robot.errors, 7)
     assert np.array_equal(again.hand_T_camera, drawn[7].hand_T_camera)
     ideal = robot.without_errors()
@@ -70,11 +70,13 @@ def test_a_calibration_changes_what_is_known_and_not_what_is() -> None:
     assert np.array_equal(ways[0].hand_T_camera, ways[1].hand_T_camera)
     assert np.array_equal(ways[0].model.K, ways[1].model.K)
     changed = robot.model_copy(update={"camera": after})
-    backends = [KinematicBackend(each, world_model().model_validate(WORLD), 5) for each in (robot, changed)]
+    backends = [KinematicBackend(item, world_model().model_validate(WORLD), 5) for item in (robot, changed)]
     pictures = []
     for backend in backends:
         backend.step()
-        camera: Any = next(each for each in backend.capabilities() if hasattr(each, "image"))
+        camera: Any = next(
+            capability for capability in backend.capabilities() if hasattr(capability, "image")
+        )
         pictures.append(camera.image())
     assert np.array_equal(*pictures)
     assert camera.model.K[0, 0] == 812.5

@@ -57,7 +57,7 @@ def test_wherever_it_was_cut_whole_trials_are_left(tmp_path: Path) -> None:
     for size in range(begins, len(whole)):
         path.write_bytes(whole[:size])
         with TrialLog(path, sync=False) as log:
-            assert [each.seed for each in log.trials()] == [0, 1]
+            assert [item.seed for item in log.trials()] == [0, 1]
             log.append([trial(2)])
         assert path.read_bytes() == whole
 
@@ -96,7 +96,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path: Path, left: dict[str
         (tmp_path / name).write_text(text, encoding="utf-8")
     with pytest.raises(NoCampaign):
         CampaignFolder.made(tmp_path, {"trials": 5})
-    assert {each.name: each.read_text(encoding="utf-8") for each in tmp_path.iterdir()} == left
+    assert {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()} == left
 
 
 def test_a_campaign_that_was_killed_as_its_folder_was_made_goes_on(tmp_path: Path) -> None:
@@ -152,7 +152,7 @@ def test_the_report_counts_causes_and_ranks() -> None:
     assert (found.successes, found.outcomes["Fail: it stands # m ahead"]) == (30, 10)
     ((blame, times),) = found.blames
     assert (*blame, times) == ("MOVE_TO", "Fail", "watch", "it stands # m ahead", "blocked", 10)
-    assert [each.seed for each in found.worst()] == [3, 7, 11, 15, 19, 23, 27, 31, 35, 39]
+    assert [trial_.seed for trial_ in found.worst()] == [3, 7, 11, 15, 19, 23, 27, 31, 35, 39]
     far, read = found.spreads()["far_mm"], found.spreads()["read"]
     assert (far.low, far.high) == pytest.approx((1.3, 2.6))  # the 14th and the 27th of 40, by the binomial
     assert read.mean == 0.5
@@ -172,7 +172,7 @@ def test_a_pipe_in_the_place_of_a_file_is_refused_at_once(tmp_path: Path, name: 
     watched.join(10.0)
     assert not watched.is_alive(), "it waits for somebody to write"
     assert said
-    assert all("a pipe" in str(each) for each in said)
+    assert all("a pipe" in str(exception) for exception in said)
 
 
 def _open_all(folder: CampaignFolder, said: list[Exception]) -> None:

@@ -103,8 +103,8 @@ def test_what_was_seldom_seen_leans_on_all_contexts(
 def test_each_half_predicts_the_other(task: Task, recorded: Callable[[int], Iterator[Trial]]) -> None:
     trust = hold_out(task, SeenActions.of(task, recorded(TRIALS)))
     assert trust.wrong is None
-    assert [each.name for each in trust.tried] == ["P(goal)", "mean time [s]"] * 2
-    assert len({each.predicted for each in trust.tried}) == 4
+    assert [item.name for item in trust.tried] == ["P(goal)", "mean time [s]"] * 2
+    assert len({item.predicted for item in trust.tried}) == 4
 
 
 class FirstBlock(SecondTimeWorse):
@@ -121,7 +121,7 @@ class FirstBlock(SecondTimeWorse):
 def test_what_no_action_s_own_past_tells_is_refused() -> None:
     """The first block is often dropped, others never: the elements of a repeat cannot be distinguished."""
     task = load_task(STACK_BLOCKS)
-    first = next(each.index for each in task.network.actions if each.do == "PICK_UP_BLOCK")
+    first = next(action.index for action in task.network.actions if action.do == "PICK_UP_BLOCK")
     for give_up, refused in ((0.6, True), (0.0, False)):
         trials = WalkedTrials(task, FirstBlock(first, give_up))
         learned = Learned(task, (), SeenActions.of(task, map(trials.trial, range(TRIALS))))
@@ -140,10 +140,10 @@ def test_what_was_never_started_ends_a_walk(task: Task, recorded: Callable[[int]
     assert learned.unknown == ["MOVE_TO (at_home to between) #2"]
     assert any("never started" in line for line in learned.words())
     trials = WalkedTrials(task, LearnedOdds(task, learned.seen))
-    ended = [each for each in map(trials.trial, range(400)) if "nobody has seen" in each.summary["reason"]]
+    ended = [item for item in map(trials.trial, range(400)) if "nobody has seen" in item.summary["reason"]]
     assert ended
-    assert {each.status for each in ended} == {4}
-    assert {each.actions[-1].action for each in ended} == set(learned.unknown)
+    assert {item.status for item in ended} == {4}
+    assert {item.actions[-1].action for item in ended} == set(learned.unknown)
 
 
 def test_faults_of_the_program_teach_nothing(task: Task, recorded: Callable[[int], Iterator[Trial]]) -> None:
@@ -233,6 +233,6 @@ def test_how_long_it_takes_depends_on_how_it_ends(task: Task) -> None:
 
 
 def test_halves_that_differ_do_not_predict_each_other(task: Task) -> None:
-    every_other = [WalkedTrials(task, each) for each in (SecondTimeWorse(), FirstBlock(0, 0.9))]
+    every_other = [WalkedTrials(task, item) for item in (SecondTimeWorse(), FirstBlock(0, 0.9))]
     trials = (every_other[seed % 2].trial(seed) for seed in range(200))
     assert hold_out(task, SeenActions.of(task, trials)).wrong is not None

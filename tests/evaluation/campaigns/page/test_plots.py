@@ -34,7 +34,7 @@ def test_histogram_counts_each_trial_once_and_marks_failed_ones() -> None:
     values = np.array([1.0, 2.0, 2.0, 3.0, math.nan, 3.0])
     success = np.array([True, True, False, True, True, False])
     found = histogram(values, success, limit=6.0)
-    assert [(each.reached, each.others) for each in found.bars] == [
+    assert [(bar.reached, bar.others) for bar in found.bars] == [
         (HEIGHT / 2, 0.0),
         (HEIGHT / 2, HEIGHT / 2),
         (HEIGHT / 2, HEIGHT / 2),
@@ -57,6 +57,6 @@ def test_histogram_axis_holds_all_bars_and_the_limit() -> None:
 def test_whatever_the_values_bars_lie_side_by_side(values: list[float]) -> None:
     found = histogram(np.array(values), np.ones(len(values), bool))
     assert len(found.bars) <= 30
-    assert max(each.reached for each in found.bars) == pytest.approx(HEIGHT)
+    assert max(bar.reached for bar in found.bars) == pytest.approx(HEIGHT)
     for left, right in zip(found.bars, found.bars[1:], strict=False):
         assert right.x == pytest.approx(left.x + left.width, abs=1e-3)

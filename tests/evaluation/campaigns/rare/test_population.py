@@ -46,7 +46,7 @@ def test_all_are_taken_on_equally_often(kinds: int) -> None:
         np.bincount(shared_out(kinds, 10, np.random.default_rng(seed)), minlength=kinds)
         for seed in range(400)
     ]
-    assert all(each.sum() == 10 and each.max() - each.min() <= 1 for each in times)
+    assert all(time.sum() == 10 and time.max() - time.min() <= 1 for time in times)
     mean, sigma = 10 / kinds, 0.5 / 400**0.5
     assert np.abs(np.mean(times, axis=0) - mean).max() < 4 * sigma
 

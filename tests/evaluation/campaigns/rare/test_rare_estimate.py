@@ -19,17 +19,17 @@ from handcart.evaluation.campaigns.statistics.exact_value import exact_end
 
 
 def trial(*levels: Sequence[int]) -> Trial:
-    return Trial(0, 0, {"metrics": {"levels": [list(each) for each in levels]}})
+    return Trial(0, 0, {"metrics": {"levels": [list(level) for level in levels]}})
 
 
 def test_levels_are_added_up() -> None:
     found = RareEstimate.of([trial((10, 1, 0, 10), (10, 0, 2, 10)), trial((10, 0, 0, 10))])
     assert found.probability == pytest.approx(0.01)
-    assert [(each.share, each.runs, each.reached, each.hits) for each in found.levels] == [
+    assert [(level.share, level.runs, level.reached, level.hits) for level in found.levels] == [
         (1.0, 20, 1, 0),
         (0.05, 10, 0, 2),
     ]
-    assert sum(each.part for each in found.levels) == pytest.approx(0.01)
+    assert sum(level.part for level in found.levels) == pytest.approx(0.01)
     assert found.steps == 30
     assert found.cost == pytest.approx(30 / 1.05)
     assert found.unseen == pytest.approx(1.0 - 0.05 ** (1 / 20))  # none came straight from the beginning

@@ -37,7 +37,7 @@ def test_what_comes_after_the_checkpoint_is_drawn_anew(tosses: Path, tmp_path: P
     assert level.steps == 24
     folders = sorted((tmp_path / "runs" / "live").glob("branch-*"))
     assert len(folders) == level.reached
-    firsts = {next(each["h"] for each in journal(one) if each["kind"] == "RESULT") for one in folders}
+    firsts = {next(entry["h"] for entry in journal(one) if entry["kind"] == "RESULT") for one in folders}
     assert len(firsts) == 1
 
 
@@ -56,12 +56,12 @@ def test_a_population_is_the_same_again_and_leaves_what_ended_so(tosses: Path, t
     assert metrics["probability"] > 0.0
     assert [level[0] for level in levels] == [8] * 4
     assert [level[2] for level in levels[:3]] == [0, 0, 0]
-    kept = sorted(each.name for each in (tmp_path / "one").iterdir())
+    kept = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert kept == sorted(metrics["runs_kept"])
     for name in kept:
         folder = tmp_path / "one" / name
         assert orjson.loads((folder / "summary.json").read_bytes())["outcome"] == "GiveUp"
-        results = [each["outcome"] for each in journal(folder) if each["kind"] == "RESULT"]
+        results = [entry["outcome"] for entry in journal(folder) if entry["kind"] == "RESULT"]
         assert results == ["Fail", "Fail", "Fail", "GiveUp"]
 
 

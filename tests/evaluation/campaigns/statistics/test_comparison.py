@@ -63,7 +63,7 @@ def test_the_pair_that_made_it_sure_is_named() -> None:
 
 def test_campaigns_without_a_difference_prove_none() -> None:
     found = compare(campaign([3]), campaign([3]))
-    assert [each.name for each in found.changes] == ["success"]
+    assert [change.name for change in found.changes] == ["success"]
     assert (found.worse, found.success.adjusted, found.e_value, found.partings) == (False, 1.0, 1.0, {})
     with pytest.raises(NoPairs):
         compare(campaign([], 5), campaign([], 9, first=5))
@@ -90,8 +90,8 @@ def test_the_bet_is_won_by_differences_alone() -> None:
 def test_power_is_that_of_drawn_campaigns() -> None:
     chance = np.random.default_rng(2)
     drawn = chance.multinomial(100, [0.05, 0.2, 0.75], 4000)
-    cached = {tuple(each[:2]): mcnemar(int(each[0]), int(each[1])) <= 0.05 for each in drawn}
-    seen = np.mean([cached[tuple(each[:2])] for each in drawn])
+    cached = {tuple(item[:2]): mcnemar(int(item[0]), int(item[1])) <= 0.05 for item in drawn}
+    seen = np.mean([cached[tuple(item[:2])] for item in drawn])
     assert mcnemar_power(0.15, 0.05, 100) == pytest.approx(seen, abs=0.025)
 
 

@@ -78,10 +78,10 @@ def test_the_median_run_is_of_those_that_succeeded() -> None:
 
 def test_untrue_trials_are_named_first_then_fails_then_detours() -> None:
     report = CampaignReport(TRIALS)
-    assert [each.seed for each in report.worst()] == [3, 5, 2, 4, 1]
-    assert [each.seed for each in report.worst(2)] == [3, 5]
+    assert [trial_.seed for trial_ in report.worst()] == [3, 5, 2, 4, 1]
+    assert [trial_.seed for trial_ in report.worst(2)] == [3, 5]
     many = [trial(seed, status=3, fails=seed % 3) for seed in range(40)]
-    named = [each.seed for each in CampaignReport(many).worst()]
+    named = [trial_.seed for trial_ in CampaignReport(many).worst()]
     assert named == [seed for seed in range(40) if seed % 3 == 2][:WORST_TRIAL_COUNT]
 
 
@@ -103,7 +103,7 @@ def test_shares_of_actions_and_their_causes_by_frequency() -> None:
     assert (push.action, push.success, push.fail, push.give_up, push.attempts) == (PUSH, 3, 5, 1, 9)
     assert push.p == pytest.approx(1 / 3)
     assert [times for _, times in report.blames] == [3, 2, 1]
-    assert [each.seed for each in report.untrue] == [3]
+    assert [item.seed for item in report.untrue] == [3]
     assert report.wilson == pytest.approx((0.1876, 0.8124), abs=1e-4)
 
 
@@ -156,7 +156,7 @@ def test_junit_of_a_claim_forgives_fails_and_never_false_outcomes(tmp_path: Path
     write_junit(tmp_path / "claim.xml", "walk", TRIALS, settling)
     suite = parse(tmp_path / "claim.xml").getroot()
     assert dict(suite.attrib) == {"name": "walk", "tests": "7", "failures": "2", "errors": "0"}
-    said = [each.text for each in suite.iter("system-out")]
+    said = [item.text for item in suite.iter("system-out")]
     assert said == ["Fail: 8 mm off", "GiveUp: hand is empty", "Fail: 9.25 mm off"]
 
 
@@ -166,7 +166,7 @@ def test_pairs_are_matched_by_seed_whichever_is_missing() -> None:
     found = compare(one, other)
     assert (found.pairs, found.unpaired, found.only_one, found.only_other) == (3, 5, 1, 0)
     assert found.success.mean == pytest.approx(-1 / 3)
-    time = next(each for each in found.changes if each.name == "sim_time_s")
+    time = next(change for change in found.changes if change.name == "sim_time_s")
     assert time.pairs == 3
     assert time.mean == pytest.approx((2 + 5 + 8) / 3)
-    assert [each.seeds for each in found.partings.values()] == [[8]]
+    assert [parting.seeds for parting in found.partings.values()] == [[8]]

@@ -41,7 +41,7 @@ def test_a_seed_s_walk_is_the_same_whichever_others_are_asked_for(tmp_path: Path
     trials = network_trials(walk(tmp_path, 0.5), {})
     some = WalkedSequence(trials, range(8000, 8200))
     assert some[100:][50] == some[150] == trials.trial(8150) != trials.trial(8151)
-    assert [each.seed for each in some[10:13]] == [8010, 8011, 8012]
+    assert [item.seed for item in some[10:13]] == [8010, 8011, 8012]
 
 
 def test_a_hundred_thousand_walks_fit_the_exact_value(tmp_path: Path) -> None:

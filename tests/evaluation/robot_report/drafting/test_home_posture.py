@@ -19,8 +19,8 @@ def test_home_is_free_and_compact(name: str) -> None:
         pytest.importorskip("pybullet_data", reason="its arm comes with PyBullet")
     robot = load_robot(name)
     assert robot.arm is not None
-    facts = {each.name: each for each in joints_of(robot.urdf_text())}
-    joints = [facts[each] for each in robot.arm.joints]
+    facts = {item.name: item for item in joints_of(robot.urdf_text())}
+    joints = [facts[joint] for joint in robot.arm.joints]
     home = home_of(robot.urdf_text(), "base", "hand", joints, robot.joint_units)
     arm = ArmModel(robot.urdf_text(), robot.arm.joints)
     q = np.array(robot.joint_units.si(home.posture))

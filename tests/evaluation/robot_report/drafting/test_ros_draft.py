@@ -106,7 +106,7 @@ def test_controllers_without_a_topic_are_drafted_by_their_actions() -> None:
 
 def test_a_gripper_by_a_trajectory_action_names_its_type() -> None:
     actions = {"control_msgs/FollowJointTrajectory": ("/hand_controller/follow_joint_trajectory",)}
-    (line,) = [each for each in ros_section(air({}, actions=actions), outline()) if "gripper:" in each]
+    (line,) = [text for text in ros_section(air({}, actions=actions), outline()) if "gripper:" in text]
     assert "{action: hand_controller/follow_joint_trajectory, action_type: FollowJointTrajectory," in line
 
 

@@ -33,8 +33,8 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
         for frame in FRAMES:
             writer(frame)
     read = read_log(path)
-    assert [each.arbitration_id for each in read] == [each.arbitration_id for each in FRAMES]
-    assert [bytes(each.data) for each in read] == [bytes(each.data) for each in FRAMES]
+    assert [message.arbitration_id for message in read] == [message.arbitration_id for message in FRAMES]
+    assert [bytes(message.data) for message in read] == [bytes(message.data) for message in FRAMES]
     (tmp_path / FRAME_NAMES_FILE).write_text(
         FrameNames(time="unix", nodes={1: "the left drive"}, pdos={}).model_dump_json(), encoding="utf-8"
     )

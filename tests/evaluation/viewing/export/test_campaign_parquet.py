@@ -35,23 +35,23 @@ def test_each_trial_is_a_row_with_all_that_is_known_of_it(tmp_path: Path) -> Non
     ]
     write_parquet(trials, tmp_path / "trials.parquet")
     rows = read(tmp_path / "trials.parquet")
-    assert [(each["seed"], each["run"], each["success"]) for each in rows] == [
+    assert [(row["seed"], row["run"], row["success"]) for row in rows] == [
         (seed, f"tour-{seed}", True) for seed in range(3)
     ]
-    assert [each["metrics.far_mm"] for each in rows] == [1.0, 2.5, None]
-    assert [each["metrics.right"] for each in rows] == [True, None, None]
-    assert [each["metrics.label"] for each in rows] == ["A 1", None, None]
-    assert [each["metrics.blocks"] for each in rows] == ['[{"x":1.0}]', None, None]
-    assert [each["varied.wheel"] for each in rows] == [None, 0.1, None]
-    assert [each["untrue"] for each in rows] == ["", "not so; nor so", ""]
-    assert [len(each["action_ends"]) for each in rows] == [0, 1, 2]
+    assert [row["metrics.far_mm"] for row in rows] == [1.0, 2.5, None]
+    assert [row["metrics.right"] for row in rows] == [True, None, None]
+    assert [row["metrics.label"] for row in rows] == ["A 1", None, None]
+    assert [row["metrics.blocks"] for row in rows] == ['[{"x":1.0}]', None, None]
+    assert [row["varied.wheel"] for row in rows] == [None, 0.1, None]
+    assert [row["untrue"] for row in rows] == ["", "not so; nor so", ""]
+    assert [len(row["action_ends"]) for row in rows] == [0, 1, 2]
     assert rows[2]["action_ends"][1] == trials[2].actions[1]._asdict()
-    assert [each["injected"] for each in rows] == [[], [], faults]
+    assert [row["injected"] for row in rows] == [[], [], faults]
 
 
 def test_a_metric_of_several_kinds_is_json(tmp_path: Path) -> None:
     write_parquet([trial(0, {"odd": 1}), trial(1, {"odd": "none"})], tmp_path / "trials.parquet")
-    assert [each["metrics.odd"] for each in read(tmp_path / "trials.parquet")] == ["1", '"none"']
+    assert [item["metrics.odd"] for item in read(tmp_path / "trials.parquet")] == ["1", '"none"']
 
 
 def test_many_are_written_in_parts_and_none_is_a_file_too(
@@ -59,6 +59,6 @@ def test_many_are_written_in_parts_and_none_is_a_file_too(
 ) -> None:
     monkeypatch.setattr("handcart.evaluation.viewing.export.campaign_parquet.BATCH_TRIALS", 7)
     write_parquet([trial(seed, {"far_mm": float(seed)}) for seed in range(20)], tmp_path / "trials.parquet")
-    assert [each["seed"] for each in read(tmp_path / "trials.parquet")] == list(range(20))
+    assert [item["seed"] for item in read(tmp_path / "trials.parquet")] == list(range(20))
     write_parquet([], tmp_path / "none.parquet")
     assert read(tmp_path / "none.parquet") == []

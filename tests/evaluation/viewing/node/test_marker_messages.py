@@ -21,8 +21,8 @@ POSE = Pose2(1.0, 2.0, math.pi / 2)
 def shown(seen: SeenState, residuals: str = "") -> dict[str, object]:
     """Return the markers that are shown, by name."""
     markers = marker_array(NotedLink(), seen, "acting", residuals).markers
-    assert all(each.action in (ADD, DELETE) and each.header.frame_id == "map" for each in markers)
-    return {each.ns: each for each in markers if each.action == ADD}
+    assert all(marker.action in (ADD, DELETE) and marker.header.frame_id == "map" for marker in markers)
+    return {marker.ns: marker for marker in markers if marker.action == ADD}
 
 
 def test_markers_show_path_layers_snapshot_and_residuals() -> None:
@@ -65,4 +65,4 @@ def test_diagnostics_name_what_needs_a_person() -> None:
     status = {"state": "ended", "outcome": "GiveUp", "reason": "scan: silent", "situation": "at dock"}
     (entry,) = diagnostics_message(NotedLink(), "cart", status).status
     assert (entry.hardware_id, entry.message) == ("cart", "GiveUp: scan: silent")
-    assert ("situation", "at dock") in [(each.key, each.value) for each in entry.values]
+    assert ("situation", "at dock") in [(value.key, value.value) for value in entry.values]

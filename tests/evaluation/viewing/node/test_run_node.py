@@ -81,7 +81,7 @@ def commanded(folder: Path, words: tuple[str, ...], **options: Any) -> tuple[Not
 
 
 def texts(link: NotedLink, topic: str) -> list[Any]:
-    return [each.data for each in link.sent[f"handcart/{topic}"]]
+    return [item.data for item in link.sent[f"handcart/{topic}"]]
 
 
 def test_a_run_is_paused_continued_and_stopped_by_services(tmp_path: Path) -> None:
@@ -94,8 +94,8 @@ def test_a_run_is_paused_continued_and_stopped_by_services(tmp_path: Path) -> No
     assert stop.success and stop.message.startswith("Cancelled: stopped by request")
     assert link.apart == ["handcart/stop"]
     assert link.closed.is_set()
-    (run,) = [each for each in tmp_path.iterdir() if each.name != "latest"]
-    status = [orjson.loads(each) for each in texts(link, "status")]
+    (run,) = [path for path in tmp_path.iterdir() if path.name != "latest"]
+    status = [orjson.loads(text) for text in texts(link, "status")]
     assert status[-1]["state"] == "ended" and status[-1]["outcome"] == "Cancelled"
     assert status[0]["run"] == str(run)
     action = orjson.loads(texts(link, "action")[-1])
@@ -113,7 +113,7 @@ def test_a_question_is_answered_only_once_it_can_have_been_read(
     answers: list[Any] = []
 
     def answer() -> None:
-        while not any(orjson.loads(each).get("asks") for each in texts(link, "status")):
+        while not any(orjson.loads(text).get("asks") for text in texts(link, "status")):
             time.sleep(0.005)
         answers.append(link.services["handcart/permit"]())
         time.sleep(0.12)

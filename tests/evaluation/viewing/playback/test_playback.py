@@ -99,7 +99,7 @@ def test_between_two_rows_the_way_is_straight(playback: Playback) -> None:
 
 
 def test_a_thing_stays_where_it_is_until_it_is_moved(run: Run, playback: Playback) -> None:
-    assert playback.things.keys() == {each.name for each in run.scene.things()}
+    assert playback.things.keys() == {thing.name for thing in run.scene.things()}
     track = playback.things[run.moved.name]
     assert track.at(-0.1) is None
     for time, pose in ((1.9, run.before), (2.5, run.moved.pose)):
@@ -150,7 +150,7 @@ def test_a_run_that_went_on_from_before_has_each_moment_once(tmp_path: Path) -> 
     assert (np.diff(playback.rows.scan_time) > 0.0).all()
     assert playback.end == pytest.approx(4.0)
     assert len(playback.rows.joints) == len(playback.rows.time)
-    assert all((np.diff(each.time) >= 0.0).all() for each in playback.things.values())
+    assert all((np.diff(thing.time) >= 0.0).all() for thing in playback.things.values())
 
 
 def test_a_folder_without_a_recording_says_so(run: Run, tmp_path: Path) -> None:

@@ -68,7 +68,7 @@ def test_blocked_route_is_drawn_with_robot_and_obstacle(blocked: Path) -> None:
     assert fails == len(list((blocked / "evidence").glob("*_Fail.svg"))) > 0
     assert page.count('class="gauge"') >= fails
     drawn = re.findall(r'class="drawn" src="data:image/svg\+xml;base64,([^"]*)"', page)
-    assert all(b"robot when it decided" in base64.b64decode(each) for each in drawn)
+    assert all(b"robot when it decided" in base64.b64decode(item) for item in drawn)
 
 
 @pytest.mark.slow

@@ -74,7 +74,7 @@ def test_it_opens_draws_and_goes_to_another_time(toured: Path, size: tuple[int, 
     assert (np.abs(after - before).max(axis=2) > 40).sum() > 200, "nothing has moved"
     assert seen.errors == []
     own = url.partition("#")[0]
-    leaving = [each for each in seen.requests if not each.startswith((own, f"blob:{own}", "data:"))]
+    leaving = [request for request in seen.requests if not request.startswith((own, f"blob:{own}", "data:"))]
     assert leaving == []
     assert "token" not in "".join(seen.requests)
 

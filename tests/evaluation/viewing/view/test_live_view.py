@@ -21,7 +21,7 @@ from .conftest import SETTINGS, TOUR
 def records(folder: Path) -> list[dict[str, object]]:
     """Return the records of a journal without their wall-clock times."""
     found = [orjson.loads(line) for line in (folder / "journal.jsonl").read_bytes().splitlines()]
-    return [{key: value for key, value in each.items() if key != "wall"} for each in found]
+    return [{key: value for key, value in item.items() if key != "wall"} for item in found]
 
 
 class Hurry(RunObserver):

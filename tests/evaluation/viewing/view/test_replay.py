@@ -66,9 +66,9 @@ def test_u10_names_that_are_programs_are_text_in_the_panel(server: viser.ViserSe
     moment = PlaybackMoment(0.5, 0.5, np.zeros(3), None, np.zeros(0), 0.0, np.zeros((3, 3)), 1, True)
     action = PastAction(1, 0, bad, bad, bad, {}, 0.0, 1.0, None, "")
     frame = Frame(moment, bad, {})
-    for each in (panel._words(frame, action, True), panel._words(frame, action, False)):
-        assert "<img" not in each
-        assert each.count("&lt;img src=x onerror=alert(1)&gt;") >= 3
+    for item in (panel._words(frame, action, True), panel._words(frame, action, False)):
+        assert "<img" not in item
+        assert item.count("&lt;img src=x onerror=alert(1)&gt;") >= 3
 
 
 def test_a_taken_port_is_told() -> None:

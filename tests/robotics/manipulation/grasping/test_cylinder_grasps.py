@@ -12,7 +12,7 @@ TIP = 0.12
 
 def test_pads_close_across_the_axis_of_a_cylinder() -> None:
     found = list(cylinder_grasps(0.066, 0.115, 0.09, TIP))
-    assert {each.face for each in found} == {"+z", AROUND_SIDE}
+    assert {grasp_.face for grasp_ in found} == {"+z", AROUND_SIDE}
     for grasp in found:
         pose = grasp.box_T_hand
         tips, closing = pose[:3, 3] + TIP * pose[:3, 0], pose[:3, 1]
@@ -23,13 +23,13 @@ def test_pads_close_across_the_axis_of_a_cylinder() -> None:
 
 
 def test_hands_never_come_from_below() -> None:
-    assert max(each.box_T_hand[2, 0] for each in cylinder_grasps(0.066, 0.115, 0.09, TIP)) < 1e-12
+    assert max(grasp.box_T_hand[2, 0] for grasp in cylinder_grasps(0.066, 0.115, 0.09, TIP)) < 1e-12
 
 
 def test_flat_disc_is_taken_by_its_ends() -> None:
     found = list(cylinder_grasps(0.2, 0.04, 0.09, TIP))
-    assert {each.width for each in found} == {0.04}
-    assert all(abs(each.box_T_hand[2, 1]) == 1.0 for each in found)
+    assert {grasp.width for grasp in found} == {0.04}
+    assert all(abs(grasp.box_T_hand[2, 1]) == 1.0 for grasp in found)
 
 
 def test_first_grasp_from_aside_comes_from_the_robot() -> None:

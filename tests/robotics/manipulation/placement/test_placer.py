@@ -49,7 +49,9 @@ def test_parts_follow_each_other_and_the_arm_follows_each(
     segments = placed.segments
     assert segments[0].first == 0
     assert segments[-1].last == len(path.points) - 1
-    assert [each.first for each in segments[1:]] == [each.last for each in segments[:-1]]
+    assert [path_segment.first for path_segment in segments[1:]] == [
+        path_segment.last for path_segment in segments[:-1]
+    ]
     assert 0.0 < placed.score < path.length
     assert not below(placed.bases).any()
     for segment in segments:

@@ -15,12 +15,12 @@ def headings(seed: int, stops: int = 21, looks: int = 2, swings: int = 2) -> np.
 
 def test_mean_and_spread_are_as_sure_as_they_say() -> None:
     found = [fit_swing_yaw(headings(seed), 2) for seed in range(200)]
-    off = np.array([each.yaw_per_swing for each in found]) - YAW
-    assert off.std() == pytest.approx(np.mean([each.sigma for each in found]), rel=0.15)
-    spreads = np.array([each.spread for each in found])
+    off = np.array([yaw.yaw_per_swing for yaw in found]) - YAW
+    assert off.std() == pytest.approx(np.mean([yaw.sigma for yaw in found]), rel=0.15)
+    spreads = np.array([yaw.spread for yaw in found])
     assert spreads.mean() == pytest.approx(SPREAD, rel=0.05)
-    assert spreads.std() == pytest.approx(np.mean([each.spread_sigma for each in found]), rel=0.25)
-    assert np.mean([each.noise for each in found]) == pytest.approx(NOISE, rel=0.05)
+    assert spreads.std() == pytest.approx(np.mean([yaw.spread_sigma for yaw in found]), rel=0.25)
+    assert np.mean([yaw.noise for yaw in found]) == pytest.approx(NOISE, rel=0.05)
 
 
 def test_a_base_that_stands_firm() -> None:

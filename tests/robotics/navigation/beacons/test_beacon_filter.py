@@ -140,8 +140,8 @@ def test_what_is_not_heard_tells_nothing(drives: list[BeaconDrive]) -> None:
     errors = BEACON_ERRORS._replace(places=np.array([[0.0, 0.0, 2.0]]))
     one, other = (BeaconFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE, errors) for _ in range(2))
     for row in range(200):
-        for each in (one, other):
-            each.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
+        for item in (one, other):
+            item.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD_S)
         one.ranges(np.array([math.nan if row % 2 else math.inf]))
     assert np.allclose(one.covariance, other.covariance)
     other.ranges(np.array([1.2]))

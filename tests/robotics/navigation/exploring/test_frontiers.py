@@ -70,7 +70,7 @@ def test_frontier_behind_a_narrow_passage_has_no_view() -> None:
     grid.unknown[20:64, 44:48] = True
     found = border(grid, 0.3).frontiers
     assert found
-    assert all(each.view is None or each.view[0] < 2.0 for each in found)
+    assert all(frontier.view is None or frontier.view[0] < 2.0 for frontier in found)
 
 
 def test_border_around_a_left_point_is_counted_and_not_driven_to() -> None:

@@ -50,7 +50,7 @@ def mirror(pose: Pose2, rng: np.random.Generator) -> np.ndarray:
     image = [
         (2.0 * x - bx, by, math.pi - yaw, length, width) for bx, by, yaw, length, width in [*ROOM, *FURNITURE]
     ]
-    behind = ranges([each for k, each in enumerate(image) if k != 3], pose)
+    behind = ranges([item for k, item in enumerate(image) if k != 3], pose)
     return np.where((np.abs(met - x) < 0.02) & (there > low) & (there < high), behind, near)
 
 

@@ -58,7 +58,7 @@ def test_a_doubt_is_over_after_five_good_fixes() -> None:
         monitor.suspects(np.array([1.7, 0.0]), ONE)
     assert monitor.doubting
     bad, good = np.array([7.0, 0.0]), np.array([0.1, 0.0])
-    found = [monitor.cleared(each, FORECAST, 1.0) for each in (good, good, bad, good, good, good, good)]
+    found = [monitor.cleared(item, FORECAST, 1.0) for item in (good, good, bad, good, good, good, good)]
     assert found == [False] * 7  # five with a bad one among them are not good
     assert monitor.cleared(good, FORECAST, 1.0)
     assert not monitor.doubting
@@ -78,7 +78,7 @@ def test_a_doubt_holds_where_one_fix_is_five_sigmas_off(factor: float) -> None:
     away = factor * 5.0 * math.sqrt(1.5)
     monitor = FixMonitor()
     residuals = (away, -away, 0.0, away, -away)
-    found = [monitor.cleared(np.array([each, 0.0]), FORECAST, 1.0) for each in residuals]
+    found = [monitor.cleared(np.array([residual, 0.0]), FORECAST, 1.0) for residual in residuals]
     assert found[-1] == (factor < 1.0)
 
 

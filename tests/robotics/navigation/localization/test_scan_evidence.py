@@ -74,8 +74,8 @@ def test_the_weakest_axis_is_the_first_eigenvector() -> None:
 def test_the_inverse_by_hand_is_that_of_lapack(least: float) -> None:
     """Also for a matrix that is almost singular, or has a negative variance."""
     rng = np.random.default_rng(6)
-    for each in rng.normal(size=(50, 3, 3)):
-        axes = np.linalg.qr(each)[0]
+    for item in rng.normal(size=(50, 3, 3)):
+        axes = np.linalg.qr(item)[0]
         matrix = axes @ np.diag([least, 0.5, 3.0]) @ axes.T
         expected = np.linalg.inv(0.5 * (matrix + matrix.T) + 1e-12 * np.eye(3))
         np.testing.assert_allclose(_inverse(0.5 * (matrix + matrix.T)), expected, rtol=1e-5, atol=1e-6)

@@ -28,7 +28,7 @@ def test_small_motion_of_exact_ranges_is_found() -> None:
 def test_drift_is_found_among_noise_within_a_fifth_of_a_millimetre() -> None:
     rng, times = np.random.default_rng(1), np.linspace(0.05, 8.0, 160)
     truth = np.outer(times / 8.0, (0.0005, -0.0004, -0.002))
-    scans = np.array([ranges_in_room(*each) for each in truth]) + 0.01 * rng.standard_normal((160, 360))
+    scans = np.array([ranges_in_room(*item) for item in truth]) + 0.01 * rng.standard_normal((160, 360))
     reference = ranges_in_room(0, 0, 0) + 0.002 * rng.standard_normal(360)
     motions = small_motions(ANGLES, reference, scans)
     assert motions is not None

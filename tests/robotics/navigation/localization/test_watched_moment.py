@@ -54,7 +54,7 @@ def test_it_learns_what_a_filter_with_cloned_states_learns() -> None:
     relative = moment.relative_pose(now)
     assert np.allclose(relative.mean, apart(whole.mean))
     nudges = 1e-6 * np.eye(len(whole.mean))
-    J = np.array([(apart(whole.mean + each) - apart(whole.mean - each)) / 2e-6 for each in nudges]).T
+    J = np.array([(apart(whole.mean + nudge) - apart(whole.mean - nudge)) / 2e-6 for nudge in nudges]).T
     assert np.allclose(relative.covariance, J @ whole.covariance @ J.T, atol=1e-6)
 
 

@@ -57,7 +57,7 @@ def test_beams_through_a_wall_count_more_than_short_ones() -> None:
     boxes = [*ROOM, (4.0, 4.5, 0.0, 1.0, 1.0)]
     truth = Pose2(4.0, 2.0, 0.0)
     without, with_box = (
-        LikelihoodField(from_boxes(each, 0.05, (-0.5, -0.5), (9.0, 7.0))) for each in (ROOM, boxes)
+        LikelihoodField(from_boxes(item, 0.05, (-0.5, -0.5), (9.0, 7.0))) for item in (ROOM, boxes)
     )
     short = explain(without, seen(boxes, truth), np.array([truth]), 0.02)
     through = explain(with_box, seen(ROOM, truth), np.array([truth]), 0.02)

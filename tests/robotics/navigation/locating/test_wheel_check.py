@@ -60,7 +60,7 @@ def test_a_held_base_is_found_where_it_is(
     for _ in range(8):
         assert drive.roll(wheels, (1.0, 1.0)) is None
     found = [drive.roll(wheels, shares) for _ in range(12)]
-    first = next(number for number, each in enumerate(found) if each is not None)
+    first = next(number for number, item in enumerate(found) if item is not None)
     assert (first + 1) * PERIOD_S <= 0.6
     assert drive.check.is_contradicted
     assert drive.by_wheels.distance(drive.pose) < 0.05
@@ -130,4 +130,4 @@ def test_jump_farther_than_a_base_slides_is_no_held_base(
         drive.roll(DRIVES, (1.0, 1.0))
     drive.pose = drive.pose.compose(jump)
     found = [drive.roll(DRIVES, (1.0, 1.0)) for _ in range(3)]
-    assert any(each is not None for each in found) is is_held
+    assert any(item is not None for item in found) is is_held

@@ -138,7 +138,7 @@ def test_a_checkpoint_keeps_the_origin(log: FieldLog) -> None:
     play(log, first, 0, 900)
     first.set_origin()
     play(log, first, 900, 3000)
-    parts = ((each, each.odometry, *each.parts) for each in (first, second))
+    parts = ((item, item.odometry, *item.parts) for item in (first, second))
     for before, after in zip(*parts, strict=True):
         set_attributes(after, after.STATE, attributes(before, before.STATE))
     second.forget_derived()

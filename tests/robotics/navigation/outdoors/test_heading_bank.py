@@ -163,7 +163,7 @@ def test_fixes_that_are_off_together_at_first_mislead_for_a_moment(seed: int) ->
 def test_slow_errors_of_the_fixes_cancel_within_a_minute() -> None:
     """Two metres of slow error cost nothing: they are the same from fix to fix."""
     still, slow = (
-        driven(0.0, 0.7, away=each).bank for each in (no_error, lambda second: np.array([2.0, -2.0]))
+        driven(0.0, 0.7, away=item).bank for item in (no_error, lambda second: np.array([2.0, -2.0]))
     )
     one, other = (bank.belief.covariance[2, 2] for bank in (still, slow))
     assert abs(wrap(still.pose.theta - slow.pose.theta)) < 0.01
@@ -196,7 +196,7 @@ def test_a_track_needs_its_heading_less_exactly_than_a_sensor() -> None:
         GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf), heading_sigma=sigma)
         for sigma in (math.radians(10.0), math.radians(2.0))
     )
-    first, second = (driven_until_known(each, REFERENCE_NOISE, 3)[0] for each in (loose, strict))
+    first, second = (driven_until_known(item, REFERENCE_NOISE, 3)[0] for item in (loose, strict))
     assert first < second
     assert math.sqrt(loose.covariance[2, 2]) <= math.radians(10.5)
 
@@ -205,7 +205,7 @@ def test_a_worse_sky_moves_the_place_as_much_as_its_fixes_err() -> None:
     """Fixes see place and slow error together: their sum is as sure by each supposition."""
     localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf))
     driven_until_known(localizer, REFERENCE_NOISE, 3)
-    spreads = [each.belief.covariance for each in localizer.filters]
+    spreads = [filter_.belief.covariance for filter_ in localizer.filters]
     sums = [spread[X, X] + 2.0 * spread[X, GPS_X] + spread[GPS_X, GPS_X] for spread in spreads]
     assert max(sums) == pytest.approx(min(sums), rel=1e-6)
     assert max(spread[X, X] for spread in spreads) > 2.0 * min(spread[X, X] for spread in spreads)

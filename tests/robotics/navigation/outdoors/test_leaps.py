@@ -65,7 +65,7 @@ def test_a_rare_leap_that_only_many_fixes_show_is_believed_at_once(size: float) 
     before = rare.refused
     found = seen(rare, fixes(2, 60, (size, -size)))
     assert rare.refused - before <= 3
-    assert sum(not each.believed for each in found) <= 2
+    assert sum(not item.believed for item in found) <= 2
 
 
 def test_an_error_that_has_leapt_tells_nothing_of_the_one_before() -> None:
@@ -83,8 +83,8 @@ def test_an_error_that_has_leapt_tells_nothing_of_the_one_before() -> None:
 def test_a_leap_is_what_it_costs() -> None:
     """Less likely than none when it comes; from then on fixes are as likely as they were."""
     leaping = standing(LEAPING)
-    before = [each.log_likelihood for each in seen(leaping, fixes(1, 30))]
-    after = [each.log_likelihood for each in seen(leaping, fixes(2, 30, (6.0, 6.0)))]
+    before = [item.log_likelihood for item in seen(leaping, fixes(1, 30))]
+    after = [item.log_likelihood for item in seen(leaping, fixes(2, 30, (6.0, 6.0)))]
     assert after[0] < min(before) - 2.0
     assert np.mean(after[5:]) == pytest.approx(np.mean(before), abs=0.6)
 
@@ -122,7 +122,7 @@ def test_lasting_reflection_is_as_likely_as_its_first_fix() -> None:
     """Refused fixes are held against those before them, not each against nothing."""
     nominal = standing(REFERENCE_NOISE)
     seen(nominal, fixes(1, 30))
-    off = [each.log_likelihood for each in seen(nominal, fixes(2, 30, (12.0, 12.0)))]
+    off = [item.log_likelihood for item in seen(nominal, fixes(2, 30, (12.0, 12.0)))]
     assert off[0] < -10.0
     assert np.mean(off[5:]) > -4.5
 

@@ -21,14 +21,18 @@ SHARES = np.outer([0.55, 0.25, 0.15, 0.05], [0.6, 0.3, 0.1]).ravel()
 
 def test_worlds_are_supposed_with_these_figures() -> None:
     found = suppositions(GIVEN)
-    assert [each.share for each in found] == pytest.approx(SHARES.tolist())
-    assert [each.worse for each in found] == [3, 4, 5, 6, 7, 8, 9, 10, 11, 9, 10, 11]
-    assert [each.noise.gps_drift for each in found] == pytest.approx(np.repeat(DRIFTS, 3).tolist())
-    assert [each.noise.gps_drift_time for each in found] == [300.0] * 3 + [600.0] * 9
-    assert [each.noise.jump_every for each in found] == [math.inf] * 9 + [1000.0] * 3
-    assert [each.noise.jump for each in found[9:]] == pytest.approx([DRIFTS[3]] * 3)
-    assert {each.noise.gps_delay for each in found} == {0.3}
-    assert [each.noise.gps_delay for each in suppositions(GIVEN._replace(gps_delay=0.4))] == [0.4] * 12
+    assert [supposition.share for supposition in found] == pytest.approx(SHARES.tolist())
+    assert [supposition.worse for supposition in found] == [3, 4, 5, 6, 7, 8, 9, 10, 11, 9, 10, 11]
+    assert [supposition.noise.gps_drift for supposition in found] == pytest.approx(
+        np.repeat(DRIFTS, 3).tolist()
+    )
+    assert [supposition.noise.gps_drift_time for supposition in found] == [300.0] * 3 + [600.0] * 9
+    assert [supposition.noise.jump_every for supposition in found] == [math.inf] * 9 + [1000.0] * 3
+    assert [supposition.noise.jump for supposition in found[9:]] == pytest.approx([DRIFTS[3]] * 3)
+    assert {supposition.noise.gps_delay for supposition in found} == {0.3}
+    assert [supposition.noise.gps_delay for supposition in suppositions(GIVEN._replace(gps_delay=0.4))] == [
+        0.4
+    ] * 12
     for as_told, slipping, turned in zip(found[::3], found[1::3], found[2::3], strict=True):
         assert as_told.noise.scale == turned.noise.scale == GIVEN.scale
         assert slipping.noise.scale == pytest.approx(5.0 * GIVEN.scale)

@@ -47,9 +47,9 @@ def test_two_who_cross_keep_their_tracks() -> None:
     walkers, tracks = Passers(), MovingTracks(REACH_M)
     for walkers, tracks, (time, _, _) in scans(crossing, 4.5):  # noqa: B007
         if 1.0 < time < 2.0:
-            before = {each.number: each.velocity[1] > 0.0 for each in tracks.tracks}
+            before = {track.number: track.velocity[1] > 0.0 for track in tracks.tracks}
     assert len(before) == 2
-    after = {each.number: each.velocity[1] > 0.0 for each in tracks.tracks}
+    after = {track.number: track.velocity[1] > 0.0 for track in tracks.tracks}
     assert walkers.steps()[0][2].position[1] > 2.0
     assert after == before
 
@@ -86,7 +86,7 @@ def test_points_of_a_walker_are_moving_and_what_it_left_is_reported() -> None:
             assert found.moving[near].all()
             assert not found.moving[~near].any()
     assert not found.moving.any()  # at rest for 2 s and more: an obstacle now
-    assert [each.is_moving for each in tracks.tracks] == [False]
+    assert [track.is_moving for track in tracks.tracks] == [False]
     assert np.hypot(*(np.array(left) - (3.0, -2.0)).T).min() < 0.2
 
 
@@ -109,7 +109,7 @@ def test_somebody_in_view_is_never_unknown_for_long(walks: list[dict[str, Any]])
     """A person who walks, stops, turns back or passes others has a track, or is a suspect."""
     unknown: dict[str, int] = {}
     for walkers, tracks, (time, points, _) in scans(walks, 9.0):
-        known = [each.position for each in (*tracks.tracks, *tracks.suspects)]
+        known = [track.position for track in (*tracks.tracks, *tracks.suspects)]
         for name, _, step in walkers.steps():
             seen = (np.hypot(*(points - step.position).T) < 0.35).sum() >= 4
             near = any(np.hypot(*(at - step.position)) < 0.4 for at in known)

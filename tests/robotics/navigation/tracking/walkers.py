@@ -36,11 +36,11 @@ def scans(
     The estimated pose jumps to and fro by `jump_m` each second.
     """
     rng = np.random.default_rng(5)
-    walkers = Passers([PasserSpec.model_validate(each) for each in passers], 0)
+    walkers = Passers([PasserSpec.model_validate(passer) for passer in passers], 0)
     pieces = [
         Furniture(name="box", x_m=x, y_m=y, size_m=(length, width, 1.0)) for x, y, length, width in boxes
     ]
-    plan, tracks = FloorPlan([of_furniture(each) for each in pieces], 0.3, 0.3), MovingTracks(REACH_M)
+    plan, tracks = FloorPlan([of_furniture(piece) for piece in pieces], 0.3, 0.3), MovingTracks(REACH_M)
     for period in range(1, round(seconds / PERIOD_S) + 1):
         time = period * PERIOD_S
         sensor = Pose2(speed * time, 0.0, 0.0) if base is None else base()

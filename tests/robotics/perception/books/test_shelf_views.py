@@ -65,7 +65,7 @@ def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(
         assert spine.label is not None
         assert str(spine.label.call_number) == book.text
         assert (spine.left, spine.right) == pytest.approx((book.left, book.right), abs=0.0008)
-    slot = next(each for each in fuse_views([view]).intervals if each.width > 0.02)
+    slot = next(interval for interval in fuse_views([view]).intervals if interval.width > 0.02)
     assert tuple(slot) == pytest.approx((books[2].right, books[3].left), abs=0.0008)
 
 
@@ -100,7 +100,9 @@ def test_views_with_wrong_poses_are_aligned_by_their_books(
     ]
     assert np.ptp(shifts) < 0.0025
     solid = [(book.left, book.right) for book in reading.books]
-    slots = [slot for each in reading.intervals for slot in find_slots(views, reading.offsets, each, solid)]
+    slots = [
+        slot for interval in reading.intervals for slot in find_slots(views, reading.offsets, interval, solid)
+    ]
     assert [slot.width for slot in slots] == pytest.approx([0.03, 0.036], abs=0.0015)
     wanted = parse("511.5 AAA")
     assert wanted is not None

@@ -16,7 +16,10 @@ def leaning(tilt: float, rows: int = 20, width: int = 160) -> Strips:
     z, columns = HEIGHTS[:rows], np.arange(width)
     shifts = tilt * (z - z.mean()) / 0.0005
     grey = np.array(
-        [np.interp(columns - each, (0, 40, 61, 90, 111, 159), (90, 90, 150, 150, 60, 60)) for each in shifts]
+        [
+            np.interp(columns - shift, (0, 40, 61, 90, 111, 159), (90, 90, 150, 150, 60, 60))
+            for shift in shifts
+        ]
     )
     return Strips(grey, z, 0.1, 0.0005, -1)
 
@@ -28,7 +31,7 @@ def spread(grey: FloatArray) -> float:
 
 @pytest.mark.parametrize("tilt", [-0.03, -0.01, 0.02])
 def test_edges_that_lean_stand_upright_afterwards(tilt: float) -> None:
-    before, after = (each.grey[:, 20:140] for each in (leaning(tilt), upright(leaning(tilt))))
+    before, after = (item.grey[:, 20:140] for item in (leaning(tilt), upright(leaning(tilt))))
     assert spread(after) < 0.3 * spread(before)
 
 
@@ -47,5 +50,5 @@ def test_rows_are_interpolated_between_columns_and_nan_outside() -> None:
         )
         for tilt in tilts
     ]
-    assert any(np.allclose(shown.grey, each, equal_nan=True, atol=1e-9) for each in candidates)
+    assert any(np.allclose(shown.grey, candidate, equal_nan=True, atol=1e-9) for candidate in candidates)
     assert np.isnan(shown.grey[3]).sum() >= 9

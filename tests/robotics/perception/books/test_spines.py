@@ -8,7 +8,11 @@ from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.spine_edges import Strips
 from handcart.robotics.perception.books.spines import Spine, SpineView, scale_of
 
-NUMBERS = [each for each in (parse(f"51{i} {c}AB") for i, c in enumerate("KLMNPRST")) if each is not None]
+NUMBERS = [
+    call_number
+    for call_number in (parse(f"51{i} {c}AB") for i, c in enumerate("KLMNPRST"))
+    if call_number is not None
+]
 THICKNESSES: dict[CallNumber, float] = {number: 0.02 + 0.004 * i for i, number in enumerate(NUMBERS)}
 
 

@@ -43,8 +43,8 @@ def worst_ray(camera: CameraModel, other: CameraModel) -> float:
     """
     grid = np.stack(np.meshgrid(np.linspace(0, 639, 17), np.linspace(0, 479, 13)), axis=-1).reshape(-1, 2)
     rays = []
-    for each in (camera, other):
-        both = np.column_stack([each.undistort(grid), np.ones(len(grid))])
+    for item in (camera, other):
+        both = np.column_stack([item.undistort(grid), np.ones(len(grid))])
         rays.append(both / np.linalg.norm(both, axis=1, keepdims=True))
     turn, _ = Rotation.align_vectors(rays[0], rays[1])
     return 800.0 * float(np.linalg.norm(rays[0] - turn.apply(rays[1]), axis=1).max())
@@ -74,7 +74,7 @@ BOARDS = (
 )
 
 
-@pytest.mark.parametrize("board", BOARDS, ids=lambda each: type(each).__name__)
+@pytest.mark.parametrize("board", BOARDS, ids=lambda item: type(item).__name__)
 def test_corners_of_a_board_in_an_image(tabletop: Tabletop, board: CharucoBoard | Chessboard) -> None:
     rng = np.random.default_rng(1)
     table = tabletop.table()

@@ -24,7 +24,7 @@ def written(*labels: Label) -> int:
 @pytest.mark.parametrize("apart", [3.0, 12.0, 40.0])
 def test_words_keep_clear_of_each_other(apart: float) -> None:
     near = [label(60.0 + apart * number, f"word {number}") for number in range(3)]
-    alone = sum(written(each) for each in near)
+    alone = sum(written(item) for item in near)
     assert written(*near) == alone
 
 

@@ -71,7 +71,7 @@ def test_row_with_visible_ends_is_not_shifted_by_one(shift: float) -> None:
 def test_middle_of_a_long_row_is_reported_as_ambiguous() -> None:
     marks = row(11)
     found = rivals(look(marks, marks, HERE, along(3)))
-    shifts = sorted(round(each.planned_T_base.y, 3) for each in found)
+    shifts = sorted(round(item.planned_T_base.y, 3) for item in found)
     assert found[0].planned_T_base == pytest.approx(HERE, abs=1e-9)
     assert {-0.09, 0.0, 0.09} <= set(shifts)
 
@@ -97,7 +97,7 @@ def test_with_a_landmark_missing_none_is_taken_for_another(missing: int) -> None
     marks, base = row(5), Pose2(0.0, 0.02, 0.01)
     lying = [mark for i, mark in enumerate(marks) if i != missing]
     best, *others = rivals(look(marks, lying, base, along(9)))
-    assert any(each.planned_T_base == pytest.approx(base, abs=1e-9) for each in (best, *others))
+    assert any(other.planned_T_base == pytest.approx(base, abs=1e-9) for other in (best, *others))
     assert bool(others) == (missing in (0, 4))
 
 

@@ -177,7 +177,9 @@ def test_two_of_them_come_in_order(tabletop: Tabletop) -> None:
     for x in (-0.06, 0.04):
         tabletop.put(table, draw_landmark(), x, 0.0)
     seen = find_landmarks(tabletop.photograph(table, facing(HEIGHT), 1), tabletop.camera)
-    assert [planar_pose(each, facing(HEIGHT)).x for each in seen] == pytest.approx([0.04, -0.06], abs=1e-4)
+    assert [planar_pose(landmark, facing(HEIGHT)).x for landmark in seen] == pytest.approx(
+        [0.04, -0.06], abs=1e-4
+    )
 
 
 def test_half_out_of_view_or_covered_is_not_seen(tabletop: Tabletop) -> None:

@@ -51,14 +51,14 @@ def looked_at(
         levelled = over_surface(view, AHEAD, SIZE_M)
         if levelled is not None:
             seen.append(levelled)
-    return [candidates(each, KNOWN) for each in standing_clusters(seen, SIZE_M)]
+    return [candidates(cluster, KNOWN) for cluster in standing_clusters(seen, SIZE_M)]
 
 
-@pytest.mark.parametrize("solid", KNOWN, ids=lambda each: each.name)
+@pytest.mark.parametrize("solid", KNOWN, ids=lambda item: item.name)
 def test_known_solid_is_told_and_located(solid: KnownSolid) -> None:
     turn = 1.1
     found = looked_at(standing_at(solid, 0.02, turn), seed=1)
-    assert [(each.name, each.is_upright) for each in found[0]] == [(solid.name, True)]
+    assert [(item.name, item.is_upright) for item in found[0]] == [(solid.name, True)]
     off = (AHEAD @ found[0][0].surface_T_solid)[:2, 3] - (0.7, 0.02)
     covariance = found[0][0].covariance
     assert np.hypot(*off) < 0.004
@@ -75,7 +75,7 @@ def test_two_touching_boxes_are_neither() -> None:
 @pytest.mark.parametrize(("solid", "down"), [(PARCEL, 0), (PARCEL, 1), (CAN, 0), (TIN, 0)])
 def test_fallen_solid_is_never_upright(solid: KnownSolid, down: int) -> None:
     found = looked_at(standing_at(solid, down=down))
-    assert [(each.name, each.is_upright) for each in found[0]] == [(solid.name, False)]
+    assert [(item.name, item.is_upright) for item in found[0]] == [(solid.name, False)]
 
 
 def test_stranger_of_another_size_is_unknown() -> None:
@@ -87,18 +87,18 @@ def test_box_half_out_of_the_picture_is_not_misplaced() -> None:
     named = 0
     for aside in np.arange(0.12, 0.20, 0.02).tolist():
         for found in looked_at(standing_at(PARCEL, aside), views=(0.0,)):
-            for each in found:
+            for item in found:
                 named += 1
-                off = (AHEAD @ each.surface_T_solid)[:2, 3] - (0.7, aside)
-                assert off @ np.linalg.inv(each.covariance[:2, :2] + 1e-6 * np.eye(2)) @ off < 20.0
+                off = (AHEAD @ item.surface_T_solid)[:2, 3] - (0.7, aside)
+                assert off @ np.linalg.inv(item.covariance[:2, :2] + 1e-6 * np.eye(2)) @ off < 20.0
     assert named
 
 
 def test_shiny_box_without_readings_is_unknown() -> None:
     found = looked_at(standing_at(PARCEL), dropout_percent=90.0)
-    assert all(not any(each.name != "parcel" for each in one) for one in found)
+    assert all(not any(item.name != "parcel" for item in one) for one in found)
 
 
 def test_two_of_one_kind_are_two() -> None:
     found = looked_at(standing_at(CAN, -0.09), standing_at(CAN, 0.09))
-    assert [[each.name for each in one] for one in found] == [["can"], ["can"]]
+    assert [[item.name for item in one] for one in found] == [["can"], ["can"]]

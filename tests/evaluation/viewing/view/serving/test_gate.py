@@ -49,7 +49,7 @@ def entered(opened: Opened, *, token: str | None, origin: str | None, host: str 
         f"ws://{name}:{port}/" if port else f"ws://{name}/",
         sock=socket.create_connection((LOOPBACK_HOST, port_of(opened)), timeout=20),
         origin=origin,  # type: ignore[arg-type]
-        subprotocols=[Subprotocol(each) for each in protocols],
+        subprotocols=[Subprotocol(protocol) for protocol in protocols],
         open_timeout=20,
         max_size=None,
         proxy=None,
@@ -153,7 +153,9 @@ def test_u5_the_token_is_neither_in_addresses_nor_in_pages_nor_logged(
     entered(opened, token=token_of(opened), origin=own).close()
     refused(opened, token=token_of(opened), origin="http://evil.example")
     heard = capfd.readouterr()
-    logged = [each.getMessage() for each in caplog.records if each.name != "websockets.client"]  # that is us
+    logged = [
+        record.getMessage() for record in caplog.records if record.name != "websockets.client"
+    ]  # that is us
     assert token_of(opened) not in " ".join(logged) + heard.out + heard.err
 
 
@@ -230,7 +232,7 @@ def test_no_socket_is_left_open_that_comes_while_the_server_ends() -> None:
         warnings.simplefilter("always")
         del opened, inside, loop, ends
         gc.collect()
-    assert not [str(each.message) for each in caught if each.category is ResourceWarning]
+    assert not [str(item.message) for item in caught if item.category is ResourceWarning]
     for line in lines:
         with line, suppress(ConnectionResetError):
             assert line.recv(1) == b""
