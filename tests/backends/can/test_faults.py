@@ -248,5 +248,5 @@ def test_without_a_bench_the_capabilities_are_known_unbuilt() -> None:
 
     kinds = CanBackend.kinds(load_robot("librarian"))
     assert kinds is not None
-    assert [kind.__name__ for kind in kinds] == ["Base", "Arm", "Gripper"]
+    assert [kind.__name__ for kind in kinds] == ["Base", "ForceArm", "Gripper"]
     assert NoBench.exit_status == 2
