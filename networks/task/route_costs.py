@@ -108,7 +108,7 @@ def with_route_costs(
         times: driving times.
         add: called with the key and the words of each fault.
     """
-    found, told = list[Action](), set[int]()
+    found, reported = list[Action](), set[int]()
     for action, number in zip(actions, entries, strict=True):
         fact = None if number is None else rows[number].route_from
         if number is None or fact is None:
@@ -118,8 +118,8 @@ def with_route_costs(
         try:
             seconds = _route_seconds(action, fact, facts[action.source], times)
         except NoRouteCost as wrong:
-            if number not in told:  # one copy stands for all
-                told.add(number)
+            if number not in reported:  # one copy stands for all
+                reported.add(number)
                 add(("actions", number, "route_from"), str(wrong))
         found.append(replace(action, cost_s=round(action.cost_s + seconds, 2)))
     return found

@@ -73,11 +73,11 @@ def test_how_things_stand_is_told_whole(run: Any) -> None:
     assert run.answer({"do": "status"}) == {"ok": True, **begun}
     run.answer({"do": "step", "by": "Ada"})
     run.go_on(3)
-    told = run.answer({"do": "status"})
+    status = run.answer({"do": "status"})
     question = {"index": 0, "do": "THINK", "from": "a", "to": "b", "with": {"name": "go"}}
-    assert (told["state"], told["step"]) == ("waiting for permission", True)
-    assert told["asks"] == {**question, "ask": 1}
-    assert told["commands"] == [{"number": 1, "do": "step", "by": "Ada", "sim_time_s": 0.0}]
+    assert (status["state"], status["step"]) == ("waiting for permission", True)
+    assert status["asks"] == {**question, "ask": 1}
+    assert status["commands"] == [{"number": 1, "do": "step", "by": "Ada", "sim_time_s": 0.0}]
 
 
 def test_an_answer_to_nothing_or_to_another_action_is_none(run: Any) -> None:
