@@ -72,10 +72,13 @@ class LayeredBackend(Backend):
         self.inner.close()
 
 
+EXTENDED_KINDS: tuple[Kind, ...] = (HolonomicBase, ForceArm)
+"""Interfaces that extend a kind of capability: a part may provide one of them instead of its kind."""
+
+
 def provided_kind(part: Capability, kind: Kind) -> Kind:
     """Return the interface that a capability provides: a kind, or one that extends it."""
-    extended: tuple[Kind, ...] = (HolonomicBase, ForceArm)
-    return next((kind_ for kind_ in extended if isinstance(part, kind_)), kind)
+    return next((kind_ for kind_ in EXTENDED_KINDS if isinstance(part, kind_)), kind)
 
 
 @cache

@@ -11,12 +11,11 @@ from typing import Any, NoReturn
 from typing_extensions import override
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.base import HolonomicBase
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.saved_state import pack
 from handcart.backends.sensors.all_kinds import all_capabilities
-from handcart.evaluation.layers.layered_backend import Kind, layered_kind
+from handcart.evaluation.layers.layered_backend import EXTENDED_KINDS, Kind, layered_kind
 
 from .plain_readings import plain, result_type, typed
 from .recording_file import NoRecording, read_blocks
@@ -91,7 +90,7 @@ class ReplayBackend(Backend):
         self._now, self._done = first, 0
 
     def _part(self, number: int, kind_name: str, sensor_name: str, properties: dict[str, Any]) -> Capability:
-        every: tuple[Kind, ...] = (*all_capabilities(), HolonomicBase)
+        every: tuple[Kind, ...] = (*all_capabilities(), *EXTENDED_KINDS)
         provided = next((kind_ for kind_ in every if kind_.__name__ == kind_name), None)
         if provided is None:
             raise NoRecording(self._folder, f"no kind of part is called {kind_name!r}")

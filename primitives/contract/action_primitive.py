@@ -60,7 +60,7 @@ class ActionPrimitive(FileModel, ABC):
     max_joint_error: ClassVar[float] = TRACKING_TOLERANCE_RAD
     """Largest distance of a joint from its commands, in [rad] or [m]: more means that the arm is stuck."""
     asks_permission: ClassVar[bool] = False
-    """True if a person has to permit each start, unless the action's entry says `permit: none`."""
+    """True if a person has to permit each start. An entry with `permit` "none" needs none."""
     arm_inside: ClassVar[bool] = False
     """The hand must be within the robot's footprint before it starts, because the base drives."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 
 from handcart.backends.backend import RobotFault
+from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.guarded_base import GuardedBase
+from handcart.backends.sensors.all_kinds import all_capabilities
+from handcart.evaluation.layers.layered_backend import EXTENDED_KINDS
 from handcart.evaluation.sensor_replay.plain_readings import NotRecordable, plain, typed
 from handcart.evaluation.sensor_replay.recording_file import SENSORS_FILE, NoRecording
 from handcart.evaluation.sensor_replay.sensor_recorder import SensorRecorder
@@ -61,6 +64,22 @@ def test_the_same_code_commands_the_same(folder: Path) -> None:
     assert found.actions == len(read_run(folder).actions) == 1
     assert min(found.periods, found.commands) > 20
     assert found.readings > 2 * found.periods
+
+
+def test_layers_know_every_interface_that_extends_a_kind() -> None:
+    def extending(kind: type[Capability]) -> Iterator[type[Capability]]:
+        for sub in kind.__subclasses__():
+            yield from (sub, *extending(sub))
+
+    kinds = all_capabilities()
+    interfaces = {
+        sub
+        for kind in kinds
+        for sub in extending(kind)
+        if sub.__module__.startswith("handcart.backends.capabilities.")
+    }
+    assert len(interfaces) >= 2
+    assert interfaces <= {*kinds, *EXTENDED_KINDS}
 
 
 @pytest.mark.slow
