@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
+    from datetime import time
+
     from handcart.networks.events.run_observer import RunObserver
     from handcart.networks.runs.run_options import RunOptions
     from handcart.tools.terminal.progress import Progress
@@ -51,6 +53,10 @@ def run(
     ] = False,
     bench: Annotated[
         str | None, typer.Option(help="with --backend can: simulated drives before this simulated backend")
+    ] = None,
+    begins_at: Annotated[
+        str | None,
+        typer.Option("--begins-at", help="time of day at which a simulated run begins, HH:MM"),
     ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
     view: Annotated[
@@ -113,11 +119,23 @@ def run(
             checkpoints=True,
             record_sensors=record_sensors,
             sync=sync,
+            begins_at=None if begins_at is None else _time_of_day(begins_at),
             permits=Permits(permit, step, breaks),
         )
         namespace = node_namespace if node else None
         status = _run_watched(task, runs, options, (view, port, as_json), namespace, progress_begins)
     sys.exit(status)
+
+
+def _time_of_day(text: str) -> time:
+    """Return the time of day of `--begins-at`; raises `FileError`."""
+    from handcart.files.errors import FileError, Finding
+    from handcart.networks.entries.aims_entry import read_time_of_day
+
+    try:
+        return read_time_of_day(text)
+    except ValueError as wrong:
+        raise FileError([Finding(f"--begins-at {text}", 0, 0, str(wrong))]) from None
 
 
 def _run_watched(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from datetime import time
 from pathlib import Path
 
 from handcart.backends.loading.robot_loading import load_robot
@@ -10,9 +11,11 @@ from handcart.backends.registry import backend_class
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.day_clock import RehearsedDay
 from handcart.networks.events.events import Ended, Event
 from handcart.networks.operator.permits import Permits
 from handcart.networks.past_runs.past_run import PastRun
+from handcart.networks.runs.day_of_run import rehearsed_of
 from handcart.networks.runs.run_header import robot_fingerprint
 from handcart.networks.task.preparing import beginning_at, load_model, make_robot
 from handcart.networks.task.task_file import Task, load_task
@@ -73,7 +76,9 @@ def replay_sensors(run: PastRun) -> SensorReplay:
     coordinator = None
     try:
         robot = make_robot(task, backend, spec, model)
-        coordinator = Coordinator(task.network, robot, model, None, [hear], Permits("always"))
+        clock = RehearsedDay(robot, rehearsed_of(run.header) or time.min)
+        permits = Permits("always")
+        coordinator = Coordinator(task.network, robot, model, None, [hear], permits, clock=clock)
         for _ in coordinator.run():
             robot.step()
         backend.check_at_end()

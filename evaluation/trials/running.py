@@ -18,6 +18,7 @@ from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.run_files.run_names import name_of, point_latest
+from handcart.networks.runs.day_of_run import check_begins_at
 from handcart.networks.runs.resuming import NothingToResume as NothingToResume
 from handcart.networks.runs.resuming import Past, read_past, task_of
 from handcart.networks.runs.robot_claim import claimed
@@ -106,6 +107,11 @@ def _prepared(task: Path, options: RunOptions) -> Prepared:
         errors=options.errors,
         bench=options.bench,
     )
+    try:
+        check_begins_at(prepared, options)
+    except InputError:
+        prepared.backend.close()
+        raise
     if options.around is None and not options.record_sensors:
         return prepared
     if options.around is not None and not prepared.backend.simulated:

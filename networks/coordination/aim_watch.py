@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from datetime import time
 
 from handcart.backends.capabilities.battery import Battery
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.aims import Aims, Interrupt
+
+from .day_clock import DayClock, after
 
 CHARGE_HYSTERESIS = 2.0
 """Charge above its limit from which a battery's interrupt may come again, in [%]."""
@@ -17,10 +20,19 @@ CHARGE_TIMEOUT_S = 300.0
 class AimWatch:
     """Says when a round's time is over, when the next one begins, and which interrupt is due.
 
-    All times are the robot's.
+    All times are the robot's, but for times of day, which are those of a clock. A time of day that passes
+    during a round, or while no program runs, begins no round.
     """
 
-    def __init__(self, robot: Robot, aims: Aims, began: float, handled: Mapping[int, float]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        aims: Aims,
+        began: float,
+        handled: Mapping[int, float],
+        clock: DayClock,
+        waits: bool = False,
+    ) -> None:
         """Begin to watch.
 
         Args:
@@ -28,9 +40,17 @@ class AimWatch:
             aims: aims of the network.
             began: when the round began, in [s].
             handled: when interrupts came last, in [s], by their numbers; for the others, when the run began.
+            clock: clock of the times of day.
+            waits: True if the round waits for its time of day.
         """
-        self._robot, self._aims = robot, aims
+        self._robot, self._aims, self._clock = robot, aims, clock
         self._round_began = began
+        self._round_due: float | None = None
+        if waits and aims.rounds is not None and aims.rounds.at:
+            self._wait(aims.rounds.at, clock.now())
+        self._times = {
+            number: clock.next(item.at, clock.now()) for number, item in enumerate(aims.interrupts) if item.at
+        }
         self._handled = {number: handled.get(number, began) for number in range(len(aims.interrupts))}
         self._is_low: dict[int, bool] = {}
         self._charging: Interrupt | None = None
@@ -39,20 +59,44 @@ class AimWatch:
 
     def begin_round(self) -> float:
         """Return the time at which the next round may begin, in [s]; its time-out counts from then."""
-        every = 0.0 if self._aims.rounds is None else self._aims.rounds.every_s
+        rounds = self._aims.rounds
+        if rounds is not None and rounds.at:
+            return self._wait(rounds.at, after(self._clock.now()))
+        every = 0.0 if rounds is None else rounds.every_s
         self._round_began = max(self._robot.time, self._round_began + every)
+        return self._round_began
+
+    def _wait(self, times: Sequence[time], since: float) -> float:
+        """Wait for a time of day; return the robot's time at which it is expected, in [s]."""
+        self._round_due = self._clock.next(times, since)
+        self._round_began = self._robot.time + max(0.0, self._round_due - self._clock.now())
         return self._round_began
 
     @property
     def left_s(self) -> float | None:
         """Time that is left for the round, in [s]; None if it is not limited."""
         limit = self._aims.time_out_s
+        if self._round_due is not None:
+            return limit
         return None if limit is None else limit - (self._robot.time - self._round_began)
 
     @property
+    def expected(self) -> tuple[float, str] | None:
+        """The robot's time at which the waiting round is expected, in [s], and its time of day; None if none
+        waits for one.
+        """
+        if self._round_due is None:
+            return None
+        return self._round_began, self._clock.time_of_day(self._round_due).isoformat("seconds")
+
     def is_early(self) -> bool:
-        """True while the round may not begin yet."""
-        return self._robot.time < self._round_began
+        """Return whether the round may not begin yet."""
+        if self._round_due is None:
+            return self._robot.time < self._round_began
+        if self._clock.now() < self._round_due:
+            return True
+        self._round_began, self._round_due = self._robot.time, None
+        return False
 
     def due(self, priority: int | None) -> int | None:
         """Return the number of the interrupt that is due, None if none is; each is returned once.
@@ -89,6 +133,8 @@ class AimWatch:
         return False
 
     def _is_due(self, number: int, interrupt: Interrupt) -> bool:
+        if interrupt.at:
+            return self._is_time(number, interrupt.at)
         if interrupt.every_s is not None:
             return self._robot.time - self._handled[number] >= interrupt.every_s
         if self._battery is None or interrupt.battery_below is None:
@@ -97,3 +143,10 @@ class AimWatch:
         limit = interrupt.battery_below + (CHARGE_HYSTERESIS if was_low else 0.0)
         self._is_low[number] = charge < limit
         return self._is_low[number] and not was_low
+
+    def _is_time(self, number: int, times: Sequence[time]) -> bool:
+        now = self._clock.now()
+        if now < self._times[number]:
+            return False
+        self._times[number] = self._clock.next(times, after(now))
+        return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
+from datetime import time
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.deciding.planners import planner_of
@@ -25,6 +26,7 @@ from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot, residuals
 
 from .aim_watch import AimWatch
+from .day_clock import DayClock, RehearsedDay
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
 from .world_watch import WorldWatch
@@ -52,6 +54,7 @@ class Coordinator:
         permission: Permission | None = None,
         standing: RunPosition | None = None,
         keep: Keep | None = None,
+        clock: DayClock | None = None,
     ) -> None:
         """Create a coordinator; nothing is planned or moved before `run` is iterated.
 
@@ -65,6 +68,7 @@ class Coordinator:
                 start.
             standing: position of a run that is resumed; None: a new run.
             keep: called after each action to keep a checkpoint; None: no checkpoints.
+            clock: clock of the aims' times of day; None: a rehearsed day that begins at the first of them.
         """
         self.network = network
         self._left = "" if standing is None else standing.left
@@ -79,7 +83,7 @@ class Coordinator:
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
         self._cause = ""
-        self._aims = _aim_watch(robot, network, standing)
+        self._aims = _aim_watch(robot, network, standing, clock)
 
     def request(self, what: Request, number: int | None = None) -> bool:
         """Request a pause, a stop or another of `Request`, as `ask` does; return whether it was accepted."""
@@ -139,6 +143,9 @@ class Coordinator:
     def _pursue(self) -> Generator[None, None, RunEnd]:
         if self._left:
             self._forget(self._left)
+        if self._aims.is_early() and (expected := self._aims.expected):
+            words = f"round {self._route.round} begins at {expected[1]}"
+            self._log.aims_at(words, Aim(what="wait", situation=self.situation, at_s=round(expected[0], 6)))
         while (end := (yield from self._reach())) is None:
             self._begin_next_round()
         return end
@@ -148,7 +155,7 @@ class Coordinator:
         while not self._route.arrived:
             self._supervision.between_actions()
             self._look_at_aims()
-            waits = self._aims.is_early or self._aims.is_charging(self.situation)
+            waits = self._aims.is_early() or self._aims.is_charging(self.situation)
             if waits and self._route.priority is None:
                 yield
                 continue
@@ -213,9 +220,9 @@ class Coordinator:
         """Begin the next round, which waits until it is due."""
         here = self.situation
         self._route.begin_round()
-        number, at = self._route.round, self._aims.begin_round()
+        number, at, expected = self._route.round, self._aims.begin_round(), self._aims.expected
         record = Aim(what="round", situation=here, round=number, at_s=round(at, 6))
-        self._log.aims_at(f"round {number} begins at {at:.1f} s", record)
+        self._log.aims_at(f"round {number} begins at {expected[1] if expected else f'{at:.1f} s'}", record)
         self._forget(here)
 
     def _plan(self) -> Plan | NoWay | GiveUp:
@@ -358,10 +365,14 @@ class Coordinator:
         return RunEnd(outcome, self.situation, reason, *counts, cause, otherwise, self._route.round)
 
 
-def _aim_watch(robot: Robot, network: ActionNetwork, standing: RunPosition | None) -> AimWatch:
+def _aim_watch(
+    robot: Robot, network: ActionNetwork, standing: RunPosition | None, clock: DayClock | None
+) -> AimWatch:
     """Return the watch over a run's aims; a run that is resumed has used up some of its time."""
+    clock = clock or RehearsedDay(robot, network.aims.begins_at or time.min)
     if standing is None:
-        return AimWatch(robot, network.aims, robot.time, {})
+        return AimWatch(robot, network.aims, robot.time, {}, clock, waits=True)
     shift = robot.time - standing.last_t
-    handled = {number: time + shift for number, time in standing.interrupted.items()}
-    return AimWatch(robot, network.aims, standing.round_began + shift, handled)
+    handled = {number: instant + shift for number, instant in standing.interrupted.items()}
+    began = standing.round_began + shift
+    return AimWatch(robot, network.aims, began, handled, clock, waits=began > robot.time)

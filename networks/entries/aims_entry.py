@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
-from typing import Annotated, Literal, Self
+from datetime import time
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from handcart.files.models.model import FileModel
 from handcart.networks.graph.aims import Aims, Interrupt, Rounds
@@ -15,6 +17,26 @@ from .condition_entry import Conditions
 MAX_AIM_S = 1e7
 """Longest time of a run or between rounds, in [s]: some four months."""
 Seconds = Annotated[float, Field(gt=0.0, le=MAX_AIM_S)]
+_TIME_OF_DAY = re.compile(r"(?:[01][0-9]|2[0-3]):[0-5][0-9](?::[0-5][0-9])?", re.ASCII)
+
+
+def read_time_of_day(text: Any) -> time:
+    """Return a time of day, written like 17:30 or 17:30:05; raises ValueError."""
+    if isinstance(text, str) and _TIME_OF_DAY.fullmatch(text):
+        return time.fromisoformat(text)
+    raise ValueError('no time of day; allowed: "HH:MM" or "HH:MM:SS", from "00:00" to "23:59:59"')
+
+
+def _in_order(times: Any) -> Any:
+    return [times] if isinstance(times, str) else times
+
+
+TimeOfDay = Annotated[
+    time,
+    BeforeValidator(read_time_of_day),
+    WithJsonSchema({"type": "string", "pattern": f"^{_TIME_OF_DAY.pattern}$"}),
+]
+TimesOfDay = Annotated[list[TimeOfDay], BeforeValidator(_in_order), Field(min_length=1, max_length=1000)]
 RoundCount = Annotated[int, Field(ge=1, le=1_000_000)] | Literal["forever"]
 
 
@@ -25,13 +47,23 @@ class RoundsEntry(FileModel):
     """Number of rounds."""
     every_s: Annotated[float, Field(ge=0.0, le=MAX_AIM_S)] = 0.0
     """Time between the starts of two rounds (default: one after the other)."""
+    at: TimesOfDay | None = None
+    """Times of day at which rounds begin, one or a list (default: as `every_s` says)."""
+
+    @model_validator(mode="after")
+    def _has_one_rule(self) -> Self:
+        if self.at is not None and self.every_s:
+            raise ValueError("has two rules; allowed: every_s or at")
+        return self
 
 
 class DueEntry(FileModel):
-    """Condition of an interrupt: `every_s` or `battery_below_percent`."""
+    """Condition of an interrupt: `every_s`, `at` or `battery_below_percent`."""
 
     every_s: Seconds | None = None
     """Time after which it is due again."""
+    at: TimesOfDay | None = None
+    """Times of day at which it is due, one or a list."""
     battery_below_percent: Annotated[float, Field(gt=0.0, lt=100.0)] | None = None
     """Charge of the battery below which it is due."""
 
@@ -43,8 +75,8 @@ class DueEntry(FileModel):
         below = self.battery_below_percent
         if self.until_percent is not None and (below is None or self.until_percent <= below):
             raise ValueError("until_percent has no lower battery_below_percent; allowed: one above it")
-        if (self.every_s is None) is (self.battery_below_percent is None):
-            raise ValueError("needs one condition; allowed: every_s or battery_below_percent")
+        if sum(item is not None for item in (self.every_s, self.at, below)) != 1:
+            raise ValueError("needs one condition; allowed: every_s, at or battery_below_percent")
         return self
 
 
@@ -62,7 +94,8 @@ class InterruptEntry(FileModel):
         """Return the interrupt, given the situations of the network that end it."""
         when = self.when
         below, until = when.battery_below_percent, when.until_percent
-        return Interrupt(self.name, tuple(goals), when.every_s, below, self.priority, until)
+        at = tuple(when.at or ())
+        return Interrupt(self.name, tuple(goals), when.every_s, below, self.priority, until, at)
 
 
 class SituationInterrupt(InterruptEntry):
@@ -85,7 +118,7 @@ class AimsHead(FileModel):
     time_out_s: Seconds | None = None
     """Time of a run, or of each of its rounds, after which the goal is abandoned (status 3)."""
     rounds: RoundCount | RoundsEntry | None = None
-    """Repetition of a task that ends where it began: a number, `forever`, or `most` and `every_s`."""
+    """Repetition of a task that ends where it began: a number, `forever`, or `most`, `every_s` and `at`."""
 
     def aims(self, entries: Sequence[InterruptEntry], goals: Callable[[int], Sequence[str]]) -> Aims:
         """Return the aims of the network.
@@ -101,4 +134,5 @@ class AimsHead(FileModel):
         if self.rounds is None:
             return None
         given = self.rounds if isinstance(self.rounds, RoundsEntry) else RoundsEntry(most=self.rounds)
-        return Rounds(None if given.most == "forever" else given.most, given.every_s)
+        most = None if given.most == "forever" else given.most
+        return Rounds(most, given.every_s, tuple(given.at or ()))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import time
+from itertools import chain
 from typing import Any
 
 
@@ -14,10 +16,12 @@ class Rounds:
     """Number of rounds; None: unlimited."""
     every_s: float = 0.0
     """Time between the starts of two rounds, in [s] of the robot's time; 0: one after the other."""
+    at: tuple[time, ...] = ()
+    """Times of day at which rounds begin; none: as `every_s` says."""
 
     def fields(self) -> dict[str, Any]:
         """Return it, ready for JSON."""
-        return {"most": self.most, "every_s": self.every_s}
+        return {"most": self.most, "every_s": self.every_s, **_at_fields(self.at)}
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,8 @@ class Interrupt:
     """Charge up to which the robot waits once the interrupt's goal is reached, in [%]; None: it continues at
     once.
     """
+    at: tuple[time, ...] = ()
+    """Times of day at which it is due; none: it depends on another condition."""
 
     def fields(self) -> dict[str, Any]:
         """Return it, ready for JSON."""
@@ -46,6 +52,7 @@ class Interrupt:
             "every_s": self.every_s,
             "battery_below": self.battery_below,
             "priority": self.priority,
+            **_at_fields(self.at),
         }
         return found if self.battery_until is None else {**found, "battery_until": self.battery_until}
 
@@ -77,6 +84,7 @@ class Aims:
             found["time-out"] = f"{self.time_out_s:g} s{' for each round' if self.rounds else ''}"
         if self.rounds is not None:
             every = f", every {self.rounds.every_s:g} s" if self.rounds.every_s else ""
+            every = f", at {times_words(self.rounds.at)}" if self.rounds.at else every
             found["rounds"] = f"{self.rounds.most or 'for ever'}{every}"
         if self.interrupts:
             named = (f"{interrupt.name} (priority {interrupt.priority})" for interrupt in self.interrupts)
@@ -90,9 +98,33 @@ class Aims:
         every = [dict(item) for item in fields.get("interrupts", ())]
         return cls(
             fields.get("time_out_s"),
-            None if rounds is None else Rounds(**rounds),
-            tuple(Interrupt(**{**item, "goals": tuple(item["goals"])}) for item in every),
+            None if rounds is None else Rounds(**{**rounds, "at": _times(rounds)}),
+            tuple(Interrupt(**{**item, "goals": tuple(item["goals"]), "at": _times(item)}) for item in every),
         )
+
+    @property
+    def begins_at(self) -> time | None:
+        """Time of day at which a rehearsal begins: the first one of the aims; None if they have none."""
+        of_rounds = self.rounds.at if self.rounds else ()
+        of_interrupts = (item for interrupt in self.interrupts for item in interrupt.at)
+        return next(chain(of_rounds, of_interrupts), None)
+
+
+def times_words(times: tuple[time, ...]) -> str:
+    """Return times of day in words."""
+    return ", ".join(_short(item) for item in times)
+
+
+def _short(item: time) -> str:
+    return item.isoformat("seconds" if item.second else "minutes")
+
+
+def _at_fields(times: tuple[time, ...]) -> dict[str, Any]:
+    return {"at": [_short(item) for item in times]} if times else {}
+
+
+def _times(fields: dict[str, Any]) -> tuple[time, ...]:
+    return tuple(map(time.fromisoformat, fields.get("at", ())))
 
 
 NO_AIMS = Aims()

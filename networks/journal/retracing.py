@@ -165,6 +165,8 @@ def _aim(found: RunPosition, record: Record) -> None:
     route, what, now = found.route, record["what"], float(record["t"])
     if what == "abandon":
         route.abandon(record["reason"])
+    elif what == "wait":
+        found.round_began = float(record.get("at_s", now))
     elif what == "round":
         route.begin_round()
         found.round_began = float(record.get("at_s", now))

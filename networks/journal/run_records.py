@@ -206,8 +206,8 @@ class Skip(TypedDict):
 class Aim(TypedDict):
     """Record: the run pursues another goal."""
 
-    what: Literal["abandon", "interrupt", "round"]
-    """The goal is abandoned, an interrupt comes first, or another round begins."""
+    what: Literal["abandon", "interrupt", "round", "wait"]
+    """The goal is abandoned, an interrupt comes first, another round begins, or the first round waits."""
     situation: str
     reason: NotRequired[str]
     interrupt: NotRequired[Index]

@@ -34,6 +34,7 @@ from handcart.networks.task.preparing import prepare as prepare
 
 from .calibration import keep_calibrated
 from .checkpoint import keep_checkpoint
+from .day_of_run import day_clock, rehearsed_time
 from .evidence_files import EvidenceFiles
 from .flight_recorder import FlightRecorder
 from .recording_keeper import RecordingKeeper
@@ -136,11 +137,12 @@ def _coordinator(
         prepared.task.network,
         prepared.robot,
         prepared.model,
-        stack.enter_context(_journal(prepared, run_dir, past, sync)),
+        stack.enter_context(_journal(prepared, run_dir, options, past)),
         [observer.event for observer in observers],
         _permits(prepared, options),
         standing=past.standing if past else None,
         keep=partial(keep_checkpoint, run_dir, prepared, sync == "always") if options.checkpoints else None,
+        clock=day_clock(prepared, options, past),
     )
 
 
@@ -155,12 +157,13 @@ def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
         yield SteadyMemory()
 
 
-def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -> Journal:
+def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past | None) -> Journal:
     """Return a new journal with its header, or the past one with what is known of the crash."""
-    path = run_dir / "journal.jsonl"
+    path, sync = run_dir / "journal.jsonl", _sync(prepared, options)
     if past is None:
         journal = Journal(path, sync)
-        journal.append("RUN", prepared.robot.time, header(prepared), process_facts())
+        begins = rehearsed_time(prepared, options)
+        journal.append("RUN", prepared.robot.time, header(prepared, begins), process_facts())
         return journal
     journal = Journal.go_on(path, past.contents, sync)
     for kind, fields, wall in past.to_tell:

@@ -6,6 +6,7 @@ import hashlib
 import os
 import time
 from collections.abc import Mapping
+from datetime import time as time_of_day
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -25,9 +26,11 @@ _CHANCE_KEYS = ("p", "p_give_up", "others", "unlimited", "renewals", "fresh_afte
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
-def header(prepared: Prepared) -> dict[str, Any]:
+def header(prepared: Prepared, begins_at: time_of_day | None = None) -> dict[str, Any]:
     """Return the fields of the record RUN: task, network, robot, backend, seed; equal in two runs of one
     seed.
+
+    `begins_at` is the time of day at which a rehearsal begins; it is kept only if the task has such times.
     """
     task = prepared.task
     return {
@@ -50,6 +53,7 @@ def header(prepared: Prepared) -> dict[str, Any]:
         "address": prepared.backend.address,
         "seed": prepared.seed,
         "errors": prepared.errors,
+        **({} if begins_at is None else {"begins_at": begins_at.isoformat()}),
     }
 
 

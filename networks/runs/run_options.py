@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from datetime import time
 from pathlib import Path
 
 from handcart.backends.backend import Backend
@@ -50,5 +51,7 @@ class RunOptions:
     """Function that wraps a simulated backend, for example to inject faults."""
     record_sensors: bool = False
     """True to record every reading and command, so that `handcart replay --sensors` can check the run."""
+    begins_at: time | None = None
+    """Time of day at which a simulated run begins; None: the first one of the task's rounds or interrupts."""
     observers: tuple[RunObserver, ...] = ()
     """Observers of the run, notified in this order."""

@@ -88,8 +88,9 @@ def aim_words(run: PastRun) -> Iterator[tuple[Mapping[str, Any], str]]:
     for record in run.records:
         if record["kind"] != "AIM":
             continue
-        if record["what"] == "round":
-            yield record, f"round {record['round']} may begin at {record.get('at_s', record['t']):.1f} s"
+        if record["what"] in ("round", "wait"):
+            number = record.get("round", 1)
+            yield record, f"round {number} may begin at {record.get('at_s', record['t']):.1f} s"
         elif record["what"] == "abandon":
             yield record, f"the goal is abandoned: {record['reason']}"
         else:

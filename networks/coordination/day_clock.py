@@ -1,0 +1,84 @@
+"""Clocks that give the time of day."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from datetime import datetime, timedelta
+from datetime import time as TimeOfDay  # noqa: N812
+
+from typing_extensions import override
+
+from handcart.backends.robot.robot import Robot
+
+DAY_S = 86_400.0
+
+
+class DayClock(ABC):
+    """A clock that gives the time of day; its instants are in [s], from an origin of its own."""
+
+    @abstractmethod
+    def now(self) -> float:
+        """Return the present instant, in [s]."""
+
+    @abstractmethod
+    def next(self, times: Sequence[TimeOfDay], since: float) -> float:
+        """Return the first instant, not before `since`, at one of these times of day, in [s]."""
+
+    @abstractmethod
+    def time_of_day(self, instant: float) -> TimeOfDay:
+        """Return the time of day of an instant."""
+
+
+class RehearsedDay(DayClock):
+    """The robot's time, which begins at a chosen time of day; its instants count from midnight."""
+
+    def __init__(self, robot: Robot, begins_at: TimeOfDay) -> None:
+        """Let the robot's time 0 be a time of day."""
+        self._robot, self._begins = robot, _seconds(begins_at)
+
+    @override
+    def now(self) -> float:
+        return self._begins + self._robot.time
+
+    @override
+    def next(self, times: Sequence[TimeOfDay], since: float) -> float:
+        return since + min((_seconds(item) - since) % DAY_S for item in times)
+
+    @override
+    def time_of_day(self, instant: float) -> TimeOfDay:
+        return (datetime.min + timedelta(seconds=round(instant % DAY_S))).time()
+
+
+class LocalDay(DayClock):
+    """The machine's clock in its time zone; its instants count from 1970 on."""
+
+    def __init__(self, clock: Callable[[], float] = time.time) -> None:
+        """Read a clock, which returns [s] since 1970."""
+        self._clock = clock
+
+    @override
+    def now(self) -> float:
+        return self._clock()
+
+    @override
+    def next(self, times: Sequence[TimeOfDay], since: float) -> float:
+        today = datetime.fromtimestamp(since).date()
+        days = (today + timedelta(days=number) for number in range(3))
+        instants = (datetime.combine(day, item).timestamp() for day in days for item in times)
+        return min(instant for instant in instants if instant >= since)
+
+    @override
+    def time_of_day(self, instant: float) -> TimeOfDay:
+        return datetime.fromtimestamp(instant).time()
+
+
+def after(instant: float) -> float:
+    """Return the next later instant, in [s]."""
+    return math.nextafter(instant, math.inf)
+
+
+def _seconds(item: TimeOfDay) -> float:
+    return item.hour * 3600.0 + item.minute * 60.0 + item.second

@@ -1,0 +1,52 @@
+"""The clock of a run's times of day."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import time
+from typing import Any
+
+from handcart.files.errors import InputError
+from handcart.networks.coordination.day_clock import DayClock, LocalDay, RehearsedDay
+from handcart.networks.task.preparing import Prepared
+
+from .resuming import Past
+from .run_options import RunOptions
+
+
+class NoRehearsedDay(InputError):
+    """Error: a time of day is given for a run that cannot have one; nothing has moved."""
+
+
+def check_begins_at(prepared: Prepared, options: RunOptions) -> None:
+    """Raise `NoRehearsedDay` if a time of day is given for a real robot, or for a task without such times."""
+    if options.begins_at is None:
+        return
+    if not prepared.backend.simulated:
+        wrong = f"a time of day for the backend {prepared.backend_name!r}"
+        raise NoRehearsedDay(f"{wrong}, whose robot lives by this machine's clock; allowed: a simulated one")
+    if prepared.task.network.aims.begins_at is None:
+        wrong = "a time of day for a task whose rounds and interrupts have none"
+        raise NoRehearsedDay(f"{wrong}; allowed: a task with `at`, in `rounds` or `interrupts`")
+
+
+def rehearsed_time(prepared: Prepared, options: RunOptions) -> time | None:
+    """Return the time of day at which a simulated run begins; None if it is real, or has no such times."""
+    first = prepared.task.network.aims.begins_at
+    if first is None or not prepared.backend.simulated:
+        return None
+    return options.begins_at or first
+
+
+def day_clock(prepared: Prepared, options: RunOptions, past: Past | None) -> DayClock:
+    """Return the clock: this machine's for a real robot, else the robot's; a resumed run keeps its day."""
+    if not prepared.backend.simulated:
+        return LocalDay()
+    begins = rehearsed_time(prepared, options) if past is None else rehearsed_of(past.contents.records[0])
+    return RehearsedDay(prepared.robot, begins or time.min)
+
+
+def rehearsed_of(header: Mapping[str, Any]) -> time | None:
+    """Return the time of day at which a past simulated run began; None without one."""
+    kept = header.get("begins_at")
+    return None if kept is None else time.fromisoformat(str(kept))
