@@ -33,6 +33,11 @@ HEARD_KINDS = (
     "nav_msgs/Odometry",
 )
 """Types of which one message is read."""
+DISCOVERED_KINDS = (*READING_KINDS, *COMMAND_KINDS)
+SETTLED_S = 1.0
+"""[s] without a new topic or action after which all nodes have been discovered."""
+MAX_DISCOVERY_S = 5.0
+"""[s] for which further topics and actions are waited for, beyond the time to listen."""
 
 
 class AirDescription(NamedTuple):
@@ -54,12 +59,12 @@ class AirDescription(NamedTuple):
 
 
 def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace: str = "") -> AirDescription:
-    """Listen for some seconds to what a robot tells of itself; nothing is sent.
+    """Listen to a robot's description of itself; nothing is sent.
 
     Args:
         link: connection to its topics.
         wait: waits for a short time.
-        seconds: time in [s].
+        seconds: time in [s]; longer while further topics and actions are being discovered.
         namespace: of the robot's topics.
 
     Raises:
@@ -72,9 +77,13 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
         )
     messages: dict[str, Any] = {}
     heard: set[str] = set()
-    end = link.clock() + seconds
-    while link.clock() < end:
+    begun = changed = link.clock()
+    known: list[list[str]] = []
+    while (now := link.clock()) - begun < seconds or now - changed < min(seconds, SETTLED_S):
         wait()
+        found = [*map(link.topics_of, DISCOVERED_KINDS), *map(link.actions_of, ACTION_KINDS)]
+        if found != known and now - begun < seconds + MAX_DISCOVERY_S:
+            known, changed = found, now
         for kind in HEARD_KINDS:
             for topic in link.topics_of(kind):
                 if topic not in heard:
@@ -88,7 +97,7 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
                 " `handcart check URDF --draft FILE` with the URDF as a file"
             ]
         )
-    topics = {kind: tuple(_in_use(link, kind)) for kind in (*READING_KINDS, *COMMAND_KINDS)}
+    topics = {kind: tuple(_in_use(link, kind)) for kind in DISCOVERED_KINDS}
     actions = {kind: tuple(link.actions_of(kind)) for kind in ACTION_KINDS}
     commanded = [name for kind in COMMAND_KINDS[2:] for name in topics[kind]]
     commanded += [name for names in actions.values() for name in names]

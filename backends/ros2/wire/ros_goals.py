@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 from uuid import uuid4
@@ -23,6 +23,8 @@ from .goals import (
 )
 from .ros_errors import NoRos
 
+FEEDBACK_TOPIC, FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 KEPT_IDS = 1000
 """Number of the last goals that count as this program's own."""
 Came = Callable[[], None]
@@ -183,25 +185,29 @@ def serve_action(node: Any, kind: str, name: str, accepts: Accepts, take: TakesG
 def action_servers(node: Any, name: str) -> list[str]:
     """Return the names of the nodes that serve an action, each with its type."""
     full = node.resolve_service_name(name)
-    return [f"{server} ({kind})" for server, action, kind in _served_actions(node) if action == full]
+    ends = node.get_publishers_info_by_topic(f"{full}{FEEDBACK_TOPIC}")
+    return [
+        f"{node_of(end)} ({end.topic_type.removesuffix(FEEDBACK_TYPE).replace('/action', '')})"
+        for end in ends
+    ]
 
 
 def actions_of(node: Any, kind: str) -> list[str]:
-    """Return the names of all actions of a type that are served; needs no package of its messages."""
-    return sorted({action for _, action, served in _served_actions(node) if served == kind})
+    """Return the names of all actions of a type that are served; needs no package of its messages.
+
+    A server is found by its topic of feedback, as a client finds it: the names of nodes arrive later than
+    their topics, and a client subscribes to feedback that nobody publishes.
+    """
+    wanted = f"{kind.replace('/', '/action/')}{FEEDBACK_TYPE}"
+    topics = (topic for topic, kinds in node.get_topic_names_and_types() if wanted in kinds)
+    return sorted(topic.removesuffix(FEEDBACK_TOPIC) for topic in topics if node.count_publishers(topic))
 
 
-def _served_actions(node: Any) -> Iterator[tuple[str, str, str]]:
-    """Yield each server's node, action and type, such as `control_msgs/GripperCommand`."""
-    graph = import_module("rclpy.action.graph")
-    for one, space in node.get_node_names_and_namespaces():
-        try:
-            offered = graph.get_action_server_names_and_types_by_node(node, one, space)
-        except RuntimeError:  # it has left meanwhile
-            continue
-        for action, kinds in offered:
-            for kind in kinds:
-                yield f"{space.rstrip('/')}/{one}", action, kind.replace("/action", "")
+def node_of(end: Any) -> str:
+    """Return the node of a publisher or subscription; it may not be known yet, shortly after discovery."""
+    if end.node_name == UNKNOWN_NODE:
+        return "a node without a name yet"
+    return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
 
 
 def action_class(kind: str) -> Any:

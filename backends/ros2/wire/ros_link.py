@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from .goals import Accepts, GoalSender, TakesGoal
 from .ros_errors import NoRos
-from .ros_goals import RosGoalSender, action_servers, actions_of, serve_action
+from .ros_goals import RosGoalSender, action_servers, actions_of, node_of, serve_action
 
 Take = Callable[[Any], None]
 """Receives a message."""
@@ -269,7 +269,7 @@ def message_class(kind: str) -> Any:
 
 def _node_and_type(end: Any) -> str:
     """Return the node of a publisher or subscription, with the type of its messages."""
-    return f"{end.node_namespace.rstrip('/')}/{end.node_name} ({end.topic_type.replace('/msg', '')})"
+    return f"{node_of(end)} ({end.topic_type.replace('/msg', '')})"
 
 
 def node_name(what: str) -> str:

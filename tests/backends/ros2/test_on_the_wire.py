@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -23,6 +23,7 @@ from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
 from handcart.backends.ros2.bench.served_joints import ServedJoints
 from handcart.backends.ros2.goal_stream import GoalStream
 from handcart.backends.ros2.ros_backend import RosBackend
+from handcart.backends.ros2.wire.goals import GoalSender, GoalStage, SentGoal, ServedGoal
 from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, trajectory_goal
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import RosLink
@@ -233,3 +234,78 @@ def test_goals_pass_the_middleware_and_come_back() -> None:
     finally:
         drivers.close()
         program.close()
+
+
+class CountingRig:
+    """Server, client and a rival's client of `Fibonacci`: its messages are published as a wheel."""
+
+    KIND, NAME, ANSWER_S = "test_msgs/Fibonacci", "count", 1.0
+
+    def __init__(self) -> None:
+        """Connect all three."""
+        self.links = [RosLink(name) for name in ("drivers", "program", "rival")]
+        self.served: list[ServedGoal] = []
+        self.verdict: bool | None = True
+        self.links[0].serve_action(self.KIND, self.NAME, lambda goal: self.verdict, self.served.append)
+        sender, self.rival = (link.goal_sender(self.KIND, self.NAME) for link in self.links[1:])
+        self.stream = GoalStream(sender, self.NAME, self.KIND, self.ANSWER_S, time.monotonic)
+
+    def await_that(self, condition: Callable[[], bool]) -> None:
+        """Exchange messages until a condition holds."""
+        until = time.monotonic() + 20.0
+        while not condition():
+            assert time.monotonic() < until
+            time.sleep(0.01)
+            for link in self.links:
+                link.receive()
+            self.stream.advance()
+
+    def sent(self, verdict: bool | None, sender: GoalSender | None = None) -> SentGoal:
+        """Send a goal by the stream, or by a sender alone, that gets a verdict."""
+        self.verdict = verdict
+        goal = self.stream.sender.new_goal()
+        goal.order = 7
+        if sender is not None:
+            return sender.send(goal)
+        self.stream.forget()
+        self.stream.send(goal)
+        return self.stream._watched[0].goal
+
+    def ended(self, stage: GoalStage, asked: bool = False) -> str:
+        """Let a goal of the stream end, when it is asked to or without; return the trouble."""
+        sent = self.sent(True)
+        self.await_that(lambda: bool(self.served) and sent.state is GoalStage.RUNNING)
+        goal = self.served.pop()
+        assert goal.request.order == 7
+        if asked:
+            self.stream.cancel()
+            self.await_that(lambda: goal.is_cancel_asked)
+        result = goal.new_result()
+        result.sequence = [1, 1, 2]
+        goal.end(stage, result)
+        self.await_that(lambda: sent.state is stage)
+        assert list(sent.result.sequence) == [1, 1, 2]
+        return self.stream.trouble
+
+
+def test_any_action_passes_the_middleware_with_each_of_its_ends() -> None:
+    pytest.importorskip("test_msgs", reason="ros-test-msgs is not installed")
+    rig = CountingRig()
+    try:
+        rig.await_that(lambda: rig.stream.sender.is_ready() and rig.rival.is_ready())
+        assert rig.links[1].actions_of(rig.KIND) == [f"/{rig.NAME}"]  # before the node's name is known
+        assert rig.links[1].actions_of("test_msgs/NestedMessage") == []
+        assert rig.ended(GoalStage.SUCCEEDED) == ""
+        assert rig.ended(GoalStage.CANCELED, asked=True) == ""
+        assert rig.ended(GoalStage.ABORTED) == "count: the controller aborted a goal"
+        for verdict, words in ((False, "the controller rejected a goal"), (None, "no answer to a goal")):
+            rig.sent(verdict)
+            rig.await_that(lambda: bool(rig.stream.trouble))
+            assert words in rig.stream.trouble
+        rig.stream.forget()
+        rig.sent(True, rig.rival)
+        rig.await_that(lambda: bool(rig.stream.trouble))
+        assert "a goal of another node is executed" in rig.stream.trouble
+    finally:
+        for link in rig.links:
+            link.close()

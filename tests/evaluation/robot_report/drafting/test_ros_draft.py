@@ -18,6 +18,7 @@ from handcart.backends.ros2.air_check.air_description import (
     describe_air,
 )
 from handcart.backends.ros2.air_check.connected import connected
+from handcart.backends.ros2.bench.local_air import LocalAir, LocalLink
 from handcart.evaluation.robot_report.drafting.ros_draft import with_air
 from handcart.evaluation.robot_report.drafting.ros_section import chosen, ros_section
 from handcart.evaluation.robot_report.outline import Outline, outline_of
@@ -123,6 +124,22 @@ def test_actions_on_the_air_are_described() -> None:
         "control_msgs/FollowJointTrajectory": ("arm/follow_joint_trajectory",),
         "control_msgs/GripperCommand": ("hand/gripper_cmd",),
     }
+
+
+def test_late_discovery_is_awaited_within_bounds() -> None:
+    air, kind = LocalAir(), "control_msgs/FollowJointTrajectory"
+    drivers, link = LocalLink(air, "drivers"), LocalLink(air, "draft")
+    drivers.latched("std_msgs/String", "robot_description")(SimpleNamespace(data="<robot/>"))
+    names = iter(f"controller_{number}" for number in range(100))
+
+    def wait() -> None:
+        air.time += 0.1
+        if air.time > 2.5 and air.time % 0.9 < 0.1:  # after 1.5 s, one by one, without an end
+            drivers.serve_action(kind, next(names), lambda goal: True, lambda goal: None)
+
+    described = describe_air(link, wait, 2.0)
+    assert len(described.actions[kind]) > 3
+    assert 7.0 < air.time - 1.0 < 8.5
 
 
 def test_joints_without_a_controller_are_told() -> None:
