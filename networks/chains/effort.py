@@ -44,6 +44,11 @@ class Effort:
             self._watch(self._spent / self._most)
 
     @property
+    def spent(self) -> float:
+        """Steps that are spent."""
+        return self._spent
+
+    @property
     def left(self) -> float:
         """Steps that are not spent."""
         return self._most - self._spent

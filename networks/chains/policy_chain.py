@@ -16,6 +16,7 @@ from .moments import Moments
 from .policy import Chances as Chances
 from .policy import Policy
 from .rule_flow import FlowResult
+from .step_maker import State
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,16 @@ def policy_chain(policy: Policy, chances: Chances) -> Chain:
     return _Solution(rows, policy).chain(count)
 
 
+def values_of_states(policy: Policy, chances: Chances) -> dict[State, tuple[float, float]]:
+    """Return the expected result of a run from each state of a policy.
+
+    Returns:
+        By state: probability of the goal with nothing left undone, and expected cost in [s].
+    """
+    values = _Solution(ChainRows(policy, chances), policy).values()
+    return dict(zip(policy.steps, values, strict=True))
+
+
 class _Solution:
     """Solution of a chain's equations."""
 
@@ -84,6 +95,13 @@ class _Solution:
         slopes = self._by_action(count, self._plain.solve(begins, True) * self._gain(complete[:, 0, 0]))
         skips = [*(link.row for link in rows.skips), *rows.skipped_to_goal]
         return Chain(known, starts, slopes, rows, self._ended(visits), float(visits[skips].sum()))
+
+    def values(self) -> list[tuple[float, float]]:
+        """Return for each row the probability of the goal without skips, and the expected cost in [s]."""
+        cost = np.array(self._rows.cost)[:, None]
+        complete = self._plain.solve(self._into(skips=False)[:, :1])
+        first = self._every.solve(cost * self._every.solve(self._into(skips=True)))
+        return list(zip(map(float, complete[:, 0]), map(float, first.sum(axis=1)), strict=True))
 
     def _ended(self, visits: FloatArray) -> FloatArray:
         """Return the probabilities (situations, ends) that a run ends in each situation."""

@@ -7,10 +7,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import Chances, Policy, TooLarge, policy
-from handcart.networks.chains.policy_chain import policy_chain
+from handcart.networks.chains.policy import Chances, Policy, TooLarge
+from handcart.networks.chains.policy_chain import policy_chain, values_of_states
 from handcart.networks.chains.step_maker import State
+from handcart.networks.chains.step_table import StepTable
 from handcart.networks.graph.network import Action, ActionNetwork
 
 from .best_planner import chances_of
@@ -47,6 +49,7 @@ class OptionValues:
         self._chances = chances_of(network) if chances is None else chances
         self._policy_name = policy or network.policy
         self._process = Process(network, self._chances, network.person_s)
+        self._rule = StepTable(network, self._chances) if self._policy_name == "rule" else None
         self._known: dict[State, OptionValue] = {}
 
     @property
@@ -81,13 +84,41 @@ class OptionValues:
         if state.situation == self._network.goal:
             return OptionValue(1.0, 0.0)
         if state not in self._known:
-            ends = policy_chain(self._policy(state), self._chances).ends
-            self._known[state] = OptionValue(ends.goal.p, ends.total().first)
+            self._follow(state)
         return self._known[state]
 
-    def _policy(self, start: State) -> Policy:
-        if self._policy_name == "rule":
-            return policy(self._network, effort=Effort(VALUE_STEPS), start=start, chances=self._chances)
+    def _follow(self, start: State) -> None:
+        if self._rule is not None:
+            # The rule decides alike wherever a run began: a chain has the values of all its states.
+            values = values_of_states(self._rule.policy(start, Effort(VALUE_STEPS)), self._chances)
+            self._known |= {state: OptionValue(*value) for state, value in values.items()}
+            return
+        ends = policy_chain(self._best_policy(start), self._chances).ends
+        self._known[start] = OptionValue(ends.goal.p, ends.total().first)
+
+    def _best_policy(self, start: State) -> Policy:
         name: PolicyName = "goal_probability" if self._policy_name == "goal_probability" else "expected_cost"
         best = BestPolicy(self._network, self._chances, name, self._network.person_s, Effort(VALUE_STEPS))
         return best.policy(start)
+
+
+class RunOptionValues:
+    """Figures of the actions of one run, shared by its decisions as long as its beliefs do not change."""
+
+    def __init__(self, network: ActionNetwork) -> None:
+        """Prepare the figures of a run in a network."""
+        self._network = network
+        self._key: tuple[tuple[Chance | None, ...] | None, str] | None = None
+        self._values: OptionValues | None = None
+
+    def by(self, chances: Chances | None, policy: str | None) -> OptionValues:
+        """Return the figures by these probabilities and this policy.
+
+        Args:
+            chances: outcome probabilities of each action; None: those of the file.
+            policy: policy that decides afterwards; None: the network's.
+        """
+        key = None if chances is None else tuple(chances), policy or self._network.policy
+        if self._values is None or key != self._key:
+            self._key, self._values = key, OptionValues(self._network, chances, policy)
+        return self._values

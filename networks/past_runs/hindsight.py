@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from handcart.networks.deciding.belief_planner import BeliefPlanner
-from handcart.networks.deciding.option_values import OptionValue, OptionValues
+from handcart.networks.deciding.option_values import OptionValue
 from handcart.networks.deciding.planners import planner_of
 from handcart.networks.graph.belief_prior import Judged
 from handcart.networks.graph.network import Action, ActionNetwork
@@ -111,7 +111,7 @@ class _Then:
         self.judged = _judged(run, action)
         planner = self._planner
         self._beliefs = planner.beliefs.chances() if isinstance(planner, BeliefPlanner) else None
-        self._values = OptionValues(self.network, self._beliefs, self.judged and self.judged.follows)
+        self._values = run.network.values.by(self._beliefs, self.judged and self.judged.follows)
         begun = max((n for n, (_, word) in enumerate(self._events) if word == ROUND), default=0)
         self._for_good = {index for index, word in self._events[begun:] if word == FOR_GOOD}
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from typing_extensions import override
 
+from handcart.networks.deciding.option_values import RunOptionValues
 from handcart.networks.graph.aims import Aims
 from handcart.networks.graph.belief_prior import BeliefPrior
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Ending, FailEnding, Situation
@@ -41,6 +42,11 @@ class JournaledNetwork:
     network: ActionNetwork
     uses: tuple[tuple[str, ...], ...]
     """Entries of the world model that each action's primitive may read."""
+
+    @cached_property
+    def values(self) -> RunOptionValues:
+        """Expected results of the network's actions, shared by all explanations of a run."""
+        return RunOptionValues(self.network)
 
 
 def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
