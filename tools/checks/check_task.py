@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from .belief_table import belief_facts
 from .policy_table import comparison_lines
 
 if TYPE_CHECKING:
@@ -58,6 +59,8 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     if compared is not None:
         figures["policies"] = compared.for_programs()
         lines += comparison_lines(compared, network.person_s)
+        fields, more = belief_facts(network)
+        figures, lines = {**figures, **fields}, [*lines, *more]
     short = list(map(str, short_findings(task, cases)))
     return {
         **facts,

@@ -44,6 +44,18 @@ def test_rule_and_best_policy_are_printed_side_by_side(
     assert policies["best"]["time_95_s"] == 20.0
 
 
+def test_check_says_what_beliefs_begin_with(handcart: Callable[..., Said], task: Callable[..., Path]) -> None:
+    keys = "policy: expected_cost\nbelief: {{attempts: {}}}\n"
+    said = handcart("check", task(FALSE_STEP, keys.format(1000)))
+    assert "beliefs (p counts for 1000 attempts): at the start expected_cost is better in 100.0%" in said.out
+    assert "the run begins by expected_cost" in said.out
+    assert (
+        json.loads(handcart("check", task(FALSE_STEP, keys.format(1)), "--json").out)["belief"]["attempts"]
+        == 1
+    )
+    assert "beliefs (" not in handcart("check", task(FALSE_STEP)).out
+
+
 def test_check_says_plainly_that_a_person_costs_less(
     handcart: Callable[..., Said], task: Callable[..., Path]
 ) -> None:
