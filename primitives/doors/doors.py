@@ -14,6 +14,7 @@ from handcart.files.yaml.yaml_document import read_document
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.movable_areas import MovableArea
 
 from .doors_file import DoorsFile, gripper_findings
 
@@ -90,6 +91,10 @@ class Doors(Section):
             if door.place not in places:
                 words = f"unknown place {door.place!r}{suggest(door.place, places)}"
                 yield self.listed.finding(("doors", name, "place"), words)
+
+    @override
+    def movable_areas(self) -> Iterator[MovableArea]:
+        return (door.movable_area() for door in self.doors.doors.values())
 
     def state_of(self, name: str) -> DoorState | None:
         """Return how a door was left; None if it wasn't moved."""

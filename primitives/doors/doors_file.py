@@ -5,16 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Literal
 
+import cv2
+import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
 from handcart.backends.description.door_shape import DoorShape, DoorTag
 from handcart.files.models.model import FileModel
+from handcart.robotics.navigation.maps.movable_areas import MovableArea
 
 if TYPE_CHECKING:
     from handcart.files.errors import Finding
     from handcart.files.yaml.yaml_document import Document
 
+UNKNOWN_RADIUS_M = 0.8  # of a hinged door whose file has no radius
+MARGIN_M = 0.1  # around the area that a door sweeps, because its hinge is believed only
+SWEPT_STEPS = 13  # positions of a leaf of which the area is made
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
@@ -25,6 +31,22 @@ class KnownDoor(DoorShape):
     """Tags on its front, by which its handle is found."""
     place: Name
     """Place of the base before it."""
+
+    def movable_area(self) -> MovableArea:
+        """Return what its leaf sweeps from closed to open, as far as its motion is believed."""
+        joint = self.joint(self.handle.pose, self.radius_m or UNKNOWN_RADIUS_M)
+        front, (thickness, width, height) = self.front(joint)
+        half = (
+            np.array([[-thickness, -width], [thickness, -width], [thickness, width], [-thickness, width]]) / 2
+        )
+        corners = np.column_stack([half, np.zeros(4), np.ones(4)]) @ (joint.closed @ front).T
+        swept = [
+            (corners @ joint.displaced(float(opening)).T)[:, :2]
+            for opening in np.linspace(0.0, self.travel, SWEPT_STEPS)
+        ]
+        outline = cv2.convexHull(np.vstack(swept).astype(np.float32)).reshape(-1, 2).astype(np.float64)
+        low = self.handle.height_m - height / 2
+        return MovableArea(outline, MARGIN_M, low, low + height)
 
 
 class DoorsFile(FileModel):

@@ -38,14 +38,13 @@ from .door_look import LocatedHandle, find_handle
 from .door_names import DoorName, front_in_world, handle_in_world
 from .door_states import measured_joint
 from .doors import Doors, DoorState
-from .doors_file import KnownDoor
+from .doors_file import UNKNOWN_RADIUS_M, KnownDoor
 from .handle_grasp import APPROACH_M, PlannedHandle, plan_handle
 from .pulling import Pull, PullEnding, measured_bias, pull, yield_to_force
 
 GRASP_SPEED_M_S = 0.06
 GRASP_TOUCH_FORCE_N = 6.0
 BAR_WIDTH_TOLERANCE_M = 0.003
-UNKNOWN_RADIUS_M = 0.8  # of a hinged door whose file has no radius
 CURVATURE_SIGMA_PER_M = 1.5  # of a believed path: a door may be a drawer
 HEADING_SIGMA_RAD = 0.2
 SLOPE_SIGMA = 0.02

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, partial
 from pathlib import Path
@@ -21,6 +21,7 @@ from handcart.files.models.model import FileModel
 from handcart.files.yaml.yaml_document import Document
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.movable_areas import MovableArea
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .meant_contact import MeantContact
@@ -119,6 +120,13 @@ class Section:
         Those that are computed for a robot are missing until `fit`; `names` has their names as "places".
         """
         return {}
+
+    def movable_areas(self) -> Iterable[MovableArea]:
+        """Return the areas of the map whose contents may have moved since the files were written.
+
+        The localizer does not use what a lidar sees there.
+        """
+        return ()
 
     def discs(self) -> FloatArray:
         """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].

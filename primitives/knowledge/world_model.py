@@ -16,7 +16,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.backends.saved_state import NotAState
 from handcart.files.errors import Finding, HandcartError
 from handcart.files.suggest import suggest
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.movable_areas import with_movable
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -133,11 +135,17 @@ class WorldModel:
         return self.sections[name]
 
     def fit(self, robot: RobotFile) -> list[Finding]:
-        """Let the domains compute what depends on the robot, and add their places; return the faults."""
+        """Let the domains compute what depends on the robot; add their places, and mark on the map what may
+        have moved; return the faults.
+        """
         found: list[Finding] = []
         for section in self.sections.values():
             found += section.fit(robot, self.map, self.places)
             self.places = {**self.places, **section.places()}
+        areas = [area for section in self.sections.values() for area in section.movable_areas()]
+        if areas and robot.range_sensor is not None:
+            height = float(base_T_frame(robot.urdf_text(), robot.lidar_link)[2, 3])
+            self.map = with_movable(self.map, areas, height)
         self._noted = self._now()
         return found
 

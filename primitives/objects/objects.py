@@ -17,6 +17,7 @@ from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.navigation.maps.movable_areas import MovableArea
 
 from .object_findings import gripper_findings
 from .objects_file import ObjectsFile
@@ -124,6 +125,11 @@ class Objects(Section):
     @override
     def places(self) -> Mapping[str, Place]:
         return self.stands
+
+    @override
+    def movable_areas(self) -> Iterator[MovableArea]:
+        areas = (surface.movable_area() for surface in self.objects.surfaces.values())
+        return (area for area in areas if area is not None)
 
     def seen(self, name: str) -> ObjectSighting | None:
         """Return where an object was last seen; None if it wasn't."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from handcart.files.models.model import FileModel
@@ -13,9 +14,12 @@ from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.navigation.maps.movable_areas import MovableArea
 
 Positive = Annotated[float, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
+PLACED_SIGMA_M, PLACED_SIGMA_RAD = 0.05, math.radians(4.0)  # of a surface from its pose in the file
+MAX_SIGMAS_MOVED = 3.0  # of it, by which a surface may be elsewhere
 CEILING_M = 0.04  # thickness of what is above a surface with a clearance
 WALL_M = 0.02  # thickness of walls at its sides
 FLOOR_M = 0.05  # thickness of what is below an area of the floor
@@ -66,6 +70,8 @@ class ObjectSurface(LevelPose):
     spots: Mapping[Name, SurfaceSpot] = Field(default_factory=dict)
     place: Name | None = None
     """Place of the base for work on it (default: computed)."""
+    fixed: bool = False
+    """Whether it is built in and cannot have moved (default: it may have, and localizers do not use it)."""
 
     @model_validator(mode="after")
     def _walls_have_a_height(self) -> Self:
@@ -100,6 +106,18 @@ class ObjectSurface(LevelPose):
     def contact_names(self, name: str) -> tuple[str, ...]:
         """Return the names in contacts of what an object on it touches; `name` is its own."""
         return (name, *FLOOR_NAMES) if self.height_m <= 0.0 else (name,)
+
+    def movable_area(self) -> MovableArea | None:
+        """Return where on the map it may be now; None for the floor, and if it is fixed."""
+        if self.fixed or (self.height_m <= 0.0 and not self.walls):
+            return None
+        half = np.array(self.size_m) / 2
+        if self.walls:
+            half += WALL_M
+        outline = self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half)
+        by_turn = float(np.hypot(*half)) * math.sin(MAX_SIGMAS_MOVED * PLACED_SIGMA_RAD)
+        margin = math.hypot(MAX_SIGMAS_MOVED * PLACED_SIGMA_M, by_turn)
+        return MovableArea(outline, margin, high=self.height_m + (self.wall_m or self.clearance_m or 0.0))
 
     def margin(self, x: float, y: float) -> float:
         """Return how far a point of the map is inside of its edge, in [m]; negative outside."""

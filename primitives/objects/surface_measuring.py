@@ -16,11 +16,10 @@ from handcart.robotics.navigation.localization.rectangle_scan import fit_rectang
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .objects import Objects, SurfacePose
-from .surface import ObjectSurface
+from .surface import PLACED_SIGMA_M, PLACED_SIGMA_RAD, ObjectSurface
 
 SURFACE_SCANS = 10  # of one measurement
 MIN_BELOW_TOP_M = 0.02  # that the lidar is lower than a surface's top
-PLACED_SIGMA_M, PLACED_SIGMA_RAD = 0.05, math.radians(4.0)  # of a surface from its pose in the file
 
 
 def measure_surface(

@@ -19,6 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array, SingleArray, Uint16Array
 from handcart.robotics.numerics.compiled import compiled
@@ -101,6 +102,21 @@ class LikelihoodField:
         sectors = beam_sectors(points, sensor, len(self.facing))
         readings = read_field(self.facing, self.map.occupied, self._scaled(points), sectors)
         return FieldValues(readings[:, 0] * self.map.resolution, readings[:, 1:3])
+
+    def fixed(self, points: FloatArray, pose: Pose2) -> FloatArray:
+        """Return the points (m, 2) of a scan that are not near things that may have moved.
+
+        Args:
+            points: (n, 2) in the base frame, in [m].
+            pose: map_T_base.
+        """
+        movable = self.map.movable
+        if movable is None or not len(points):
+            return points
+        on_map = pose.apply(points)
+        near, inside = np.zeros(len(points), dtype=np.bool_), self.map.inside(on_map)
+        near[inside] = movable[tuple(self.map.to_cell(on_map[inside]).T)]
+        return np.ascontiguousarray(points[~near])
 
     def _scaled(self, points: FloatArray) -> FloatArray:
         """Column and row (n, 2), cell centres at whole numbers."""

@@ -15,6 +15,7 @@ from handcart.robotics.navigation.localization.holonomic_odometry import odometr
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.localization.scan_matching import (
     CELL_SIGMA,
+    FEWEST_POINTS,
     LikelihoodField,
     ScanMatch,
     match_scan,
@@ -25,7 +26,6 @@ from handcart.robotics.navigation.localization.unmapped_surroundings import Unma
 from handcart.robotics.navigation.localization.way_monitor import WayMonitor
 from handcart.robotics.numerics.arrays import FloatArray
 
-FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
 SEARCH_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
 # [m², rad²] of an unnoticed push of a base at rest

@@ -11,11 +11,10 @@ from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.odometry import OdometryErrors
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
+from handcart.robotics.navigation.localization.scan_matching import FEWEST_POINTS, LikelihoodField, match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .localizer import (
-    FEWEST_POINTS,
     LEAST_INLIERS,
     MIN_SHARE_KEPT_AT_REST,
     SEARCH_COVARIANCE,

@@ -20,6 +20,7 @@ INLIER_SCALES = 3.0  # scales within which a point counts as explained by the ma
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
 CELL_SIGMA = 0.3  # of a cell: spread of a surface that lies anywhere in its cell
 CELL_BIAS = 0.3  # of a cell: error of a pose by one wall, because surfaces lie anywhere in their cells
+FEWEST_POINTS = 20  # points of which an explained share says something
 MIN_INFORMATION_SHARE = 1e-6  # of an information: a scan may not determine all of a pose
 ANNEALING_SCALES_M = (
     0.5,
@@ -47,9 +48,10 @@ class ScanMatch(NamedTuple):
     evidence: ScanEvidence
     """Information of this scan alone about the direction that it determines worst."""
     inliers: float
-    """Share of the points that the map explains, 0 to 1."""
+    """Share of the used points that the map explains, 0 to 1."""
     residuals: FarArray
-    """(n,) distance of each point to the nearest surface, in [m]; inf outside the map."""
+    """(m,) distance of each used point to the nearest surface, in [m]; inf outside the map. All are used
+    but those near things that may have moved."""
 
 
 @compiled
@@ -106,6 +108,9 @@ def match_scan(
 ) -> ScanMatch:
     """Return the pose from which the scan looks like the map.
 
+    Points near things that may have moved (`GridMap.movable`) help to find a pose from far, and are not used
+    for its final value: neither pose nor covariance depends on where they are.
+
     Args:
         field: likelihood field of the map.
         points: (n, 2) where beams ended, in the base frame, in [m].
@@ -122,19 +127,21 @@ def match_scan(
     information = _inverse(prior_covariance)
     grid, near, points = field.map, np.array(prior), np.ascontiguousarray(points)
     found, evidence = near, ScanEvidence(np.array([1.0, 0.0]), 1.0)
-    seen = evidence
+    seen, used = evidence, points
 
     def descend(trust: FloatArray, scale: float) -> tuple[FloatArray, FloatArray]:
         where = (grid.origin_x, grid.origin_y), grid.resolution
         return descend_scan(
-            field.facing, grid.occupied, points, found, near, trust, *seen[:2], *where, scale, noise
+            field.facing, grid.occupied, used, found, near, trust, *seen[:2], *where, scale, noise
         )
 
     for scale in (*ANNEALING_SCALES_M, final) if anneal else (3.0 * final, final):
+        if scale <= final or not anneal:
+            used = field.fixed(points, Pose2(*found.tolist()))
         found, hessian = descend(information if scale <= final or not anneal else 0.0 * information, scale)
     pose, residuals = Pose2(*found.tolist()), np.empty(0)
-    if len(points):
-        on_map = pose.apply(points)
+    if len(used):
+        on_map = pose.apply(used)
         reading = field.reading(on_map, pose[:2])
         residuals = reading.distances
         evidence = weakest_evidence(
@@ -145,12 +152,13 @@ def match_scan(
             information = _inverse(unrelated(prior_covariance, seen))
             found, hessian = descend(information, final)
             pose = Pose2(*found.tolist())
-            residuals = field.reading(pose.apply(points), pose[:2]).distances
+            residuals = field.reading(pose.apply(used), pose[:2]).distances
         hessian[:2, :2] += seen.more * seen.direction[:, None] * seen.direction
-    inliers = np.count_nonzero(residuals < INLIER_SCALES * noise) / len(points) if len(points) else 0.0
+    count = max(len(used), min(len(points), FEWEST_POINTS))  # that are left must explain something
+    inliers = np.count_nonzero(residuals < INLIER_SCALES * noise) / count if count else 0.0
     fit = _inverse(hessian, 1e-9)
     kept = fit @ information
-    covariance, error = _posterior(fit, kept, _cells(points, field.map.resolution), map_error)
+    covariance, error = _posterior(fit, kept, _cells(used, field.map.resolution), map_error)
     spread = _excess(residuals, noise) * fit
     return ScanMatch(pose, covariance, error, kept, spread, evidence, inliers, residuals)
 

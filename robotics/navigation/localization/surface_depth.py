@@ -33,6 +33,7 @@ def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Flo
     Returns:
         (1 + SECTORS, 2) in [m]: first if all surfaces lie so, then if those that face one direction do.
     """
+    points = field.fixed(points, pose)
     if not len(points):
         return np.zeros((1 + SURFACE_SECTOR_COUNT, 2))
     on_map, resolution = pose.apply(points), field.map.resolution

@@ -72,7 +72,7 @@ class UnmappedSurroundings:
         match = match_scan(
             self._field, points, found.pose, found.covariance, self._sigma, map_error=map_error
         )
-        if match.inliers < max(MIN_PARTIAL_SHARE, MIN_PARTIAL_POINTS / max(1, len(points))):
+        if match.inliers < max(MIN_PARTIAL_SHARE, MIN_PARTIAL_POINTS / max(1, len(match.residuals))):
             return None
         x, y, turn = np.subtract(match.pose, found.pose).tolist()
         off = np.array([x, y, wrap(turn)])

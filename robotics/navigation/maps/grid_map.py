@@ -31,6 +31,8 @@ class GridMap(NamedTuple):
     origin_x: float
     """Lower-left corner of cell [0, 0], in [m]."""
     origin_y: float
+    movable: BoolArray | None = None
+    """(h, w) cells near things that may have moved since the map was made; None without any."""
 
     @property
     def blocked(self) -> BoolArray:

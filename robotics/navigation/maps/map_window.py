@@ -22,8 +22,9 @@ def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
     high = np.clip(corners[1] + 1, low + 1, grid.occupied.shape)
     rows, columns = slice(low[0], high[0]), slice(low[1], high[1])
     left, bottom = grid.origin_x + low[1] * grid.resolution, grid.origin_y + low[0] * grid.resolution
+    movable = None if grid.movable is None else grid.movable[rows, columns]
     cells = grid.occupied[rows, columns], grid.unknown[rows, columns]
-    return GridMap(*cells, grid.resolution, float(left), float(bottom))
+    return GridMap(*cells, grid.resolution, float(left), float(bottom), movable)
 
 
 def coarsened(grid: GridMap, factor: int) -> GridMap:
@@ -32,8 +33,9 @@ def coarsened(grid: GridMap, factor: int) -> GridMap:
     Cells beyond the map's upper and right border count as unknown.
     """
     occupied, unknown = _any_of(grid.occupied, factor, False), _any_of(grid.unknown, factor, True)
+    movable = None if grid.movable is None else _any_of(grid.movable, factor, False)
     wide = grid.resolution * factor
-    return GridMap(occupied, unknown & ~occupied, wide, grid.origin_x, grid.origin_y)
+    return GridMap(occupied, unknown & ~occupied, wide, grid.origin_x, grid.origin_y, movable)
 
 
 def _any_of(cells: BoolArray, factor: int, beyond: bool) -> BoolArray:

@@ -18,6 +18,19 @@ def test_shipped_file_is_read() -> None:
     assert doors["cupboard"].is_hinged and not doors["drawer"].is_hinged
 
 
+def test_area_of_a_door_is_what_its_leaf_sweeps() -> None:
+    doors = load(TASK / "doors.yaml", DoorsFile).doors
+    drawer, cupboard = doors["drawer"].movable_area(), doors["cupboard"].movable_area()
+    assert (drawer.low, drawer.high) == pytest.approx((0.75, 0.95))
+    assert drawer.outline.min(axis=0) == pytest.approx((4.045 - 0.4, 0.8), abs=1e-3)  # it opens towards -x
+    assert drawer.outline.max(axis=0) == pytest.approx((4.045 + 0.02, 1.2), abs=1e-3)
+    low, high = cupboard.outline.min(axis=0), cupboard.outline.max(axis=0)
+    hinge = 3.0 + (0.6**2 - 0.045**2) ** 0.5  # left of somebody who looks along +x
+    assert (low[1], high[0]) == pytest.approx((2.94, 3.945 + 0.02), abs=1e-3)  # closed
+    assert low[0] == pytest.approx(3.9 - (hinge - 2.94), abs=0.05)  # open at 90 degrees
+    assert high[1] == pytest.approx(hinge, abs=0.05)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -48,6 +48,30 @@ def test_measured_surfaces_survive_a_checkpoint() -> None:
     assert model.taken_changes()["surface_poses"][0][0] == "table_b"
 
 
+def test_tables_are_marked_on_the_map_unless_they_are_fixed(tmp_path: Path) -> None:
+    at_b = np.array([[4.85, 2.0], [5.2, 2.75], [5.2, 2.0], [4.6, 2.0], [5.99, 2.0]])
+    for rig, expected in (
+        (rig_with(), [True, True, True, False, False]),
+        (
+            rig_with(changed(tmp_path, "objects.yaml", ("x_m: 5.2\n", "x_m: 5.2\n    fixed: true\n"))),
+            [False] * 5,
+        ),
+    ):
+        marked = rig.model.map.movable
+        field = rig.robot.localization.map_field
+        assert marked is not None and field is not None
+        assert marked[tuple(rig.model.map.to_cell(at_b).T)].tolist() == expected
+        assert field.map.movable is marked  # the localizer has it
+
+
+def test_floor_and_low_things_are_not_marked() -> None:
+    objects = rig_with().model.of(Objects).objects
+    table = objects.surfaces["table_a"]
+    assert table.model_copy(update={"height_m": 0.0}).movable_area() is None
+    bin_ = table.model_copy(update={"height_m": 0.01, "walls": ("+x",), "wall_m": 0.18}).movable_area()
+    assert bin_ is not None and bin_.high == pytest.approx(0.19)
+
+
 @pytest.mark.slow
 def test_moved_table_is_measured_from_its_place(tmp_path: Path) -> None:
     moved = ("name: table_a, x_m: 2.0, y_m: 3.8", "name: table_a, x_m: 1.985, y_m: 3.826, heading_deg: -3")
