@@ -64,6 +64,9 @@ NOT_RUN = {
     "docs/how_to/ros2.md handcart run drive_map --backend": "rclpy: tests/backends/ros2/test_on_the_wire.py",
     "docs/how_to/localize.md": "names logs of the reader's: tests/tools/test_localize.py",
     "docs/how_to/map.md": "names logs of the reader's: tests/tools/maps",
+    "handcart campaign tasks/drive_map/task.yaml --robot cart --level fitted": (
+        "learns from 20 trials: tests/tools/campaigns/test_fitted.py"
+    ),
     "docs/explanation/track_seam.md": "names files of the reader's: tests/tools/seam",
     "docs/explanation/deploy_sensors.md": "17 to 200 sensors: tests/tasks runs these files",
     "docs/explanation/stack_blocks.md handcart run tasks/stack_blocks": "tests/tasks runs these files",
@@ -80,7 +83,12 @@ FEWER = {
     "--worlds 9": "--worlds 1",
     "--runs 4": "--runs 1",
     "--trials 1000000": "--trials 10000",
-    "--trials 4 --shard": "--trials 2 --shard",
+    "--trials 4": "--trials 2",
+    "--trials 20 --jobs 2": "--trials 2 --jobs 1",
+    "--population 4": "--population 2",
+    "drive_map/task.yaml --robot cart": "drive_map/task.yaml --robot cart --set tour=[desk]",
+    "--seeds 2": "--seeds 1",
+    "--persons pulls nobody": "--persons nobody",
 }
 """Fewer of what is only counted."""
 
