@@ -31,14 +31,15 @@ def test_values_of_states_equal_the_chain_of_each(task: Drawn) -> None:
         assert values[state] == pytest.approx((ends.goal.p, ends.total().first), rel=1e-9, abs=1e-12)
 
 
-def test_budget_does_not_depend_on_earlier_explorations() -> None:
+def test_budget_is_that_of_a_policy_whatever_was_explored_before() -> None:
     task = drawn("anywhere", 1, 5)
-    start = State(task.network.start, ())
-    whole, fresh = Effort(1e6), StepTable(task.network, task.chances)
-    fresh.policy(start, whole)
+    network, chances = task.network, task.chances
+    start, spent = State(network.start, ()), Effort(1e6)
+    policy(network, effort=spent, start=start, chances=chances)
+    table = StepTable(network, chances)
+    table.policy(start, Effort(spent.spent))
     with pytest.raises(TooLarge):
-        fresh.policy(start, Effort(whole.spent - 1.0))
-    fresh.policy(start, Effort(whole.spent))
+        table.policy(start, Effort(spent.spent - 1.0))
 
 
 def test_figures_are_shared_while_beliefs_are_equal() -> None:
