@@ -48,9 +48,7 @@ class AimWatch:
         self._round_due: float | None = None
         if waits and aims.rounds is not None and aims.rounds.at:
             self._wait(aims.rounds.at, clock.now())
-        self._times = {
-            number: clock.next(item.at, clock.now()) for number, item in enumerate(aims.interrupts) if item.at
-        }
+        self._times = self._next_times()
         self._handled = {number: handled.get(number, began) for number in range(len(aims.interrupts))}
         self._is_low: dict[int, bool] = {}
         self._charging: Interrupt | None = None
@@ -91,6 +89,7 @@ class AimWatch:
 
     def is_early(self) -> bool:
         """Return whether the round may not begin yet."""
+        self._look_at_clock()
         if self._round_due is None:
             return self._robot.time < self._round_began
         if self._clock.now() < self._round_due:
@@ -104,6 +103,7 @@ class AimWatch:
         Args:
             priority: that of the interrupt that is pursued, which has to be exceeded; None: none is.
         """
+        self._look_at_clock()
         numbered = sorted(enumerate(self._aims.interrupts), key=lambda interrupt: -interrupt[1].priority)
         for number, item in numbered:
             above = priority is None or item.priority > priority
@@ -143,6 +143,20 @@ class AimWatch:
         limit = interrupt.battery_below + (CHARGE_HYSTERESIS if was_low else 0.0)
         self._is_low[number] = charge < limit
         return self._is_low[number] and not was_low
+
+    def _next_times(self) -> dict[int, float]:
+        """Return the next instant of each interrupt with times of day, by its number."""
+        numbered, now = enumerate(self._aims.interrupts), self._clock.now()
+        return {number: self._clock.next(item.at, now) for number, item in numbered if item.at}
+
+    def _look_at_clock(self) -> None:
+        """Expect all times of day anew if somebody has set the clock."""
+        if not self._clock.was_set():
+            return
+        self._times = self._next_times()
+        rounds = self._aims.rounds
+        if self._round_due is not None and rounds is not None:
+            self._wait(rounds.at, self._clock.now())
 
     def _is_time(self, number: int, times: Sequence[time]) -> bool:
         now = self._clock.now()

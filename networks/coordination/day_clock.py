@@ -14,6 +14,10 @@ from typing_extensions import override
 from handcart.backends.robot.robot import Robot
 
 DAY_S = 86_400.0
+MIN_SET_S = 60.0
+"""Least jump of the machine's clock that makes expected times void, in [s]. A clock without a
+battery is set by years after its robot's start.
+"""
 
 
 class DayClock(ABC):
@@ -26,6 +30,10 @@ class DayClock(ABC):
     @abstractmethod
     def next(self, times: Sequence[TimeOfDay], since: float) -> float:
         """Return the first instant, not before `since`, at one of these times of day, in [s]."""
+
+    def was_set(self) -> bool:
+        """Return whether the clock was set since the last call, so that expected instants are void."""
+        return False
 
     @abstractmethod
     def time_of_day(self, instant: float) -> TimeOfDay:
@@ -55,13 +63,24 @@ class RehearsedDay(DayClock):
 class LocalDay(DayClock):
     """The machine's clock in its time zone; its instants count from 1970 on."""
 
-    def __init__(self, clock: Callable[[], float] = time.time) -> None:
-        """Read a clock, which returns [s] since 1970."""
-        self._clock = clock
+    def __init__(
+        self, clock: Callable[[], float] = time.time, steady: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Read a clock, which returns [s] since 1970; one that nobody sets says when it is set."""
+        self._clock, self._steady = clock, steady
+        self._ahead = clock() - steady()
 
     @override
     def now(self) -> float:
         return self._clock()
+
+    @override
+    def was_set(self) -> bool:
+        ahead = self._clock() - self._steady()
+        if abs(ahead - self._ahead) < MIN_SET_S:
+            return False
+        self._ahead = ahead
+        return True
 
     @override
     def next(self, times: Sequence[TimeOfDay], since: float) -> float:

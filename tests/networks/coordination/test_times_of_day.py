@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from handcart.files.errors import FileError
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.day_clock import LocalDay, RehearsedDay
+from handcart.networks.coordination.day_clock import LocalDay, RehearsedDay, after
 from handcart.networks.events.events import AimChanged, Event
 from handcart.networks.events.run_end import RunEnd
 from handcart.networks.journal.journal import Journal
@@ -149,6 +149,30 @@ def test_local_day_keeps_to_the_time_zone(now: datetime, hours: float) -> None:
     due = day.next([time(9)], day.now())
     assert (due - day.now()) / 3600.0 == pytest.approx(hours)
     assert day.time_of_day(due) == time(9)
+
+
+@pytest.mark.usefixtures("berlin")
+@pytest.mark.parametrize("night", [datetime(2026, 3, 29), datetime(2026, 10, 25)])
+def test_a_time_that_a_night_lacks_or_has_twice_comes_once(night: datetime) -> None:
+    day = LocalDay(night.timestamp)
+    first = day.next([time(2, 30)], day.now())
+    second = day.next([time(2, 30)], after(first))
+    assert (datetime.fromtimestamp(second).date() - night.date()).days == 1
+
+
+def test_a_clock_that_is_set_starts_nothing(load: Load, stand: Stand) -> None:
+    """A machine without a battery for its clock begins in 1970, and is set while the first round waits."""
+    midnight = datetime(2026, 7, 1).timestamp()
+
+    def wall() -> float:
+        return stand.robot.time + (0.0 if stand.robot.time < 2.0 else midnight + 43_180.0)
+
+    coordinator = Coordinator(
+        *(load(f'{HEAD}rounds: {{most: 1, at: "12:00"}}\n{CIRCLE}').network, stand.robot, stand.model),
+        clock=LocalDay(wall, lambda: stand.robot.time),
+    )
+    assert stand.finish(coordinator).outcome == "Success"
+    assert stand.robot.time > 20.0
 
 
 @pytest.mark.parametrize(
