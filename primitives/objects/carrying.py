@@ -9,7 +9,8 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
-from handcart.primitives.motions.arm_motion import collision_model, move_to_joints, move_to_posture
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
@@ -17,7 +18,8 @@ from handcart.robotics.kinematics.shapes import Solid, corners
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .object_kind import ObjectKind
-from .object_site import held_box
+from .object_site import held_box, surroundings
+from .roomy_motion import move_with_room
 
 OUTLINE_MARGIN_M = 0.02  # within the robot's outline
 GOOD_CLEARANCE_M = 0.015
@@ -30,7 +32,7 @@ IK_RESTARTS = 2
 
 def stow(
     robot: Robot,
-    around: Sequence[Solid],
+    model: ModelView,
     kind: ObjectKind | None = None,
     hand_T_object: Transform | None = None,
 ) -> Periods:
@@ -38,7 +40,7 @@ def stow(
 
     Args:
         robot: its arm may be anywhere.
-        around: bodies that the arm must not touch, in the base frame.
+        model: knows the surfaces and objects that the arm must not touch.
         kind: kind of the held object; None for an empty hand.
         hand_T_object: (4, 4) of it.
 
@@ -46,13 +48,13 @@ def stow(
         Discrepancy: no such posture is found, or no way leads there.
     """
     if kind is None or hand_T_object is None:
-        yield from move_to_posture(robot, "home", around=around)
+        yield from move_with_room(robot, model, np.array(robot.spec.posture("home")))
         return
-    held = held_box(kind, hand_T_object)
+    held, around = held_box(kind, hand_T_object), surroundings(robot, model)
     joints = yield from robot.compute(carrying_joints, robot, kind, hand_T_object, around)
     if joints is None:
         raise Discrepancy("the arm finds no posture to carry it in", cause=causes.NO_ARM_PATH)
-    yield from move_to_joints(robot, joints, held, around)
+    yield from move_with_room(robot, model, joints, held)
 
 
 def carrying_joints(

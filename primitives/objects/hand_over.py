@@ -132,7 +132,7 @@ class HandOver(ActionPrimitive):
         seen = yield from look_at_floor(robot, model, self.evidence, held.object, released, self.floor)
         self.found(floor=seen)
         if self.stow:
-            yield from stow(robot, surroundings(robot, model))
+            yield from stow(robot, model)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Call a person if the object slips out of the hand before it is offered, or on its way back."""

@@ -14,7 +14,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.detectors.detector import BrokenDetector
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.arm_motion import collision_model, move_to_joints
+from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence
@@ -32,6 +32,7 @@ from .detected_objects import DetectedObject, detect_all, explained
 from .object_names import name_in_world
 from .object_site import base_T_map, held_shape, kind_of, surface_of, surroundings
 from .objects import Objects, ObjectSighting
+from .roomy_motion import move_with_room, rooms
 from .tag_readings import Located, NotUpright, ReadTag, SeenTwice, locate, read_objects
 from .view_plan import Direction, directions, view_joints
 
@@ -148,13 +149,15 @@ def look_from(
         distances: from the camera to the point, in [m], the best ones first.
         also_around: further bodies that the arm must not touch, in the base frame.
     """
-    around, held = (*surroundings(robot, model), *also_around), held_shape(model)
-    collision = collision_model(robot, held, around)
-    found = yield from robot.compute(view_joints, robot, collision, point, towards, distances)
-    if found is None:
-        return False
-    yield from move_to_joints(robot, found[0], held, around)
-    return True
+    held = held_shape(model)
+    for room in rooms(robot, model):
+        around = (*surroundings(robot, model, room=room), *also_around)
+        collision = collision_model(robot, held, around)
+        found = yield from robot.compute(view_joints, robot, collision, point, towards, distances)
+        if found is not None:
+            yield from move_with_room(robot, model, found[0], held, tuple(also_around))
+            return True
+    return False
 
 
 def conclude(

@@ -29,14 +29,20 @@ def base_T_map(robot: Robot) -> Transform:
     return robot.pose.inverse().lift()
 
 
-def surroundings(robot: Robot, model: ModelView, without: str = "") -> tuple[Solid, ...]:
+def surroundings(robot: Robot, model: ModelView, without: str = "", room: float = 0.0) -> tuple[Solid, ...]:
     """Return the surfaces, all known objects but one, and the robot's own tray, posed in the base frame.
 
     An object that was not seen yet is kept clear of as far as it may be off its believed place.
+
+    Args:
+        robot: robot at the surfaces.
+        model: knows surfaces and objects.
+        without: name of the object that is left out.
+        room: by which each face of the surfaces' walls is thickened, in [m].
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
     boxes: list[Solid] = [
-        box for name in objects.objects.surfaces for box in objects.surface(name).boxes(name)
+        box for name in objects.objects.surfaces for box in objects.surface(name).boxes(name, room)
     ]
     for seen in objects.sightings:
         if seen.object != without:

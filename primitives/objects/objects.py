@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from handcart.files.errors import Finding
     from handcart.robotics.navigation.maps.grid_map import GridMap
 
+FOOT_OFF_M = 0.02  # that a foot may be off where it was seen, or is to be put
+LEVEL_M = 0.002  # between the heights of surfaces that one object stands on
 NOTHING_KNOWN = ObjectsFile(format="handcart-objects/1", kinds={}, surfaces={})
 
 
@@ -140,6 +142,24 @@ class Objects(Section):
         surface = self.objects.surfaces[name]
         measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
         return surface if measured is None else surface.moved_to(measured)
+
+    def touched_names(self, name: str, x: float, y: float, radius: float) -> tuple[str, ...]:
+        """Return the names in contacts of what an object on a surface touches.
+
+        Others are the level neighbours that its foot may reach onto: nothing divides the parts of a bottom.
+
+        Args:
+            name: name of the surface.
+            x: of the foot's middle on the map, in [m].
+            y: likewise.
+            radius: of the circle around the foot, in [m].
+        """
+        surface = self.surface(name)
+        others = ((other, self.surface(other)) for other in self.objects.surfaces if other != name)
+        level = [item for item in others if abs(item[1].height_m - surface.height_m) < LEVEL_M]
+        least = -(radius + FOOT_OFF_M)
+        reached = (other for other, beside in level if beside.margin(x, y) > least)
+        return (*surface.contact_names(name), *reached)
 
     def believed(self, name: str) -> Pose2 | None:
         """Return where an object is believed to be, on the map; it is moved with its surface.

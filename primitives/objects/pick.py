@@ -138,7 +138,7 @@ class Pick(ActionPrimitive):
         yield from self._weigh(robot, kind, empty)
         yield from self._check_gone(robot, model, base_T_object)
         if self.stow:
-            yield from stow(robot, surroundings(robot, model), kind, hand_T_object)
+            yield from stow(robot, model, kind, hand_T_object)
         self.found(
             width_mm=round(1e3 * robot.gripper.width(), 2),
             from_side=plan.grasp.face,
@@ -163,10 +163,14 @@ class Pick(ActionPrimitive):
         """Return the contacts with the object, and of the object with its surface."""
         seen, surfaces = model.of(Objects).seen(self.object), model.of(Objects).objects.surfaces
         on = dict.fromkeys(item.surface for item in (seen, *self._known) if item is not None)
+        own = seen or next((item for item in self._known if item.object == self.object), None)
         touched = [name for item in on for name in surfaces[item].contact_names(item)]
+        if own is not None:
+            radius = model.of(Objects).objects.kind_of(self.object).foot_radius
+            touched += model.of(Objects).touched_names(own.surface, *own.pose[:2], radius)
         return (
             MeantContact("hand", name_in_world(self.object)),
-            *(MeantContact("held", name) for name in touched),
+            *(MeantContact("held", name) for name in dict.fromkeys(touched)),
         )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

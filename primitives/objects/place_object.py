@@ -18,7 +18,7 @@ from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.outcomes import causes
@@ -41,6 +41,7 @@ from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
 from .objects import HeldObject, Objects, ObjectSighting
 from .placing_plan import (
     FOOT_MARGIN_M,
+    RELEASE_CLEARANCE_M,
     PlannedPlacing,
     free_spots,
     plan_placing,
@@ -48,6 +49,7 @@ from .placing_plan import (
     turned,
     withdrawn,
 )
+from .roomy_motion import move_with_room, rooms
 from .surface import ObjectSurface
 from .surface_measuring import measure_surface
 from .tag_readings import Located, locate
@@ -58,7 +60,6 @@ GUARDED_M = 0.015  # over the goal, where slow lowering begins
 DESCENT_MAX_FORCE_N = 6.0
 TOUCHDOWN_FORCE_N = 3.0
 OVERTRAVEL_M = 0.015  # below the goal, where an object touches down at the latest
-RELEASE_CLEARANCE_M = 0.016  # wider than the object
 MAX_OFF_M = 0.020  # of the placed object from its goal
 MAX_MOVED_M = 0.015  # of other objects
 SPOT_VIEW_DISTANCES_M = (0.32, 0.38, 0.26)
@@ -92,6 +93,7 @@ class PlaceObject(ActionPrimitive):
     _before: HeldObject | None = PrivateAttr(default=None)
     _known: tuple[ObjectSighting, ...] = PrivateAttr(default=())
     _stands: Located | None = PrivateAttr(default=None)
+    _goal: tuple[float, float] = PrivateAttr(default=(math.inf, math.inf))
 
     @override
     @classmethod
@@ -123,9 +125,7 @@ class PlaceObject(ActionPrimitive):
         kind = kind_of(model, held.object)
         yield from measure_surface(robot, model, self.surface, self.found)
         plan = yield from self._planned(robot, model, kind, held)
-        yield from move_to_joints(
-            robot, plan.above, held_box(kind, held.hand_T_object), surroundings(robot, model)
-        )
+        yield from move_with_room(robot, model, plan.above, held_box(kind, held.hand_T_object))
         yield from self._lower(robot, plan.base_T_hand)
         yield from self.intend(f"the fingers let {held.object} go")
         yield from open_to(robot, robot.gripper.width() + RELEASE_CLEARANCE_M)
@@ -133,7 +133,7 @@ class PlaceObject(ActionPrimitive):
         yield from move_straight(robot, withdrawn(robot.base_T("hand")))
         yield from self._verify(robot, model, held.object, plan.base_T_object)
         if self.stow:
-            yield from stow(robot, surroundings(robot, model))
+            yield from stow(robot, model)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Return whether the object was seen at its goal, and the fingers press on nothing."""
@@ -145,8 +145,10 @@ class PlaceObject(ActionPrimitive):
         held = model.of(Objects).held_object or self._before
         if held is None:
             return ()
-        surface = model.of(Objects).objects.surfaces.get(self.surface)
-        touched = (self.surface,) if surface is None else surface.contact_names(self.surface)
+        touched: tuple[str, ...] = (self.surface,)
+        if self.surface in model.of(Objects).objects.surfaces:
+            radius = model.of(Objects).objects.kind_of(held.object).foot_radius
+            touched = model.of(Objects).touched_names(self.surface, *self._goal, radius)
         hand = MeantContact("hand", name_in_world(held.object))
         return hand, *(MeantContact("held", name) for name in touched)
 
@@ -165,11 +167,10 @@ class PlaceObject(ActionPrimitive):
         looked = reached = 0
         why = "nothing of it is free of known objects"
         for place, any_heading in self._candidates(robot, model, surface, kind):
-            around = surroundings(robot, model)
             to_base = base_T_map(robot)
             every = [np.asarray(to_base @ item) for item in turned(place, surface.height_m, any_heading)]
             goals = showing_tags(every, model.of(Objects).objects.tags_of(held.object))
-            plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
+            plan = yield from self._plan_at(robot, model, kind, held, goals)
             if plan is None:
                 why = "the arm doesn't reach it freely"
                 continue
@@ -177,6 +178,7 @@ class PlaceObject(ActionPrimitive):
             looked += 1
             if (yield from self._is_free(robot, model, plan.base_T_object, kind, any_heading)):
                 self.found(spots_looked_at=looked)
+                self._goal = (place.x, place.y)
                 return plan
             why = "something stands there"
             if looked >= MAX_SPOTS:
@@ -186,6 +188,22 @@ class PlaceObject(ActionPrimitive):
         if not reached:
             raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OUT_OF_REACH)
         raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OCCUPIED)
+
+    def _plan_at(
+        self,
+        robot: Robot,
+        model: ModelView,
+        kind: ObjectKind,
+        held: HeldObject,
+        goals: Sequence[Transform],
+    ) -> Generator[None, None, PlannedPlacing | None]:
+        """Plan to put the object down at one of some poses, away from walls if there is room."""
+        for room in rooms(robot, model):
+            around = surroundings(robot, model, room=room)
+            plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
+            if plan is not None:
+                return plan
+        return None
 
     def _candidates(
         self, robot: Robot, model: ModelView, surface: ObjectSurface, kind: ObjectKind

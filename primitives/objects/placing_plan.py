@@ -34,6 +34,9 @@ MIN_FACING_COSINE = math.cos(math.radians(60.0))  # between a tag's normal and t
 IK_RESTARTS = 8
 SOLUTIONS_PER_GOAL = 4
 GOOD_CLEARANCE_M = 0.02
+HAND_MARGIN_M = ARM_MARGIN_M / 2  # of the hand at the goal, beside what a grasp was clear of by the whole
+RELEASE_CLEARANCE_M = 0.016  # by which the fingers open to let an object go
+STRAIGHT_STEP_M = 0.01
 LIMIT_MARGIN = 0.01  # in [rad] or [m], of a joint from its limit
 
 
@@ -46,6 +49,17 @@ class PlannedPlacing(NamedTuple):
     """(n,) joints that have the object right above it."""
     base_T_hand: Transform
     """(4, 4) of the hand at the goal."""
+
+
+class _PlacingModels(NamedTuple):
+    """Collision models of the arm while it puts an object down."""
+
+    loaded: CollisionModel
+    """With the object, among everything."""
+    own: CollisionModel
+    """Of arm and robot alone."""
+    opened: CollisionModel
+    """With opened fingers, among everything but the object."""
 
 
 def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
@@ -96,11 +110,16 @@ def plan_placing(
     """
     arm = _with_hand(robot, robot.gripper.width() if width is None else width)
     collision = CollisionModel(arm, around, held_box(kind, hand_T_object), margin=ARM_MARGIN_M)
-    own = CollisionModel(arm, margin=ARM_MARGIN_M)
+    opened = _with_hand(robot, (robot.gripper.width() if width is None else width) + RELEASE_CLEARANCE_M)
+    models = _PlacingModels(
+        collision,
+        CollisionModel(arm, margin=ARM_MARGIN_M),
+        CollisionModel(opened, around, margin=HAND_MARGIN_M),
+    )
     best, most, here = None, 0.0, robot.arm.command()
     for goal in goals:
         base_T_hand = goal @ inverse(hand_T_object)
-        joints = _first_free(collision, own, base_T_hand, here)
+        joints = _first_free(models, base_T_hand, here)
         if joints is None:
             continue
         clearance = collision.distance(joints)
@@ -111,25 +130,47 @@ def plan_placing(
     return best
 
 
-def _first_free(
-    collision: CollisionModel, own: CollisionModel, base_T_hand: Transform, here: FloatArray
-) -> FloatArray | None:
+def _first_free(models: _PlacingModels, base_T_hand: Transform, here: FloatArray) -> FloatArray | None:
     """Return joints (n,) above a goal, with a straight free line down to it and one back; None without.
 
     Those whose line ends away from the joints' limits come first: at a limit the hand may be stuck.
     """
-    arm, above, at_limit = collision.arm, _raised(base_T_hand, ABOVE_GOAL_M), None
+    collision, arm = models.loaded, models.loaded.arm
+    above, at_limit = _raised(base_T_hand, ABOVE_GOAL_M), None
     for joints in islice(arm.solutions(above, here, restarts=IK_RESTARTS), SOLUTIONS_PER_GOAL):
         if collision.in_collision(joints):
             continue
-        line = plan_straight(arm, joints, _raised(base_T_hand, FREE_ABOVE_M), 0.01, collision)
+        line = plan_straight(arm, joints, _raised(base_T_hand, FREE_ABOVE_M), STRAIGHT_STEP_M, collision)
         down = None if line is None else plan_straight(arm, line[-1], _raised(base_T_hand, -FREE_ABOVE_M))
-        if down is None or plan_straight(arm, down[-1], withdrawn(base_T_hand), 0.01, own) is None:
+        if line is None or down is None or not _can_withdraw(models, line[-1], down[-1], base_T_hand):
             continue
         if arm.within(down[-1], -LIMIT_MARGIN):
             return joints
         at_limit = joints if at_limit is None else at_limit
     return at_limit
+
+
+def _can_withdraw(
+    models: _PlacingModels, above: FloatArray, below: FloatArray, base_T_hand: Transform
+) -> bool:
+    """Return whether the opened hand gets back from a goal (4, 4), clear of everything but the object.
+
+    On the last millimetres down the object nears its surface, so only here the hand is checked: it may be
+    over the rim of a box.
+
+    Args:
+        models: collision models.
+        above: (n,) joints right above the goal.
+        below: (n,) joints right below it, where an object touches down at the latest.
+        base_T_hand: (4, 4) of the hand at the goal.
+    """
+    arm, back = models.own.arm, withdrawn(base_T_hand)
+    if plan_straight(arm, below, back, STRAIGHT_STEP_M, models.own) is None:
+        return False
+    at_goal = plan_straight(arm, above, base_T_hand)
+    if at_goal is None:
+        return False
+    return plan_straight(arm, at_goal[-1], back, STRAIGHT_STEP_M, models.opened) is not None
 
 
 def withdrawn(base_T_hand: Transform) -> Transform:

@@ -12,7 +12,6 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .carrying import stow
-from .object_site import surroundings
 from .objects import Objects
 
 
@@ -28,9 +27,9 @@ class Stow(ActionPrimitive):
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         objects = model.of(Objects)
-        held, around = objects.held_object, surroundings(robot, model)
+        held = objects.held_object
         if held is None:
-            yield from stow(robot, around)
+            yield from stow(robot, model)
             return
         kind = objects.objects.kind_of(held.object)
-        yield from stow(robot, around, kind, held.hand_T_object)
+        yield from stow(robot, model, kind, held.hand_T_object)

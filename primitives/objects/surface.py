@@ -79,8 +79,13 @@ class ObjectSurface(LevelPose):
             raise ValueError("walls without a height; allowed: wall_m, or clearance_m")
         return self
 
-    def boxes(self, name: str) -> tuple[Box, ...]:
-        """Return what the arm must not touch: its body, its walls, and what is above it."""
+    def boxes(self, name: str, room: float = 0.0) -> tuple[Box, ...]:
+        """Return what the arm must not touch: its body, its walls, and what is above it.
+
+        Args:
+            name: name of the bodies.
+            room: by which each face of a wall is thickened, in [m].
+        """
         result = []
         length, width = self.size_m
         thick = min(self.height_m, self.thickness_m or self.height_m) if self.height_m > 0.0 else FLOOR_M
@@ -89,19 +94,22 @@ class ObjectSurface(LevelPose):
         if self.clearance_m is not None:
             above = self.pose @ transform((0.0, 0.0, self.clearance_m + CEILING_M / 2))
             result.append(Box(above, (length, width, CEILING_M), name))
-        return (*result, *self._walls(name))
+        return (*result, *self._walls(name, room))
 
-    def _walls(self, name: str) -> Iterator[Box]:
+    def _walls(self, name: str, room: float) -> Iterator[Box]:
         """Yield the walls, outside of its extent: from the floor up to their height, or to what is above."""
         top = self.wall_m or (self.clearance_m or 0.0) + CEILING_M
+        thick = WALL_M + 2.0 * room
         for side in self.walls:
             axis, sign = WALL_SIDES[side]
             off = sign * (self.size_m[axis] + WALL_M) / 2
             middle, high = (top - self.height_m) / 2, top + self.height_m
-            if axis == 0:
-                yield Box(self.pose @ transform((off, 0.0, middle)), (WALL_M, self.size_m[1], high), name)
+            if axis == 0:  # closes the corners
+                low, up = (WALL_M if beside in self.walls else 0.0 for beside in ("-y", "+y"))
+                place = self.pose @ transform((off, (up - low) / 2, middle))
+                yield Box(place, (thick, self.size_m[1] + low + up, high), name)
             else:
-                yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], WALL_M, high), name)
+                yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], thick, high), name)
 
     def contact_names(self, name: str) -> tuple[str, ...]:
         """Return the names in contacts of what an object on it touches; `name` is its own."""

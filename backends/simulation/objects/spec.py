@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,6 +11,7 @@ from handcart.backends.description.printed_tag import PrintedTag
 from handcart.backends.simulation.world.placed_thing import PlacedSpec
 from handcart.backends.simulation.world.world_file import FloorPose, Length, Name, each_once
 from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .pull_spec import PullSpec
 
@@ -57,6 +59,11 @@ class FloorAreaSpec(FloorPose):
     size_m: tuple[Length, Length]
     """Along its own x and y."""
 
+    def carries(self, x: float, y: float) -> bool:
+        """Return whether a point of the floor, in [m], is in it."""
+        off = Pose2(x, y, 0.0).relative_to(Pose2(self.x_m, self.y_m, math.radians(self.heading_deg)))
+        return abs(off.x) <= self.size_m[0] / 2 and abs(off.y) <= self.size_m[1] / 2
+
 
 class ObjectsSection(FileModel):
     """Keys of a world's file about objects."""
@@ -71,4 +78,15 @@ class ObjectsSection(FileModel):
     def _each_object_once(self) -> Self:
         each_once("object", (object_.name for object_ in self.objects))
         each_once("floor area", (area.name for area in self.floor_areas))
+        return self
+
+    @model_validator(mode="after")
+    def _on_areas(self) -> Self:
+        """Refuse objects on the floor beside the areas that a file has for them."""
+        for item in self.objects if self.floor_areas else ():
+            is_low = item.on == "world" and item.height_m <= 0.0
+            if is_low and not any(area.carries(item.x_m, item.y_m) for area in self.floor_areas):
+                wrong = f"the object {item.name!r} is on the floor outside of every floor area: it has fallen"
+                names = ", ".join(area.name for area in self.floor_areas)
+                raise ValueError(f"{wrong}; allowed: a place within {names}, or a height_m above 0")
         return self

@@ -34,7 +34,7 @@ def test_walls_of_a_shelf_reach_from_the_floor_to_its_ceiling() -> None:
         x_m=0.0, y_m=0.0, height_m=0.7, size_m=(1.0, 0.6), clearance_m=0.5, walls=("-x", "+y")
     )
     left, back = extents(shelf)[2:]
-    assert left == ([-0.52, -0.3, 0.0], [-0.5, 0.3, 1.24])
+    assert left == ([-0.52, -0.3, 0.0], [-0.5, 0.32, 1.24])  # to the corner
     assert back == ([-0.5, 0.3, 0.0], [0.5, 0.32, 1.24])
 
 
@@ -52,3 +52,10 @@ def test_walls_without_a_height_are_refused_at_their_line(tmp_path: Path) -> Non
     )
     with pytest.raises(FileError, match=r":4:\d+: .*walls without a height; allowed: wall_m, or clearance_m"):
         load(path, ObjectsFile)
+
+
+def test_walls_are_thickened_on_both_faces_by_the_room() -> None:
+    box = ObjectSurface(x_m=0.0, y_m=0.0, height_m=0.01, size_m=(0.5, 0.4), walls=("-y",), wall_m=0.2)
+    bottom, wall = (corners(body) for body in box.boxes("box", room=0.01))
+    assert (bottom.min(axis=0)[1], bottom.max(axis=0)[1]) == pytest.approx((-0.2, 0.2))
+    assert (wall.min(axis=0)[1], wall.max(axis=0)[1]) == pytest.approx((-0.23, -0.19))

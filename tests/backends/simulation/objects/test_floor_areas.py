@@ -6,6 +6,7 @@ import pytest
 
 from handcart.backends.simulation.body.arm_contact import ArmContact
 from handcart.backends.simulation.objects.object_props import ObjectProps
+from handcart.backends.simulation.objects.spec import ObjectsSection
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
@@ -50,3 +51,16 @@ def test_held_object_touches_an_area_far_from_all_furniture(scene: Scene) -> Non
     scene.base, scene.held = before, None
     assert touch.other == "mat"
     assert touch.depth == pytest.approx(0.01, abs=0.002)
+
+
+@pytest.mark.parametrize(("y", "is_refused"), [(2.15, False), (2.25, True)])
+def test_object_on_the_floor_beside_all_areas_is_refused(y: float, is_refused: bool) -> None:
+    areas = [{"name": "mat", "x_m": 3.0, "y_m": 2.0, "heading_deg": 90.0, "size_m": [0.4, 0.6]}]
+    cup = {"name": "cup", "x_m": 3.25, "y_m": y, "height_m": 0.0}
+    data = {"floor_areas": areas, "objects": [cup]}
+    if is_refused:
+        with pytest.raises(ValueError, match=r"'cup' is on the floor outside of every floor area.*mat"):
+            ObjectsSection.model_validate(data)
+    else:
+        ObjectsSection.model_validate(data)
+    ObjectsSection.model_validate({**data, "floor_areas": []})
