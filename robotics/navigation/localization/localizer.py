@@ -37,7 +37,9 @@ MAX_REST_SPREAD = (
     0.010,
     0.010,
 )  # [m], [rad] by which scans of one place never differ: eight times their spread
-DISPLACED_SIGMAS = 3.0  # sigmas of a match by which its pose then lies elsewhere
+# squared difference of two poses at rest, by its covariance, above which the base was moved: by chance it is
+# exceeded in one of a million looks (three degrees of freedom), and a run has thousands
+MIN_DISPLACED_SQUARE = 30.7
 MAX_SIDEWAYS_RATIO = 0.2  # of the way ahead; more of it, and the length of the way ahead is not compared
 SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
@@ -347,7 +349,8 @@ class ScanLocalizer(Localizer):
         match = match_scan(self._field, points, self.pose, near, self._sigma)
         if self.last_match is None or match.inliers < MIN_SHARE_KEPT_AT_REST * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, SEARCH_COVARIANCE, self._sigma, anneal=True)
-        moved = is_apart(self.pose, match, self._field, self.surface_error)
+        here = self.covariance - self._map_error @ self._map_error.T  # the map errs alike in both poses
+        moved = is_apart(self.pose, match, match.spread + here, self._field, self.surface_error)
         if not moved or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
@@ -367,13 +370,23 @@ class ScanLocalizer(Localizer):
         return match
 
 
-def is_apart(before: Pose2, after: ScanMatch, field: LikelihoodField, surface_error: float) -> bool:
-    """Return True if two poses by scans are different places, beyond the uncertainty of the scans."""
+def is_apart(
+    before: Pose2, after: ScanMatch, covariance: FloatArray, field: LikelihoodField, surface_error: float
+) -> bool:
+    """Return True if two poses by scans are different places, beyond the uncertainty of the scans.
+
+    Args:
+        before: map_T_base of the first pose.
+        after: the second one.
+        covariance: (3, 3) of their difference at one place, in [m, m, rad].
+        field: likelihood field of the map.
+        surface_error: error of the map's surfaces, in [m].
+    """
     most = max(MAX_REST_SPREAD[0], SHARE_OF_CELL * field.map.resolution, surface_error)
     if before.distance(after.pose) <= most and before.turn(after.pose) <= MAX_REST_SPREAD[1]:
         return False
     off = pose_difference(before, after.pose)
-    return float(off @ np.linalg.solve(after.spread, off)) > DISPLACED_SIGMAS**2
+    return float(off @ np.linalg.solve(covariance, off)) > MIN_DISPLACED_SQUARE
 
 
 def pose_difference(before: Pose2, after: Pose2) -> FloatArray:

@@ -182,7 +182,7 @@ class OdometryLocalizer(Localizer):
         self._stands, self._rolled = match.pose, 0.0
         if before is None:
             return False
-        apart = is_apart(before, match, self._field, self.surface_error)
+        apart = is_apart(before, match, 2.0 * match.spread, self._field, self.surface_error)
         if apart:
             moved = match.pose.relative_to(before)
             self._odometry.reset(self.pose.compose(moved), self.covariance)

@@ -235,7 +235,7 @@ def test_a_push_of_less_than_large_cells_tell_is_none(
     localizer = ScanLocalizer(field, truth, TREAD)
     for _ in range(20):
         localizer.correct(scan(library_boxes, truth, rng))
-    near, far = (truth.compose(Pose2(ahead, 0.0, 0.0)) for ahead in (0.035, 0.15))
+    near, far = (truth.compose(Pose2(ahead, 0.0, 0.0)) for ahead in (0.046, 0.15))
     assert localizer.find_again(scan(library_boxes, near, rng)) is found
     assert localizer.find_again(scan(library_boxes, far, rng))
 
@@ -251,10 +251,10 @@ def test_what_fits_nowhere_is_no_push(
     assert localizer.pose == before
 
 
-@pytest.mark.parametrize(("noise", "most"), [(0.01, 0), (0.03, 50)])
-def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push(noise: float, most: int) -> None:
+@pytest.mark.parametrize("noise", [0.01, 0.03])
+def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push(noise: float) -> None:
     """S12: one beam tells how far along a corridor it stands, so poses by scans differ by more than 10 mm,
-    and by more still where the sensor is three times as noisy as is supposed (a hundred of 400)."""
+    also where the sensor is three times as noisy as is supposed."""
     walls = [(0.0, 1.05, 0.0, 20.0, 0.1), (0.0, -1.05, 0.0, 20.0, 0.1), (4.05, 0.5, 0.0, 0.1, 1.0)]
     field = LikelihoodField(from_boxes(walls, 0.02, (-10.2, -1.4), (20.4, 2.8)))
     along, rng = np.linspace(-3.0, 3.0, 80), np.random.default_rng(5)
@@ -264,7 +264,7 @@ def test_along_a_wall_the_beam_that_tells_is_not_taken_for_a_push(noise: float, 
     localizer = ScanLocalizer(field, Pose2(0.0, 0.0, 0.0), TREAD, covariance=0.05**2 * np.eye(3))
     localizer.correct(seen)
     noisy = [seen + rng.normal(0.0, noise, seen.shape) for _ in range(400)]
-    assert sum(localizer.find_again(points) for points in noisy) <= most
+    assert not any(localizer.find_again(points) for points in noisy)
     assert localizer.find_again(noisy[0] - (0.0, 0.03))  # across it, hundreds of beams count
     assert abs(localizer.pose.y - 0.03) < 0.01
 
