@@ -3,7 +3,8 @@
 Each trial has a bench and a program in processes of their own. The program drives in circles; then a topic
 is spoiled, a second node takes the command, or the bench appears late. Counted is whether the program noticed
 it and named the topic, how long that took, and when the base rested. Doubled and swapped messages are noticed
-by their count, and the program goes on. Needs rclpy. Status 1 if anything was missed.
+by their count, and the program goes on. A trial in which the machine was too slow for its loops is not judged
+(`benchmarks.ros2.judged`). Needs rclpy. Status 1 if anything was missed, or no trial of a row is judged.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS, TopicFault
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 from handcart.backends.ros2.wire.ros_link import RosLink
 
-from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench
+from .judged import Tally, Verdict
+from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench, watching
 
 GOES_ON = ("doubled", "swapped")
 OTHER_FAULTS = ("second master", "wrong type", "late bench")
@@ -41,6 +43,8 @@ class Noticed(NamedTuple):
     """Time from the fault to the report."""
     rest_s: float = 0.0
     """Time from the report until the base is at rest."""
+    late_s: float = 0.0
+    """Time by which a period of bench or program was too long, at most."""
 
 
 def main() -> None:
@@ -60,21 +64,22 @@ def main() -> None:
                 print(
                     f"\r{kind} on {topic}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True
                 )
-                with on_the_air(trial):
-                    found.append(FAULT_TRIALS.get(kind, spoiled)(kind, topic))
+                with on_the_air(trial), watching() as watched:
+                    noticed = FAULT_TRIALS.get(kind, spoiled)(kind, topic)
+                found.append(noticed._replace(late_s=watched.late_s))
                 trial += 1
             print(file=sys.stderr)
-            wrong = [noticed.wrong for noticed in found if noticed.wrong]
-            missed += len(wrong)
+            tally = Tally([Verdict(noticed.wrong, noticed.late_s) for noticed in found])
+            missed += tally.missed
             after, rest = (
                 np.max([getattr(noticed, name) for noticed in found]) for name in ("after_s", "rest_s")
             )
             print(
-                f"{kind:<14}{topic:<9}noticed {len(found) - len(wrong)}/{len(found)}"
+                f"{kind:<14}{topic:<9}noticed {tally.words}"
                 f"  at most {after:.2f} s after, at rest {rest:.2f} s later",
                 flush=True,
             )
-            for item in dict.fromkeys(wrong):
+            for item in tally.findings():
                 print(f"    {item}", flush=True)
     sys.exit(1 if missed else 0)
 

@@ -3,7 +3,8 @@
 Each trial has a bench, which serves the actions, and a program in processes of their own. The program is
 killed (SIGKILL) while its goals move the arm: the arm has to rest once the last goal ends. An action rejects,
 aborts or cancels a goal, answers none, or another node sends one: the program has to end with a fault that
-names the action, and the arm has to rest. Needs rclpy and control_msgs. Status 1 if anything was missed.
+names the action, and the arm has to rest. A trial in which the machine was too slow for its loops is not
+judged (`benchmarks.ros2.judged`). Needs rclpy and control_msgs. Status 1 if anything was missed.
 """
 
 from __future__ import annotations
@@ -39,7 +40,18 @@ from handcart.backends.ros2.wire.ros_link import RosLink
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
-from .wire_rig import Ended, Process, Rest, await_driving, on_the_air, serve
+from .judged import Tally, Verdict
+from .wire_rig import (
+    FIRST_PERIODS,
+    Ended,
+    LoopWatch,
+    Process,
+    Rest,
+    await_driving,
+    on_the_air,
+    serve,
+    watching,
+)
 
 ARM, HAND = "arm_controller/follow_joint_trajectory", "gripper_controller/gripper_cmd"
 RIVAL = "rival"
@@ -70,22 +82,24 @@ def main() -> None:
     rng, missed, number = random.Random(asked.seed), 0, 0
     for kind in asked.kinds:
         found: list[Trial] = []
+        verdicts: list[Verdict] = []
         for _ in range(asked.count):
             print(f"\r{kind}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True)
-            with on_the_air(number):
+            with on_the_air(number), watching() as watched:
                 found.append(tried(kind, rng.uniform(0.0, 0.5)))
+            verdicts.append(Verdict(found[-1].wrong, watched.late_s))
             number += 1
         print(file=sys.stderr)
-        wrong = [trial.wrong for trial in found if trial.wrong]
-        missed += len(wrong)
+        tally = Tally(verdicts)
+        missed += tally.missed
         seconds = np.array([trial.rest.seconds for trial in found])
         print(
-            f"{kind:<12}{'arm at rest' if kind == 'killed' else 'named, at rest'} {len(found) - len(wrong)}"
-            f"/{len(found)}  median {np.median(seconds):.3f} s, at most {seconds.max():.3f} s"
+            f"{kind:<12}{'arm at rest' if kind == 'killed' else 'named, at rest'} {tally.words}"
+            f"  median {np.median(seconds):.3f} s, at most {seconds.max():.3f} s"
             f" and {max(trial.rest.periods for trial in found)} periods after the end",
             flush=True,
         )
-        for item in dict.fromkeys(wrong):
+        for item in tally.findings():
             print(f"    {item}", flush=True)
     sys.exit(1 if missed else 0)
 
@@ -165,14 +179,17 @@ def swing_arm(pipe: Connection) -> None:
             arm, gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
             assert arm is not None and gripper is not None
             begun, step = arm.command(), SPEED_RAD_S * backend.period
+            watch = LoopWatch(backend.period)
             for period in range(1200):
                 way = period % 40 if period % 80 < 40 else 40 - period % 40
                 arm.move(begun + step * way * np.eye(len(begun))[0])
                 if period % 40 == 0:
                     gripper.move(0.03 if period % 80 else 0.05)
                 backend.step()
-                if period == 10:
+                if period == FIRST_PERIODS:
                     pipe.send("drives")
+                    watch = LoopWatch(backend.period)
+                watch.note()
     except (RobotFault, HandcartError) as error:
         words = str(error)
     pipe.send(Ended(time.monotonic(), words, {}))

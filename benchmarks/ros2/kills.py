@@ -1,7 +1,8 @@
 """Kill program or bench while the base drives, through the middleware: `python -m benchmarks.ros2.kills`.
 
 The program is killed (SIGKILL) at a random instant: the base has to rest within its own time-out. The bench
-is killed: the program has to end with a fault that names a topic. Needs rclpy. Status 1 if either failed.
+is killed: the program has to end with a fault that names a topic. A trial in which the machine was too slow
+for its loops is not judged (`benchmarks.ros2.judged`). Needs rclpy. Status 1 if either failed.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ import numpy as np
 
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 
-from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench
+from .judged import Tally, Verdict
+from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench, watching
 
 PERIODS_S = 0.1
 """[s] of two periods, beyond the base's time-out."""
@@ -38,28 +40,30 @@ def main() -> None:
     for name, kill in (("program", kill_program), ("bench", kill_bench)):
         if name not in asked.which:
             continue
-        times, wrong = [], []
+        times, verdicts = [], []
         for trial in range(asked.count):
             print(f"\r{name} killed: {trial} of {asked.count}", end="", file=sys.stderr, flush=True)
-            with on_the_air(trial):
+            with on_the_air(trial), watching() as watched:
                 seconds, periods, finding = kill(rng.uniform(0.0, 0.5))
             times.append(seconds)
             most_periods = max(most_periods, periods)
-            wrong += [finding] if finding else []
+            verdicts.append(Verdict(finding, watched.late_s))
         print(file=sys.stderr)
         what = "base at rest" if name == "program" else "reported with a topic"
         middle, most = np.percentile(times, 50.0), np.max(times)
-        good = asked.count - len(wrong)
+        tally = Tally(verdicts)
+        counts = f"{what} {tally.words}"
         print(
-            f"{name} killed {asked.count} times: {what} {good}, median {middle:.2f} s, at most {most:.2f} s"
+            f"{name} killed {asked.count} times: {counts}, median {middle:.2f} s, at most {most:.2f} s",
+            flush=True,
         )
         if name == "program":
             print(
                 f"    the base moved for at most {most_periods} periods of the bench afterwards", flush=True
             )
-        for item in dict.fromkeys(wrong):
+        for item in tally.findings():
             print(f"    {item}", flush=True)
-        failed += len(wrong)
+        failed += tally.missed
     sys.exit(1 if failed else 0)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
+import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from handcart.backends.backend import Backend, RobotFault
 from handcart.backends.capabilities.base import Base
@@ -26,9 +28,13 @@ from handcart.files.errors import HandcartError
 
 FORK_CONTEXT = multiprocessing.get_context("fork")
 DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S = 0.1, 0.5
+FIRST_PERIODS = 10
+"""Periods after which a program drives: in the first ones functions are loaded."""
 ANSWER_S = 60.0
 """[s] in which a process has to answer; the machine may be busy."""
 FIRST_DOMAIN, DOMAINS = 30, 60
+END_WITH_PARENT = 1
+"""Option `PR_SET_PDEATHSIG` of Linux' `prctl`."""
 Pipe = Any
 
 
@@ -51,14 +57,24 @@ class Rest(NamedTuple):
 
 
 class Process:
-    """A forked process with a pipe to it."""
+    """A forked process with a pipe to it; it is killed when this one ends, however that ends."""
 
     def __init__(self, work: Callable[..., None], *words: Any) -> None:
         """Run `work` with a pipe and `words`."""
         self.pipe, other = FORK_CONTEXT.Pipe()
-        self._process = FORK_CONTEXT.Process(target=work, args=(other, *words), daemon=True)
+        self._late = FORK_CONTEXT.Value("d", 0.0)
+        self._process = FORK_CONTEXT.Process(
+            target=_work_as_child, args=(os.getpid(), self._late, work, other, *words), daemon=True
+        )
         self._process.start()
         other.close()
+        for watching in Watched.open:
+            watching.processes.append(self)
+
+    @property
+    def late_s(self) -> float:
+        """Time in [s] by which a period of its loop was too long, at most so far; 0 without a loop."""
+        return float(self._late.value)
 
     def kill(self) -> float:
         """Kill it (SIGKILL); return the time in [s]."""
@@ -82,6 +98,33 @@ class Process:
             raise TimeoutError(f"the process died with status {self._process.exitcode}") from None
 
 
+class LoopWatch:
+    """Longest period of this process' loop, readable by the parent as `Process.late_s`."""
+
+    longest: Any = None
+    """Shared number of the parent; None outside of a `Process`."""
+
+    def __init__(self, period_s: float) -> None:
+        """Begin with a first period of `period_s` seconds."""
+        self._period_s, self._ended = period_s, time.monotonic()
+
+    def note(self) -> None:
+        """Note that a period has ended."""
+        now = time.monotonic()
+        late, self._ended = now - self._ended - self._period_s, now
+        if self.longest is not None:
+            self.longest.value = max(self.longest.value, late)
+
+
+def _work_as_child(parent: int, late: Any, work: Callable[..., None], *words: Any) -> None:
+    """Do the work of a child that the kernel kills with its parent: else one would spin on for ever."""
+    ctypes.CDLL(None, use_errno=True).prctl(END_WITH_PARENT, signal.SIGKILL)
+    if os.getppid() != parent:  # it has ended before
+        return
+    LoopWatch.longest = late
+    work(*words)
+
+
 def await_driving(driver: Process) -> None:
     """Wait until a program of `drive_circles` drives.
 
@@ -91,6 +134,33 @@ def await_driving(driver: Process) -> None:
     said = driver.answer()
     if isinstance(said, Ended):
         raise TimeoutError(f"it ended before anything went wrong: {said.words}")
+
+
+class Watched:
+    """Processes of a trial."""
+
+    open: ClassVar[list[Watched]] = []
+    """Those of the trials under way."""
+
+    def __init__(self) -> None:
+        """Begin without a process."""
+        self.processes: list[Process] = []
+
+    @property
+    def late_s(self) -> float:
+        """Time in [s] by which a period of any of them was too long, at most."""
+        return max((process.late_s for process in self.processes), default=0.0)
+
+
+@contextmanager
+def watching() -> Iterator[Watched]:
+    """Watch the loops of all processes that are started inside."""
+    watched = Watched()
+    Watched.open.append(watched)
+    try:
+        yield watched
+    finally:
+        Watched.open.remove(watched)
 
 
 @contextmanager
@@ -138,8 +208,10 @@ def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[R
     moved: list[tuple[float, bool]] = []
     due = time.monotonic()
     pipe.send("ready")
+    watch = LoopWatch(robot.period_s)
     while True:
         bench.step()
+        watch.note()
         moved.append((time.monotonic(), moves(bench)))
         while pipe.poll():
             asked = pipe.recv()
@@ -154,19 +226,25 @@ def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[R
 
 def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.0) -> None:
     """Drive in circles and read the lidar each period; send "drives", then how it ended."""
-    words, figures = "drove to its end", {}
+    words, figures = "drove to its end", dict[str, Any]()
     try:
         with RosBackend(cart(1000.0, first_message_s)) as backend:
             base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
             assert base is not None and lidar is not None
-            for period in range(round(seconds / backend.period)):
-                base.drive(DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S)
-                backend.step()
-                lidar.scan()
-                base.wheel_travel()
+            watch = LoopWatch(backend.period)
+            try:
+                for period in range(round(seconds / backend.period)):
+                    base.drive(DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S)
+                    backend.step()
+                    lidar.scan()
+                    base.wheel_travel()
+                    if period == FIRST_PERIODS:
+                        pipe.send("drives")
+                        watch = LoopWatch(backend.period)
+                    watch.note()
+            finally:
+                watch.note()
                 figures = dict(backend.figures())
-                if period == 10:
-                    pipe.send("drives")
     except (RobotFault, HandcartError) as error:
         words = str(error)
     pipe.send(Ended(time.monotonic(), words, figures))

@@ -1,4 +1,4 @@
-"""`handcart node`: runs requested and acknowledged from ROS 2."""
+"""`handcart node`: runs requested, acknowledged and resumed from ROS 2."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def node(
     robot: Annotated[str | None, typer.Option(help="another robot than the tasks name")] = None,
     namespace: Annotated[str, typer.Option(help="namespace of the services and topics")] = "",
 ) -> None:
-    """Start runs when a service of ROS 2 is called, one at a time, until Ctrl-C; that ends no run."""
+    """Start or resume runs by services of ROS 2, one at a time, until Ctrl-C; that ends no run."""
     from handcart.backends.ros2.wire.ros_link import node_name
     from handcart.backends.ros2.wire.serving_link import RosServingLink
     from handcart.evaluation.viewing.node.door import SERVICE_PREFIX
@@ -33,10 +33,14 @@ def node(
     for task in named.values():
         if errors := check(task, backend, given).errors:
             raise FileError(errors)
-    options = {"--backend": backend, "--robot": robot, "--node-namespace": namespace}
+    options = {"--backend": backend, "--robot": robot}
     words = [word for key, value in options.items() if value for word in (key, value)]
     link = RosServingLink(node_name("desk"), namespace)
-    desk, over, last = RunDesk(named, runs, words), AskedToEnd(), ""
+    desk, over, last = (
+        RunDesk(named, runs, words, ["--node-namespace", namespace] if namespace else []),
+        AskedToEnd(),
+        "",
+    )
     publish = link.latched("std_msgs/String", f"{SERVICE_PREFIX}/desk")
     desk.offer(link)
     for name in named:

@@ -1,4 +1,4 @@
-"""Requests for runs, and acknowledgements, by services of ROS 2."""
+"""Requests for runs, acknowledgements and resumes by services of ROS 2."""
 
 from __future__ import annotations
 
@@ -16,31 +16,47 @@ import orjson
 from handcart.backends.ros2.wire.serving_link import Answer, ServingLink
 from handcart.evaluation.viewing.node.door import SERVICE_PREFIX
 from handcart.files.errors import HandcartError
+from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.journal.waiting import is_simulated, waiting
 from handcart.networks.operator.acknowledging import acknowledge, cause_of
 from handcart.networks.operator.asking import goes_on
 from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journal
 from handcart.networks.run_files.run_names import list_runs
 from handcart.networks.run_files.socket_path import CONTROL_SOCKET
+from handcart.networks.runs.resuming import task_of
 
 START_TIMEOUT_S = 60.0
 """[s] within which a requested run has to begin, or to refuse."""
+RESUME_TIMEOUT_S = 120.0
+"""[s] within which a resumed run has to go on: the node of its killed program may stay for a minute."""
 POLL_PERIOD_S = 0.1
 READ_S = 1.0
-"""[s] for which a new reason has to be published before it can be acknowledged."""
+"""[s] for which a new state has to be published before it can be acknowledged or resumed."""
 Starter = Callable[[Sequence[str], IO[bytes]], "subprocess.Popen[bytes]"]
 
 
 class WaitingRecord(NamedTuple):
     """A record of a run that waits for a person."""
 
-    run: Path
     record: int
     cause: str
     """Checksum of what it waits for."""
     reason: str
     is_real: bool
     """True if a real robot waits with it: nothing else may begin."""
+
+
+class LastRun(NamedTuple):
+    """State of the newest run, which isn't alive, by its journal."""
+
+    folder: Path
+    record: int
+    """Number of its journal's last record."""
+    end: str
+    """How it came to its end, in words."""
+    waits: WaitingRecord | None
+    obstacle: str
+    """Why it cannot be resumed; "" if it can."""
 
 
 def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:
@@ -51,7 +67,8 @@ def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes
 
 
 class RunDesk:
-    """Starts one run at a time, each a process of its own, and acknowledges what waits in the last one.
+    """Starts or resumes one run at a time, each a process of its own, and acknowledges what waits in the
+    last one.
 
     The run itself decides whether the robot is free, as if it was started at a terminal.
     """
@@ -61,6 +78,7 @@ class RunDesk:
         tasks: Mapping[str, Path],
         runs: Path,
         options: Sequence[str] = (),
+        node_options: Sequence[str] = (),
         start: Starter = start_apart,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -70,65 +88,103 @@ class RunDesk:
             tasks: their files by the last part of their services' names.
             runs: folder of the runs.
             options: further options of `handcart run`.
+            node_options: further options of `handcart run` and `handcart resume`.
             start: starts a program.
             clock: gives a time in [s].
         """
-        self._tasks, self._runs, self._options = tasks, runs, tuple(options)
+        self._tasks, self._runs = tasks, runs
+        self._options, self._node_options = tuple(options), tuple(node_options)
         self._start, self._clock = start, clock
         self._child: subprocess.Popen[bytes] | None = None
-        self._read: tuple[WaitingRecord | None, float] = (None, 0.0)
+        self._read: tuple[LastRun | None, float] = (None, 0.0)
+        self._looked: tuple[object, LastRun | None] = (None, None)
 
     def offer(self, link: ServingLink) -> None:
         """Offer all services."""
         for name in self._tasks:
             link.serve(f"{SERVICE_PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/acknowledge", self.acknowledge)
+        link.serve(f"{SERVICE_PREFIX}/resume", self.resume)
 
     def state(self) -> dict[str, Any]:
-        """Return the offered tasks, the running run, and what waits for a person; people read it now."""
-        waits = self._waits()
-        if waits != self._read[0]:
-            self._read = waits, self._clock()
+        """Return the offered tasks, the running run, what waits for a person, and the run that can be
+        resumed; people read it now.
+        """
+        last = self._last()
+        if last != self._read[0]:
+            self._read = last, self._clock()
         alive = self._alive()
-        shown = None if waits is None else {"run": str(waits.run), "reason": waits.reason}
-        return {"tasks": sorted(self._tasks), "running": alive and str(alive), "waits": shown}
+        waits = resumable = None
+        if last is not None and last.waits is not None:
+            waits = {"run": str(last.folder), "reason": last.waits.reason}
+        if last is not None and not last.obstacle:
+            resumable = {"run": str(last.folder), "record": last.record, "end": last.end}
+        running = alive and str(alive)
+        return {"tasks": sorted(self._tasks), "running": running, "waits": waits, "resumable": resumable}
 
     def request(self, name: str) -> Answer:
         """Start a run of a task, unless one is running or waits; answer once it has begun, or refused."""
-        alive = self._alive()
-        if alive is not None or self._is_running():
-            return Answer(False, f"{alive or 'a run'} is running; allowed: one at a time")
-        waits = self._waits()
-        if waits is not None and waits.is_real:
-            how = f"when all is safe: {SERVICE_PREFIX}/acknowledge"
-            return Answer(False, f"the last run, {waits.run}, waits for a person: {waits.reason}; {how}")
-        words = [sys.executable, "-m", "handcart", "run", str(self._tasks[name]), "--node"]
-        with tempfile.TemporaryFile() as said:
-            self._child = self._start([*words, "--runs", str(self._runs), *self._options], said)
-            end = self._clock() + START_TIMEOUT_S
-            while self._clock() < end:
-                if self._child.poll() is not None:
-                    return Answer(False, _last_line(said) or f"it ended with {self._child.returncode}")
-                begun = self._alive()
-                if begun is not None:
-                    return Answer(True, f"{name} runs in {begun}")
-                time.sleep(POLL_PERIOD_S)
-        return Answer(False, f"it has not begun within {START_TIMEOUT_S:g} s; it may still begin")
+        if busy := self._busy():
+            return Answer(False, busy)
+        last = self._last()
+        if last is not None and last.waits is not None and last.waits.is_real:
+            how = f"when all is safe: {SERVICE_PREFIX}/acknowledge, or {SERVICE_PREFIX}/resume"
+            words = f"the last run, {last.folder}, waits for a person: {last.waits.reason}; {how}"
+            return Answer(False, words)
+        words = ["run", str(self._tasks[name]), "--node", "--runs", str(self._runs), *self._options]
+        return self._started(words, START_TIMEOUT_S, self._alive, f"{name} runs in")
 
     def acknowledge(self) -> Answer:
         """Acknowledge what waits in the last run, if people could read it before."""
-        waits, since = self._read
-        if waits is None:
+        last, since = self._read
+        if last is None or last.waits is None:
             return Answer(False, "no run waits for a person")
         if self._clock() - since < READ_S:
             return Answer(False, f"its reason is new; read it in {SERVICE_PREFIX}/desk, and call again")
         try:
-            return Answer(True, acknowledge(waits.run, waits.record, waits.cause))
+            return Answer(True, acknowledge(last.folder, last.waits.record, last.waits.cause))
         except HandcartError as error:
             return Answer(False, str(error))
 
-    def _is_running(self) -> bool:
-        return self._child is not None and self._child.poll() is None
+    def resume(self) -> Answer:
+        """Resume the last run, if people could read before how it ended; answer once it goes on, or refused.
+
+        The run itself decides, as `handcart resume --confirm RECORD` does: a real robot has to be where it
+        was left.
+        """
+        if busy := self._busy():
+            return Answer(False, busy)
+        last, since = self._read
+        if last is None or last.obstacle:
+            return Answer(False, "no run is there yet" if last is None else last.obstacle)
+        if self._clock() - since < READ_S or self._last() != last:
+            return Answer(False, f"its state is new; read it in {SERVICE_PREFIX}/desk, and call again")
+        words = ["resume", str(last.folder), "--node", "--confirm", str(last.record)]
+        return self._started(words, RESUME_TIMEOUT_S, lambda: _resumed(last), "resumed:")
+
+    def _started(
+        self, words: Sequence[str], seconds: float, begun: Callable[[], Path | None], said: str
+    ) -> Answer:
+        """Start a program, and answer once `begun` returns its folder, or by its last words."""
+        command = [sys.executable, "-m", "handcart", *words, *self._node_options]
+        with tempfile.TemporaryFile() as output:
+            self._child = self._start(command, output)
+            end = self._clock() + seconds
+            while self._clock() < end:
+                over = self._child.poll() is not None
+                if folder := begun():
+                    return Answer(True, f"{said} {folder}")
+                if over:
+                    return Answer(False, _last_line(output) or f"it ended with {self._child.returncode}")
+                time.sleep(POLL_PERIOD_S)
+        return Answer(False, f"it has not begun within {seconds:g} s; it may still begin")
+
+    def _busy(self) -> str:
+        """Return which run is running; "" if none is."""
+        alive = self._alive()
+        if alive is None and (self._child is None or self._child.poll() is not None):
+            return ""
+        return f"{alive or 'a run'} is running; allowed: one at a time"
 
     def _alive(self) -> Path | None:
         """Return the folder of a run that is alive and listens; None if there is none."""
@@ -140,20 +196,59 @@ class RunDesk:
                 continue
         return None
 
-    def _waits(self) -> WaitingRecord | None:
-        """Return what waits in the newest run that is not alive."""
+    def _last(self) -> LastRun | None:
+        """Return the state of the newest run; None if there is none, or it is alive."""
         listed = list_runs(self._runs) if self._runs.is_dir() else []
-        for run in listed[:1]:
-            try:
-                if not (run.folder / JOURNAL_FILE).exists() or goes_on(run.folder):
-                    return None
-                contents = read_run_journal(run.folder)
-            except (HandcartError, OSError):
+        if not listed:
+            return None
+        folder = listed[0].folder
+        try:
+            found = (folder / JOURNAL_FILE).stat()
+            if goes_on(folder):
                 return None
-            for record, reason in waiting(contents).items():
-                cause, real = str(cause_of(contents, record)["h"]), not is_simulated(contents)
-                return WaitingRecord(run.folder, record, cause, reason, real)
+            seen = (folder, found.st_mtime_ns, found.st_size)
+            if seen != self._looked[0]:
+                self._looked = seen, _last_run(folder)
+        except OSError:
+            return None
+        return self._looked[1]
+
+
+def _last_run(folder: Path) -> LastRun:
+    """Return the state of a run by its journal."""
+    try:
+        contents = read_run_journal(folder)
+    except HandcartError as error:
+        return LastRun(folder, -1, "its journal can't be read", None, str(error))
+    waits = next(
+        (
+            WaitingRecord(number, str(cause_of(contents, number)["h"]), reason, not is_simulated(contents))
+            for number, reason in waiting(contents).items()
+        ),
+        None,
+    )
+    try:
+        task_of(folder)
+        obstacle = ""
+    except HandcartError as error:
+        obstacle = str(error)
+    return LastRun(folder, len(contents.records) - 1, _end_words(contents), waits, obstacle)
+
+
+def _end_words(contents: JournalContents) -> str:
+    last = contents.records[-1]
+    if last["kind"] == "END":
+        return f"{last.get('outcome')} in situation {last.get('situation')}"
+    return f"it broke off after record {len(contents.records) - 1}, {last['kind']}"
+
+
+def _resumed(last: LastRun) -> Path | None:
+    """Return the folder of a run once its journal shows that it was resumed."""
+    try:
+        added = read_run_journal(last.folder).records[last.record + 1 :]
+    except (HandcartError, OSError):
         return None
+    return last.folder if any(record["kind"] == "EPOCH" for record in added) else None
 
 
 def service_names(tasks: Sequence[Path]) -> dict[str, Path]:

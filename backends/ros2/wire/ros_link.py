@@ -20,6 +20,9 @@ EMPTY_PASSES = 3
 """Passes without a message after which all have arrived: one pass takes one message of each topic."""
 MAX_PASSES = 200
 KEPT_MESSAGES = 5
+SPUN_PERIODS = 10
+"""Periods after which parameters of a node without actions are answered: each wait of an executor gives the
+processor away, and a busy machine returns it late."""
 SERVICE_TIMEOUT_S = 1.0
 
 
@@ -115,7 +118,8 @@ class RosLink(Link):
         self._node = rclpy.create_node(name, namespace=namespace or None, context=self._context)
         self._executor = self._new_executor(executors)
         self._executor.add_node(self._node)
-        self._came, self._closed = 0, False
+        self._heard: list[tuple[Any, Take]] = []
+        self._came, self._closed, self._has_actions, self._unspun = 0, False, False, 0
 
     def _new_executor(self, executors: Any) -> Any:
         """Return an executor of the module `rclpy.executors`."""
@@ -131,7 +135,8 @@ class RosLink(Link):
         if latched:
             profile.reliability = self._qos.ReliabilityPolicy.RELIABLE
             profile.durability = self._qos.DurabilityPolicy.TRANSIENT_LOCAL
-        self._node.create_subscription(message_class(kind), topic, came, profile)
+        subscription = self._node.create_subscription(message_class(kind), topic, came, profile)
+        self._heard.append((subscription, take))
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
@@ -152,6 +157,15 @@ class RosLink(Link):
 
     @override
     def receive(self) -> None:
+        for subscription, take in self._heard:
+            _take_all(subscription, take)
+        self._unspun += 1
+        if self._has_actions or self._unspun >= SPUN_PERIODS:
+            self._unspun = 0
+            self._spin()
+
+    def _spin(self) -> None:
+        """Execute what only an executor does, such as actions and the services of the node's parameters."""
         empty = 0
         for _ in range(MAX_PASSES):
             before = self._came
@@ -222,10 +236,12 @@ class RosLink(Link):
 
     @override
     def goal_sender(self, kind: str, name: str) -> GoalSender:
+        self._has_actions = True
         return RosGoalSender(self._node, kind, name, self._note)
 
     @override
     def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
+        self._has_actions = True
         serve_action(self._node, kind, name, accepts, take, self._note)
 
     @override
@@ -256,6 +272,16 @@ class RosLink(Link):
         self._executor.shutdown(timeout_sec=0.5)
         self._node.destroy_node()
         self._context.try_shutdown()
+
+
+def _take_all(subscription: Any, take: Take) -> None:
+    """Take the messages that have arrived, without waiting for any."""
+    with subscription.handle:
+        for _ in range(KEPT_MESSAGES):
+            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            if taken is None:
+                return
+            take(taken[0])
 
 
 def message_class(kind: str) -> Any:
