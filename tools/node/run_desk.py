@@ -131,8 +131,8 @@ class RunDesk:
             how = f"when all is safe: {SERVICE_PREFIX}/acknowledge, or {SERVICE_PREFIX}/resume"
             words = f"the last run, {last.folder}, waits for a person: {last.waits.reason}; {how}"
             return Answer(False, words)
-        words = ["run", str(self._tasks[name]), "--node", "--runs", str(self._runs), *self._options]
-        return self._started(words, START_TIMEOUT_S, self._alive, f"{name} runs in")
+        command = ["run", str(self._tasks[name]), "--node", "--runs", str(self._runs), *self._options]
+        return self._started(command, START_TIMEOUT_S, self._alive, f"{name} runs in")
 
     def acknowledge(self) -> Answer:
         """Acknowledge what waits in the last run, if people could read it before."""
