@@ -226,7 +226,7 @@ def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[R
 
 def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.0) -> None:
     """Drive in circles and read the lidar each period; send "drives", then how it ended."""
-    words, figures = "drove to its end", dict[str, Any]()
+    words, figures, ended = "drove to its end", dict[str, Any](), 0.0
     try:
         with RosBackend(cart(1000.0, first_message_s)) as backend:
             base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
@@ -244,7 +244,8 @@ def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.
                     watch.note()
             finally:
                 watch.note()
-                figures = dict(backend.figures())
+                ended, figures = time.monotonic(), dict(backend.figures())
     except (RobotFault, HandcartError) as error:
         words = str(error)
-    pipe.send(Ended(time.monotonic(), words, figures))
+    # Leaving the air takes a moment more, up to 2 s where the other side was killed.
+    pipe.send(Ended(ended or time.monotonic(), words, figures))
