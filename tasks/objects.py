@@ -11,7 +11,7 @@ _HERE = Path(__file__).parent
 DOMAIN = Domain(
     "objects",
     knowledge=Knowledge(
-        "handcart.primitives.objects.objects:Objects",
+        "handcart.primitives.objects.knowledge.objects:Objects",
         {"objects": "Objects: their kinds, tags and surfaces, and where they are believed to be."},
     ),
     props="handcart.backends.simulation.objects.object_props:ObjectProps",
@@ -25,7 +25,7 @@ DOMAIN = Domain(
         "HAND_OVER": "handcart.primitives.objects.hand_over:HandOver",
     },
     survey="handcart.evaluation.objects.object_survey:ObjectSurvey",
-    files={"objects": "handcart.primitives.objects.objects_file:ObjectsFile"},
+    files={"objects": "handcart.primitives.objects.files.objects_file:ObjectsFile"},
     faults="handcart.evaluation.objects.object_faults:OBJECT_FAULTS",
     mutants="handcart.evaluation.objects.object_mutants:OBJECT_MUTANTS",
     rehearsals={

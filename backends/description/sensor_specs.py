@@ -12,7 +12,7 @@ from typing_extensions import override
 from handcart.files.errors import UnsafePath
 from handcart.files.inside import FilePath, resolve_inside
 from handcart.files.models.model import FileModel
-from handcart.robotics.navigation.localization.odometry import OdometryErrors, SidewaysErrors
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors, SidewaysErrors
 
 from .camera_info import CameraInfo, load_camera_info
 from .range_spec import RangeSpec as RangeSpec

@@ -28,8 +28,8 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.following.way_guard import NO_STANDS, HoldingObstacle
-from handcart.robotics.navigation.localization.attitude import Attitude
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.odometry.attitude import Attitude
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 from .averaged_scan import AveragedScan

@@ -26,13 +26,13 @@ from skimage.morphology import skeletonize
 from benchmarks.driving.box_ranges import box_ranges
 from benchmarks.driving.office_map import office_boxes, office_map
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.front_line import fit_front
-from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from_ros
+from handcart.robotics.navigation.odometry.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.shortest_path import shortest_path
 from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.scans.front_line import fit_front
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField, match_scan
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 BEAM_ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)

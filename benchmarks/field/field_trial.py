@@ -10,7 +10,7 @@ from benchmarks.field.field_drive import PERIOD_S
 from benchmarks.field.field_log import FieldLog
 from benchmarks.field.placement_radius import tip_covariance, tip_place
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray

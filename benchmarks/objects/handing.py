@@ -11,7 +11,7 @@ import numpy as np
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.scene import Scene
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
-from handcart.primitives.objects.objects import HeldObject, Objects
+from handcart.primitives.objects.knowledge.objects import HeldObject, Objects
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.geometry.transform import Transform, inverse
 

@@ -12,8 +12,8 @@ from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.evaluation.judging.survey import Survey, SurveyedRun
 from handcart.files.errors import InputError
 from handcart.primitives.activities.activity import Activity, ActivityFile
-from handcart.primitives.objects.object_names import name_in_world
-from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.knowledge.object_names import name_in_world
+from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.robotics.geometry.footprint import polygon_gap
 from handcart.robotics.kinematics.shapes import Box, corners
 from handcart.robotics.numerics.arrays import FloatArray

@@ -11,7 +11,7 @@ from pathlib import Path
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.files.errors import FileError, Finding
-from handcart.primitives.objects.object_findings import OPENING_MARGIN_MM
+from handcart.primitives.objects.files.object_findings import OPENING_MARGIN_MM
 
 from .activity_files import write_activity
 from .definition import Definition, load_definition

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from handcart.primitives.activities.activity import ActivityFile
-from handcart.primitives.objects.object_names import name_in_world
+from handcart.primitives.objects.knowledge.object_names import name_in_world
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 

@@ -11,9 +11,9 @@ from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.evaluation.judging.at_most import at_most
 from handcart.evaluation.judging.sensor_sigmas import LIMIT_SIGMAS
 from handcart.evaluation.judging.survey import Claim, Effect, Survey
-from handcart.primitives.objects.object_names import name_in_world
-from handcart.primitives.objects.objects import Objects, ObjectSighting
-from handcart.primitives.objects.surface import ObjectSurface
+from handcart.primitives.objects.files.surface import ObjectSurface
+from handcart.primitives.objects.knowledge.object_names import name_in_world
+from handcart.primitives.objects.knowledge.objects import Objects, ObjectSighting
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse
 

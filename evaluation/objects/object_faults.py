@@ -8,7 +8,7 @@ from typing import Any
 from handcart.backends.simulation.objects.object_props import ObjectProps
 from handcart.backends.simulation.objects.pull_spec import PullSpec
 from handcart.evaluation.conformance.faults.fault import Fault, FaultKind
-from handcart.primitives.objects import object_causes
+from handcart.primitives.objects.knowledge import object_causes
 from handcart.primitives.outcomes import causes
 
 HEAVY_KG = 1.2

@@ -22,13 +22,13 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.objects.hand_over import HandOver
+from handcart.primitives.objects.holding.pull_watch import PullWatch
+from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.objects.look_for import LookFor
-from handcart.primitives.objects.object_look import sighting
-from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.looking.object_look import sighting
+from handcart.primitives.objects.looking.tag_readings import Located
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject
-from handcart.primitives.objects.pull_watch import PullWatch
-from handcart.primitives.objects.tag_readings import Located
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace

@@ -11,8 +11,8 @@ from handcart.backends.simulation.objects.object_props import ObjectProps
 from handcart.backends.simulation.world.thing import Rest
 from handcart.evaluation.judging.survey import FiguresSurvey
 from handcart.primitives.contract.action_primitive import ActionPrimitive
-from handcart.primitives.objects.object_names import name_in_world
-from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.knowledge.object_names import name_in_world
+from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.objects.place_object import PlaceObject
 from handcart.primitives.outcomes.outcome import Outcome, Success
 

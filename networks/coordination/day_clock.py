@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from datetime import datetime, timedelta
-from datetime import time as TimeOfDay  # noqa: N812
+from datetime import UTC, datetime, time, timedelta
+from time import monotonic
 
 from typing_extensions import override
 
@@ -28,7 +27,7 @@ class DayClock(ABC):
         """Return the present instant, in [s]."""
 
     @abstractmethod
-    def next(self, times: Sequence[TimeOfDay], since: float) -> float:
+    def next(self, times: Sequence[time], since: float) -> float:
         """Return the first instant, not before `since`, at one of these times of day, in [s]."""
 
     def was_set(self) -> bool:
@@ -36,14 +35,14 @@ class DayClock(ABC):
         return False
 
     @abstractmethod
-    def time_of_day(self, instant: float) -> TimeOfDay:
+    def time_of_day(self, instant: float) -> time:
         """Return the time of day of an instant."""
 
 
 class RehearsedDay(DayClock):
     """The robot's time, which begins at a chosen time of day; its instants count from midnight."""
 
-    def __init__(self, robot: Robot, begins_at: TimeOfDay) -> None:
+    def __init__(self, robot: Robot, begins_at: time) -> None:
         """Let the robot's time 0 be a time of day."""
         self._robot, self._begins = robot, _seconds(begins_at)
 
@@ -52,19 +51,24 @@ class RehearsedDay(DayClock):
         return self._begins + self._robot.time
 
     @override
-    def next(self, times: Sequence[TimeOfDay], since: float) -> float:
+    def next(self, times: Sequence[time], since: float) -> float:
         return since + min((_seconds(item) - since) % DAY_S for item in times)
 
     @override
-    def time_of_day(self, instant: float) -> TimeOfDay:
+    def time_of_day(self, instant: float) -> time:
         return (datetime.min + timedelta(seconds=round(instant % DAY_S))).time()
+
+
+def since_1970() -> float:
+    """Return the machine's time, in [s] since 1970."""
+    return datetime.now(UTC).timestamp()
 
 
 class LocalDay(DayClock):
     """The machine's clock in its time zone; its instants count from 1970 on."""
 
     def __init__(
-        self, clock: Callable[[], float] = time.time, steady: Callable[[], float] = time.monotonic
+        self, clock: Callable[[], float] = since_1970, steady: Callable[[], float] = monotonic
     ) -> None:
         """Read a clock, which returns [s] since 1970; one that nobody sets says when it is set."""
         self._clock, self._steady = clock, steady
@@ -83,14 +87,14 @@ class LocalDay(DayClock):
         return True
 
     @override
-    def next(self, times: Sequence[TimeOfDay], since: float) -> float:
+    def next(self, times: Sequence[time], since: float) -> float:
         today = datetime.fromtimestamp(since).date()
         days = (today + timedelta(days=number) for number in range(3))
         instants = (datetime.combine(day, item).timestamp() for day in days for item in times)
         return min(instant for instant in instants if instant >= since)
 
     @override
-    def time_of_day(self, instant: float) -> TimeOfDay:
+    def time_of_day(self, instant: float) -> time:
         return datetime.fromtimestamp(instant).time()
 
 
@@ -99,5 +103,5 @@ def after(instant: float) -> float:
     return math.nextafter(instant, math.inf)
 
 
-def _seconds(item: TimeOfDay) -> float:
+def _seconds(item: time) -> float:
     return item.hour * 3600.0 + item.minute * 60.0 + item.second

@@ -14,7 +14,7 @@ from handcart.files.errors import Finding
 from handcart.primitives.knowledge.place import ARRIVED_DEG, ARRIVED_MM
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 from .place_room import PLACES_KEY, PlaceRoom
 from .task_file import Task

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.attitude import yaw_sigma
+from handcart.robotics.navigation.odometry.attitude import yaw_sigma
 
 FUSION_GATE_SIGMAS = 5.0  # sigmas
 

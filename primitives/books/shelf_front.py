@@ -11,7 +11,7 @@ from handcart.primitives.knowledge.place import Place
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
+from handcart.robotics.navigation.scans.front_line import fit_front, pose_from_front
 
 FRONT_SCANS = 20  # stacked for one measurement: 10 mm of noise become 0.5 mm of distance
 FRONT_GATE_M = 0.10  # that the front may be off where map and pose have it

@@ -10,7 +10,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.robot import Robot
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.small_motion import drift, small_motions
+from handcart.robotics.navigation.scans.small_motion import drift, small_motions
 from handcart.robotics.numerics.arrays import FloatArray
 
 REFERENCE_PERIODS = 20

@@ -11,7 +11,7 @@ import numpy as np
 from handcart.backends.description.printed_tag import UNIT_TAG_CORNERS
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.objects.object_look import look_from
+from handcart.primitives.objects.looking.object_look import look_from
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence

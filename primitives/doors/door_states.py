@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.objects.object_site import base_T_map
+from handcart.primitives.objects.site.object_site import base_T_map
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.manipulation.doors.door_joint import DoorJoint

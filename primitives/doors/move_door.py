@@ -21,7 +21,7 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_to_joints, move_to_posture
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
-from handcart.primitives.objects.object_site import base_T_map, surroundings
+from handcart.primitives.objects.site.object_site import base_T_map, surroundings
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY

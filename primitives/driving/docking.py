@@ -16,7 +16,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import reach_pose
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
-from handcart.robotics.navigation.localization.front_line import FrontLine, fit_front, pose_from_front
+from handcart.robotics.navigation.scans.front_line import FrontLine, fit_front, pose_from_front
 
 DOCK_TOLERANCE = PoseTolerance(position=0.004, heading=0.003)
 DOCK_MAX_TRIES = 4  # times that the front is measured and the pose corrected

@@ -21,12 +21,12 @@ from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.navigation.following.way_guard import HoldingObstacle
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
-from handcart.robotics.navigation.localization.unexpected import path_blocked, unexpected_points
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.rising_ground import may_be_ground
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.ways import Way, Ways
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
+from handcart.robotics.navigation.scans.unexpected import path_blocked, unexpected_points
 from handcart.robotics.numerics.arrays import FloatArray
 
 WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving

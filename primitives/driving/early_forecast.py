@@ -12,8 +12,8 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .docking import NOT_DETERMINED

@@ -12,8 +12,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.exploring.free_ground import with_driven, with_gaps_closed
 from handcart.robotics.navigation.exploring.frontiers import Border, Frontier, find_border
 from handcart.robotics.navigation.exploring.growing_map import GrowingMap
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 from handcart.robotics.numerics.arrays import FloatArray
 
 PLANNING_CELL_M = 0.05

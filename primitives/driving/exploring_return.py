@@ -14,11 +14,11 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import reach_pose
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.mapping.line_matching import match_surfaces
 from handcart.robotics.navigation.mapping.scan_surface import Surface
 from handcart.robotics.navigation.mapping.window_search import search_window
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 
 from .exploring_drive import START_NAME, ExploringDrive
 from .exploring_look import ExploringLook

@@ -23,7 +23,6 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, ScanMatch, match_scan
 from handcart.robotics.navigation.locating.global_search import same_place
 from handcart.robotics.navigation.locating.hypotheses import MIN_EXPLAINED, REFUTED_LOG, Hypotheses
 from handcart.robotics.navigation.locating.next_view import (
@@ -33,6 +32,7 @@ from handcart.robotics.navigation.locating.next_view import (
     look_alike,
     next_view,
 )
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField, ScanMatch, match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .lidar_watch import LidarWatch

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.map_window import window_around
 from handcart.robotics.navigation.maps.scan_layer import OCCUPIED_SCORE, ScanLayer
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 from handcart.robotics.numerics.arrays import FloatArray
 
 LARGE_MAP_CELLS = 1_500_000  # from which a window about the base is used

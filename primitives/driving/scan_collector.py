@@ -11,7 +11,6 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.exploring.growing_map import GrowingMap
-from handcart.robotics.navigation.localization.holonomic_odometry import odometry_of
 from handcart.robotics.navigation.mapping.scan_log import (
     KEYFRAME_TRAVEL_M,
     KEYFRAME_TURN_RAD,
@@ -19,6 +18,7 @@ from handcart.robotics.navigation.mapping.scan_log import (
     keyframe_of,
 )
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.odometry.holonomic_odometry import odometry_of
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 STALE_TRAVEL_M = 0.3  # of the wheels, in which a lidar repeats its scan: it does not measure any more

@@ -22,6 +22,15 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.grip import close, open_to
 from handcart.primitives.motions.pushing import relax
+from handcart.primitives.objects.holding.carrying import stow
+from handcart.primitives.objects.holding.offering import is_outside, offering_joints
+from handcart.primitives.objects.holding.placing_plan import withdrawn
+from handcart.primitives.objects.holding.pull_watch import PullWatch, direction_words
+from handcart.primitives.objects.knowledge import object_causes
+from handcart.primitives.objects.knowledge.object_names import name_in_world
+from handcart.primitives.objects.knowledge.objects import HeldObject, Objects
+from handcart.primitives.objects.looking.floor_look import FloorLook, look_at_floor
+from handcart.primitives.objects.site.object_site import held_box, kind_of, surroundings
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import LETS_GO
@@ -29,16 +38,6 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot, is_holding
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.numerics.arrays import FloatArray
-
-from . import object_causes
-from .carrying import stow
-from .floor_look import FloorLook, look_at_floor
-from .object_names import name_in_world
-from .object_site import held_box, kind_of, surroundings
-from .objects import HeldObject, Objects
-from .offering import is_outside, offering_joints
-from .placing_plan import withdrawn
-from .pull_watch import PullWatch, direction_words
 
 GRAVITY_M_S2 = 9.81
 CARRIED_SHARE = 1.5  # of the least pull, that a force on the way has before it counts

@@ -18,20 +18,26 @@ from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.objects.files.objects_file import ObjectsFile
+from handcart.primitives.objects.knowledge.object_names import ObjectName, SurfaceName
+from handcart.primitives.objects.knowledge.objects import Objects, ObjectSighting
+from handcart.primitives.objects.looking.object_look import (
+    ObjectLook,
+    conclude,
+    look_closely,
+    look_from,
+    require_determined,
+    sighting,
+)
+from handcart.primitives.objects.looking.tag_readings import Located, locate
+from handcart.primitives.objects.looking.view_plan import Direction, directions, places_and_weights
+from handcart.primitives.objects.site.object_site import base_T_map, kind_of, surface_of
+from handcart.primitives.objects.site.surface_measuring import measure_surface
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import apply
 from handcart.robotics.manipulation.grasping.camera_poses import points_in_view
 from handcart.robotics.numerics.arrays import FloatArray
-
-from .object_look import ObjectLook, conclude, look_closely, look_from, require_determined, sighting
-from .object_names import ObjectName, SurfaceName
-from .object_site import base_T_map, kind_of, surface_of
-from .objects import Objects, ObjectSighting
-from .objects_file import ObjectsFile
-from .surface_measuring import measure_surface
-from .tag_readings import Located, locate
-from .view_plan import Direction, directions, places_and_weights
 
 VIEW_DISTANCES_M = (0.42, 0.36, 0.48)
 """Distances from the camera to the tops of objects."""

@@ -11,10 +11,9 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_to_posture
+from handcart.primitives.objects.site.object_site import held_shape, surroundings
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
-
-from .object_site import held_shape, surroundings
 
 
 class MoveArm(ActionPrimitive):

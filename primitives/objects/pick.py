@@ -20,6 +20,29 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
+from handcart.primitives.objects.files.object_kind import ObjectKind
+from handcart.primitives.objects.holding.carrying import stow
+from handcart.primitives.objects.holding.grasp_plan import (
+    LIFT_M,
+    OPENING_CLEARANCE_M,
+    PlannedGrasp,
+    gripped,
+    plan_grasps,
+)
+from handcart.primitives.objects.holding.placing_plan import goals_on, plan_placing, showing_tags
+from handcart.primitives.objects.knowledge.object_names import ObjectName, SurfaceName, name_in_world
+from handcart.primitives.objects.knowledge.objects import HeldObject, Objects, ObjectSighting
+from handcart.primitives.objects.looking.depth_readings import obstacles
+from handcart.primitives.objects.looking.object_look import ObjectLook, base_T_top, conclude, look_closely
+from handcart.primitives.objects.looking.tag_readings import Located
+from handcart.primitives.objects.site.object_site import (
+    base_T_map,
+    held_box,
+    kind_of,
+    surface_of,
+    surroundings,
+)
+from handcart.primitives.objects.site.surface_measuring import measure_surface
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
@@ -29,18 +52,6 @@ from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.numerics.arrays import FloatArray
-
-from .carrying import stow
-from .depth_readings import obstacles
-from .grasp_plan import LIFT_M, OPENING_CLEARANCE_M, PlannedGrasp, gripped, plan_grasps
-from .object_kind import ObjectKind
-from .object_look import ObjectLook, base_T_top, conclude, look_closely
-from .object_names import ObjectName, SurfaceName, name_in_world
-from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
-from .objects import HeldObject, Objects, ObjectSighting
-from .placing_plan import goals_on, plan_placing, showing_tags
-from .surface_measuring import measure_surface
-from .tag_readings import Located
 
 GRASP_SPEED_M_S = 0.10
 GRASP_TOUCH_FORCE_N = 6.0  # more means that a finger is on the object

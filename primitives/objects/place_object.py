@@ -21,6 +21,39 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.objects.files.object_kind import ObjectKind
+from handcart.primitives.objects.files.surface import ObjectSurface
+from handcart.primitives.objects.holding.carrying import stow
+from handcart.primitives.objects.holding.placing_plan import (
+    FOOT_MARGIN_M,
+    RELEASE_CLEARANCE_M,
+    PlannedPlacing,
+    free_spots,
+    plan_placing,
+    showing_tags,
+    turned,
+    withdrawn,
+)
+from handcart.primitives.objects.knowledge.object_names import SurfaceName, name_in_world
+from handcart.primitives.objects.knowledge.objects import HeldObject, Objects, ObjectSighting
+from handcart.primitives.objects.looking.object_look import (
+    ObjectLook,
+    conclude,
+    look_closely,
+    look_from,
+    sighting,
+)
+from handcart.primitives.objects.looking.tag_readings import Located, locate
+from handcart.primitives.objects.looking.view_plan import directions
+from handcart.primitives.objects.site.object_site import (
+    base_T_map,
+    held_box,
+    kind_of,
+    surface_of,
+    surroundings,
+)
+from handcart.primitives.objects.site.roomy_motion import move_with_room, rooms
+from handcart.primitives.objects.site.surface_measuring import measure_surface
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import LETS_GO
@@ -32,28 +65,6 @@ from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
-
-from .carrying import stow
-from .object_kind import ObjectKind
-from .object_look import ObjectLook, conclude, look_closely, look_from, sighting
-from .object_names import SurfaceName, name_in_world
-from .object_site import base_T_map, held_box, kind_of, surface_of, surroundings
-from .objects import HeldObject, Objects, ObjectSighting
-from .placing_plan import (
-    FOOT_MARGIN_M,
-    RELEASE_CLEARANCE_M,
-    PlannedPlacing,
-    free_spots,
-    plan_placing,
-    showing_tags,
-    turned,
-    withdrawn,
-)
-from .roomy_motion import move_with_room, rooms
-from .surface import ObjectSurface
-from .surface_measuring import measure_surface
-from .tag_readings import Located, locate
-from .view_plan import directions
 
 FAST_M_S, SLOW_M_S = 0.08, 0.015
 GUARDED_M = 0.015  # over the goal, where slow lowering begins

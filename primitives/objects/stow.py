@@ -10,9 +10,8 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
-
-from .carrying import stow
-from .objects import Objects
+from handcart.primitives.objects.holding.carrying import stow
+from handcart.primitives.objects.knowledge.objects import Objects
 
 
 class Stow(ActionPrimitive):

@@ -15,7 +15,7 @@ from handcart.backends.robot.localization.pose_covariance import worst_sigmas
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes.residual import Residual, ResidualKind, Residuals
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.numerics.arrays import FloatArray
 
 RESIDUAL_SIGMAS = 3.0  # sigmas

@@ -11,13 +11,13 @@ from handcart.backends.capabilities.scan import Scan
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import (
     NUDGE_COVARIANCE,
     SEARCH_COVARIANCE,
 )
-from handcart.robotics.navigation.localization.rest_comparison import disagreement, share_moved
-from handcart.robotics.navigation.localization.scan_matching import match_scan
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.rest_comparison import disagreement, share_moved
+from handcart.robotics.navigation.scans.scan_matching import match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 MIN_KEPT_SHARE = 0.3  # of a scan's points that must be left beside people

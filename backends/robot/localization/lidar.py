@@ -12,7 +12,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.capabilities.scan import Scan, Validity
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
-from handcart.robotics.navigation.localization.start_search import ScanBeams
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 
 from .scan_reading import read_scan
 

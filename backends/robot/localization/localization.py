@@ -15,10 +15,10 @@ from handcart.backends.plain_values import Kinds, attributes, from_plain, set_at
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import Localizer
-from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.locating.local_map import LocalMap
+from handcart.robotics.navigation.odometry.watched_moment import Belief
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .crowd import Crowd

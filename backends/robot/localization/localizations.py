@@ -11,11 +11,11 @@ from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
 from handcart.robotics.navigation.localization.positioning_localizer import PositioningLocalizer
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 from .localization import Localization
 from .noise_model import field_localizer

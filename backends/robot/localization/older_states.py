@@ -7,8 +7,8 @@ import numpy as np
 from handcart.backends.plain_values import attributes, to_plain
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.bent_way import BentWay
 from handcart.robotics.navigation.locating.local_map import LocalMap
+from handcart.robotics.navigation.odometry.bent_way import BentWay
 
 from .crowd import Crowd
 

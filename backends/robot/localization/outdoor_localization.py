@@ -16,7 +16,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import Localizer
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.numerics.arrays import FloatArray
 

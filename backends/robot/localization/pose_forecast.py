@@ -13,10 +13,10 @@ from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
-from handcart.robotics.navigation.localization.start_search import ScanBeams, map_ranges
-from handcart.robotics.navigation.localization.surface_depth import depth_shifts
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.start_search import ScanBeams, map_ranges
+from handcart.robotics.navigation.scans.surface_depth import depth_shifts
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .determination import NO_SHIFT, PoseNeed, Undetermined, undetermined

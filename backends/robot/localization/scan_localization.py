@@ -13,10 +13,10 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
-from handcart.robotics.navigation.localization.start_search import SURE_FIT
-from handcart.robotics.navigation.localization.surface_depth import depth_shifts
-from handcart.robotics.navigation.localization.watched_moment import Belief
 from handcart.robotics.navigation.maps.expected_echoes import expected_echoes
+from handcart.robotics.navigation.odometry.watched_moment import Belief
+from handcart.robotics.navigation.scans.start_search import SURE_FIT
+from handcart.robotics.navigation.scans.surface_depth import depth_shifts
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .determination import NO_SHIFT

@@ -22,10 +22,10 @@ from handcart.evaluation.conformance.rig.periods import SETTLING_PERIODS, drivab
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.trials.rig import Rig
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.odometry import Odometry
-from handcart.robotics.navigation.localization.scan_matching import match_scan
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.odometry.odometry import Odometry
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .check import Check, CheckResult

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.scan_matching import match_scan
 from handcart.robotics.navigation.mapping.keyframe_graph import KeyframeGraph
 from handcart.robotics.navigation.mapping.line_matching import LineMatch
 from handcart.robotics.navigation.mapping.map_building import BuiltMap, built_of
@@ -22,6 +20,8 @@ from handcart.robotics.navigation.mapping.scan_chain import (
 from handcart.robotics.navigation.mapping.scan_log import Keyframe
 from handcart.robotics.navigation.mapping.scan_surface import Surface
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .merged_map import merge_maps

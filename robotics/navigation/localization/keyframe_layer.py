@@ -14,10 +14,9 @@ import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import match_scan
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
-
-from .likelihood_field import LikelihoodField
-from .scan_matching import match_scan
 
 CELL_M = 0.04  # of the local map
 WINDOW_M = 16.0  # side of the local map about the robot

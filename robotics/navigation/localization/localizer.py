@@ -11,19 +11,19 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.holonomic_odometry import odometry_of
-from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
-from handcart.robotics.navigation.localization.scan_matching import (
+from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
+from handcart.robotics.navigation.odometry.holonomic_odometry import odometry_of
+from handcart.robotics.navigation.odometry.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.odometry.slip_monitor import RolledWay, SlipMonitor, turn_variance
+from handcart.robotics.navigation.odometry.way_monitor import WayMonitor
+from handcart.robotics.navigation.scans.scan_matching import (
     CELL_SIGMA,
     FEWEST_POINTS,
     LikelihoodField,
     ScanMatch,
     match_scan,
 )
-from handcart.robotics.navigation.localization.slip_monitor import RolledWay, SlipMonitor, turn_variance
-from handcart.robotics.navigation.localization.start_search import ScanBeams, StartFit, check_start
-from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
-from handcart.robotics.navigation.localization.way_monitor import WayMonitor
+from handcart.robotics.navigation.scans.start_search import ScanBeams, StartFit, check_start
 from handcart.robotics.numerics.arrays import FloatArray
 
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed

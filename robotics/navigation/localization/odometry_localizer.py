@@ -10,8 +10,8 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
-from handcart.robotics.navigation.localization.scan_matching import FEWEST_POINTS, LikelihoodField, match_scan
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors
+from handcart.robotics.navigation.scans.scan_matching import FEWEST_POINTS, LikelihoodField, match_scan
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .localizer import (

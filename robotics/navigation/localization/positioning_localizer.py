@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.localizer import Localizer
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.small_solve import lapack_solved
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import CELL_BIAS, ScanMatch, match_scan
+from handcart.robotics.navigation.scans.start_search import map_ranges
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .keyframe_layer import KeyframeLayer, LayerMatch, differs
-from .likelihood_field import LikelihoodField
-from .scan_matching import CELL_BIAS, ScanMatch, match_scan
-from .start_search import map_ranges
 
 THROUGH_M = 0.3  # beyond a wall of the map, where a beam has passed through it
 MAX_THROUGH_SHARE = 0.2  # of the beams that may: objects on the map may have been removed

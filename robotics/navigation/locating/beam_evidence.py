@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField, read_distance
-from handcart.robotics.navigation.localization.scan_matching import CELL_SIGMA, INLIER_SCALES
-from handcart.robotics.navigation.localization.start_search import SHORT_OF_REACH, ScanBeams, trace_ranges
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField, read_distance
+from handcart.robotics.navigation.scans.scan_matching import CELL_SIGMA, INLIER_SCALES
+from handcart.robotics.navigation.scans.start_search import SHORT_OF_REACH, ScanBeams, trace_ranges
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 from handcart.robotics.numerics.compiled import compiled
 

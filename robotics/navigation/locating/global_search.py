@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.scan_matching import ANNEALING_SCALES_M, descend_scan
-from handcart.robotics.navigation.localization.start_search import (
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import ANNEALING_SCALES_M, descend_scan
+from handcart.robotics.navigation.scans.start_search import (
     COARSE_M,
     COARSE_POINTS,
     ScanBeams,

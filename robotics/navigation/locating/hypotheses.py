@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import ScanBeams
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .beam_evidence import explain, matching_noise

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int32Array
 
 CELL_M = 0.05

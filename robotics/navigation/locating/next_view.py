@@ -14,10 +14,10 @@ import cv2
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import map_ranges
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import Ways
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.start_search import map_ranges
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 MARGIN_M = 0.05  # beside the footprint, from anything that was not seen to be free

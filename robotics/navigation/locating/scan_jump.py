@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.start_search import ScanBeams
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 

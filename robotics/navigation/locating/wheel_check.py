@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
-from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.mapping.line_matching import match_surfaces
 from handcart.robotics.navigation.mapping.scan_surface import Surface, fit_surface
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.numerics.compiled import compiled
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField, match_scan
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, SingleArray
 
 COARSE_M = 0.2

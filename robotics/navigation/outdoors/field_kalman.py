@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.watched_moment import (
+from handcart.robotics.navigation.odometry.watched_moment import (
     Belief,
     BeliefBranch,
     WatchedMoment,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
 from handcart.robotics.numerics.arrays import FloatArray
 

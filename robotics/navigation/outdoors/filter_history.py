@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from handcart.robotics.navigation.localization.watched_moment import Belief, WatchedMoment
+from handcart.robotics.navigation.odometry.watched_moment import Belief, WatchedMoment
 from handcart.robotics.navigation.outdoors.smoothing import Entries
 from handcart.robotics.numerics.arrays import FloatArray
 

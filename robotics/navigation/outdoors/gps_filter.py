@@ -10,7 +10,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.watched_moment import Belief, spread_about
+from handcart.robotics.navigation.odometry.watched_moment import Belief, spread_about
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_localizer import (
     CONSISTENCY_WINDOW,

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.watched_moment import Belief, spread_about
+from handcart.robotics.navigation.odometry.watched_moment import Belief, spread_about
 from handcart.robotics.navigation.outdoors.field_model import (
     BIAS,
     HEADING,

@@ -7,7 +7,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from handcart.robotics.navigation.localization.watched_moment import Belief, BeliefBranch, WatchedMoment
+from handcart.robotics.navigation.odometry.watched_moment import Belief, BeliefBranch, WatchedMoment
 from handcart.robotics.numerics.arrays import FloatArray
 
 # of a state's variance before a gain is taken, relative to one: exactly known states have none

@@ -13,9 +13,9 @@ from handcart.evaluation.objects.object_survey import ObjectSurvey
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.objects.hand_over import HandOver
+from handcart.primitives.objects.knowledge.objects import HeldObject, Objects, ObjectSighting
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.move_arm import MoveArm
-from handcart.primitives.objects.objects import HeldObject, Objects, ObjectSighting
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject
 from handcart.robotics.geometry.pose2 import Pose2

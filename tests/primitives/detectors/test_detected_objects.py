@@ -15,14 +15,14 @@ from handcart.backends.capabilities.depth_camera import DepthImage
 from handcart.files.errors import FileError
 from handcart.primitives.detectors import detector as detector_module
 from handcart.primitives.detectors.detector import Detection, Detector
-from handcart.primitives.objects.detected_objects import DetectedObject, explained
+from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.objects.look_for import LookFor
-from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.looking.detected_objects import DetectedObject, explained
 from handcart.primitives.outcomes.outcome import Fail, Success
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from tests.primitives.objects.fetching import changed, rig_with
-from tests.primitives.objects.test_depth_readings import seen_at, thing, without_tag
+from tests.primitives.objects.looking.test_depth_readings import seen_at, thing, without_tag
 
 OTHER_SIZE = ("size_mm: [60, 90, 80]\n    sigma", "size_mm: [60, 75, 95]\n    sigma")
 TOP_M = 0.66  # over which only parcels are

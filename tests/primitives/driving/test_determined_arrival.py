@@ -22,7 +22,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
-from handcart.robotics.navigation.localization.front_line import FrontLine
+from handcart.robotics.navigation.scans.front_line import FrontLine
 
 CELL_M, LENGTH_M, WIDTH_M = 0.05, 40.0, 3.2
 

@@ -11,9 +11,9 @@ import pytest
 
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.move_arm import MoveArm
-from handcart.primitives.objects.objects import Objects
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject
 from handcart.primitives.objects.stow import Stow

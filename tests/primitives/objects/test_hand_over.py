@@ -13,7 +13,7 @@ from benchmarks.objects.handing import rig_holding, scene_of, world_with
 from handcart.backends.simulation.world.thing import Rest
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.objects.hand_over import HandOver
-from handcart.primitives.objects.objects import Objects
+from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 
 PULL = {"waits_s": 1.0, "force_n": 15.0, "sigma_n": 3.0, "sigma_deg": 15.0, "tremor_n": 1.0}

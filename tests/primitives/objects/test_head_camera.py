@@ -12,7 +12,7 @@ from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.driving.move_to import MoveTo
-from handcart.primitives.objects.aimed_view import aimed_joints
+from handcart.primitives.objects.knowledge.aimed_view import aimed_joints
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.pick import Pick
 from handcart.primitives.objects.place_object import PlaceObject

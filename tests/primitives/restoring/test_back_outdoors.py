@@ -23,7 +23,7 @@ from handcart.primitives.restoring.car_shunting import CAR_ROOM, ROCK_POSITION_T
 from handcart.primitives.restoring.snapshot import Snapshot, residuals, take_snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 

@@ -20,7 +20,7 @@ from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
 from handcart.primitives.restoring.trace import Moment, Trace
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 
 PERIOD = 0.05
 

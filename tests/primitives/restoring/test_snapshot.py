@@ -29,7 +29,7 @@ from handcart.primitives.restoring.snapshot import (
 )
 from handcart.primitives.restoring.trace import Moment, Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 
 TOLERANCE = SimpleNamespace(
     base_mm=40.0, base_deg=2.0, joints_deg=0.5, slides_mm=3.0, gripper_mm=1.0, object_mm=8.0

@@ -12,8 +12,8 @@ import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from_ros
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 MAPS = Path(__file__).resolve().parents[3] / "../shared/maps"
 Boxes = list[tuple[float, float, float, float, float]]

@@ -8,7 +8,7 @@ import pytest
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.localization.crowd import NO_DISCS, Crowd
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 
 from .sensor_stubs import START, Room, room
 

@@ -19,10 +19,10 @@ from handcart.backends.robot.localization.positioning_localization import Positi
 from handcart.backends.robot.localization.wheel_localization import WheelLocalization
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.outdoors.field_localizer import Inconsistency
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 from .sensor_stubs import (
     GRAVITY,

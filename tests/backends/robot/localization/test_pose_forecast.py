@@ -11,8 +11,8 @@ from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.localization.pose_forecast import PoseForecast, forecast_pose
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import FloorBox, from_boxes
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 NEED = PoseNeed(0.04, math.radians(1.0))
 HALL_NEED = PoseNeed(0.05, math.radians(1.0))  # a corner leaves half a cell open in both axes

@@ -13,8 +13,8 @@ from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.localization.localizations import odometry_errors
 from handcart.backends.simulation.body.mecanum_wheels import MecanumWheels
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.holonomic_odometry import HolonomicOdometry
-from handcart.robotics.navigation.localization.odometry import OdometryErrors, SidewaysErrors
+from handcart.robotics.navigation.odometry.holonomic_odometry import HolonomicOdometry
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors, SidewaysErrors
 
 LEGS = (
     WheelTravel(0.02, 0.02),

@@ -11,9 +11,9 @@ import pytest
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import ScanLocalizer
-from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import from_boxes
+from handcart.robotics.navigation.odometry.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 from ..conftest import Boxes
 

@@ -9,12 +9,12 @@ import pytest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.localization.localizer import Localizer, ScanLocalizer
-from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.odometry.odometry import Odometry, OdometryErrors
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 from ..conftest import LIBRARY_SIZE, Boxes
 

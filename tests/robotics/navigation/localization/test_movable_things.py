@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
 from handcart.robotics.navigation.localization.odometry_localizer import OdometryLocalizer
-from handcart.robotics.navigation.localization.scan_matching import ScanMatch, match_scan
-from handcart.robotics.navigation.localization.surface_depth import depth_shifts
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.maps.movable_areas import MovableArea, with_movable
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.scan_matching import ScanMatch, match_scan
+from handcart.robotics.navigation.scans.surface_depth import depth_shifts
 
 from ..conftest import Boxes
 

@@ -9,11 +9,11 @@ import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
-from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.locating.beam_evidence import explain, independent_beams, matching_noise
 from handcart.robotics.navigation.locating.global_search import same_place, search_map
 from handcart.robotics.navigation.maps.grid_map import from_boxes
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 
 from ..conftest import ANGLES, Boxes
 

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.locating.hypotheses import Hypotheses
 from handcart.robotics.navigation.locating.local_map import LocalMap
 from handcart.robotics.navigation.locating.next_view import (
@@ -17,6 +16,7 @@ from handcart.robotics.navigation.locating.next_view import (
     predicted_difference,
 )
 from handcart.robotics.navigation.maps.grid_map import from_boxes
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 
 from .test_global_search import REACH_M, ROOM, seen
 

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.locating.scan_jump import CONFIRMED_CHANGES, ScanJump
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 
 from ..conftest import ANGLES, Boxes
 

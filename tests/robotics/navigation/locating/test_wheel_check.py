@@ -9,10 +9,10 @@ import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.odometry import OdometryErrors
-from handcart.robotics.navigation.localization.start_search import ScanBeams
 from handcart.robotics.navigation.locating.moved_scan import rolled_motion
 from handcart.robotics.navigation.locating.wheel_check import Contradiction, WheelCheck
+from handcart.robotics.navigation.odometry.odometry import OdometryErrors
+from handcart.robotics.navigation.scans.start_search import ScanBeams
 
 from ..conftest import ANGLES, Boxes
 

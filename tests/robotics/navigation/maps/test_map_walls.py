@@ -6,9 +6,9 @@ import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.maps.map_walls import LONE_POST_CELLS, THIN_WALL_CELLS, map_walls
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField
 
 CELL = 0.05
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)

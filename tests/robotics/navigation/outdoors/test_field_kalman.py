@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_model import corrected, fix_forecast, level_lever

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter

@@ -9,7 +9,7 @@ import pytest
 import scipy.stats
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.watched_moment import Belief, mixed
+from handcart.robotics.navigation.odometry.watched_moment import Belief, mixed
 from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise

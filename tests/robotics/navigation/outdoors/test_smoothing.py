@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.robotics.navigation.localization.watched_moment import Belief
+from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 
 STEP = np.array([[1.0, 0.4, 0.0], [-0.2, 0.9, 0.1], [0.0, 0.0, 1.0]])

@@ -1,0 +1,1 @@
+"""File of objects: its keys, and what is wrong in it."""

@@ -1,0 +1,151 @@
+"""Pulls of a person at what the hand holds, by the force on the hand."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Generator
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.objects.knowledge import object_causes
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.numerics.arrays import FloatArray
+
+PULL_TIME_S = 0.4  # that a force lasts at least; a bump is shorter
+REST_READINGS = 10
+NOISE_SIGMAS = 3.0  # of a single reading, that the least pull is above at least
+STEADY_SHARE = 0.5  # of the least pull, that each reading of a pull has along it
+LASTING_SHARE = 0.7  # of a pull, that the last reading has as the fingers open
+CALM_SHARE = 0.5  # of the least pull: less is none
+PUSHING_COSINE = -math.cos(math.radians(45.0))  # between a force and the way out: below, it pushes the hand
+
+
+class PullWatch:
+    """Detector of a person's pull, beside bumps, tremor, pushes and weight.
+
+    A pull is a force beside that at rest, at least as strong as asked for, that lasts: over `PULL_TIME_S` its
+    mean is as strong, and each reading is along it. A force towards the robot is a push, which is no pull.
+    """
+
+    def __init__(self, robot: Robot, least_n: float) -> None:
+        """Begin without a force at rest; `least_n` is the least pull, in [N]."""
+        self._robot, self._least = robot, least_n
+        self._forces = deque[FloatArray](maxlen=max(2, math.ceil(PULL_TIME_S / robot.period - 1e-9)))
+        self._rest, self._sigma = np.zeros(3), 0.0
+        self.is_rested = False
+        """True once the force was at rest where the hand is: only a later force counts as a pull."""
+
+    def measure_rest(self, weight_n: float | None = None) -> Generator[None, None, None]:
+        """Measure the force at rest, with nobody near.
+
+        Args:
+            weight_n: weight of what the hand holds, in [N]; None if it is unknown.
+
+        Raises:
+            Discrepancy: its noise hides the least pull, or it isn't the weight: somebody pulls already.
+        """
+        mean, self._sigma = yield from self._readings()
+        beside = 0.0 if weight_n is None else float(np.linalg.norm(mean + np.array([0.0, 0.0, weight_n])))
+        if beside >= self._least:
+            force = Measured("Arm", "force beside the weight", beside, self._least, "N")
+            raise Discrepancy("somebody pulls already", measured=force, cause=object_causes.PULLED)
+        self._rest = mean
+        self._forces.clear()
+        if not self._least >= NOISE_SIGMAS * self._sigma:
+            noise = Measured(
+                "Arm", "sigma of the force at rest", self._sigma, self._least / NOISE_SIGMAS, "N"
+            )
+            raise Discrepancy("the noise of the force hides a pull", measured=noise, cause=causes.UNSUITABLE)
+
+    def rest_here(self) -> Generator[None, None, None]:
+        """Measure the force at rest again where the hand is now; a force that is there already stays one.
+
+        Otherwise somebody who pulls already would count as weight, and letting go as a pull.
+        """
+        mean, _ = yield from self._readings()
+        self._forces.clear()
+        self.is_rested = bool(np.linalg.norm(mean - self._rest) < CALM_SHARE * self._least)
+        if self.is_rested:
+            self._rest = mean
+
+    def feel(self) -> None:
+        """Read the force; once a period."""
+        self._forces.append(self._force() - self._rest)
+        if not self.is_rested and self.is_calm:
+            self.is_rested = True
+
+    @property
+    def is_calm(self) -> bool:
+        """True if there was no force for as long as a pull lasts."""
+        if len(self._forces) < (self._forces.maxlen or 0):
+            return False
+        return not float(np.linalg.norm(np.mean(self._forces, axis=0))) >= CALM_SHARE * self._least
+
+    @property
+    def is_strong(self) -> bool:
+        """True if one of the last readings is as strong as a pull."""
+        return any(float(np.linalg.norm(force)) >= self._least for force in self._forces)
+
+    def lasting(self, share: float = 1.0) -> FloatArray | None:
+        """Return the mean (3,) of a force that lasts, in the base frame, in [N]; None without one.
+
+        Args:
+            share: of the least pull, that it has at least.
+        """
+        if len(self._forces) < (self._forces.maxlen or 0):
+            return None
+        forces = np.array(self._forces)
+        mean = np.asarray(forces.mean(axis=0))
+        size = float(np.linalg.norm(mean))
+        if not size >= share * self._least:
+            return None
+        steady = bool(np.all(forces @ mean / size >= STEADY_SHARE * share * self._least))
+        return mean if steady else None
+
+    def pull(self) -> FloatArray | None:
+        """Return the mean force (3,) of a pull, in the base frame, in [N]; None if nobody pulls.
+
+        Raises:
+            Discrepancy: the reading stands still.
+        """
+        mean = self.lasting() if self.is_rested else None
+        if mean is None:
+            return None
+        if self._sigma > 0.0 and not np.ptp(np.array(self._forces), axis=0).any():
+            raise Discrepancy("the reading of the force stands still", cause=causes.SENSOR_FAULT)
+        return None if _pushes(mean, self._robot.base_T("hand")[:3, 3]) else mean
+
+    def lasts(self, pull: FloatArray) -> bool:
+        """Return whether the last reading is still much of a pull (3,) in [N]."""
+        size = float(np.linalg.norm(pull))
+        return bool(self._forces) and float(self._forces[-1] @ pull) / size >= LASTING_SHARE * size
+
+    def _readings(self) -> Generator[None, None, tuple[FloatArray, float]]:
+        """Return mean (3,) and standard deviation of some readings of the force, in [N]."""
+        yield from settle(self._robot)
+        forces: list[FloatArray] = []
+        for _ in range(REST_READINGS):
+            forces.append(self._force())
+            yield
+        return np.asarray(np.mean(forces, axis=0)), float(np.std(forces, axis=0).max())
+
+    def _force(self) -> FloatArray:
+        """Return the force on the hand (3,) in the base frame, in [N]."""
+        return np.asarray(self._robot.base_T("hand")[:3, :3] @ self._robot.arm.hand_force())
+
+
+def direction_words(force: FloatArray) -> str:
+    """Return the direction of a force (3,) in the base frame, in a word."""
+    axis = int(np.abs(force).argmax())
+    return (("back", "ahead"), ("right", "left"), ("down", "up"))[axis][int(force[axis] > 0.0)]
+
+
+def _pushes(force: FloatArray, base_p_hand: FloatArray) -> bool:
+    """Return whether a force (3,) pushes a hand at a place (3,) towards the robot."""
+    out = np.array([base_p_hand[0], base_p_hand[1], 0.0])
+    cosine = float(force @ out) / max(float(np.linalg.norm(out) * np.linalg.norm(force)), 1e-9)
+    return cosine < PUSHING_COSINE

@@ -1,0 +1,202 @@
+"""World model section of objects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+from typing_extensions import override
+
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_document import read_document
+from handcart.primitives.detectors.detector import BrokenDetector, Detector, make_detector
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.primitives.objects.files.object_findings import gripper_findings
+from handcart.primitives.objects.files.objects_file import ObjectsFile
+from handcart.primitives.objects.files.surface import ObjectSurface
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.navigation.maps.movable_areas import MovableArea
+
+from .surface_places import NoStandingPlace, standing_place
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.files.errors import Finding
+    from handcart.robotics.navigation.maps.grid_map import GridMap
+
+FOOT_OFF_M = 0.02  # that a foot may be off where it was seen, or is to be put
+LEVEL_M = 0.002  # between the heights of surfaces that one object stands on
+NOTHING_KNOWN = ObjectsFile(format="handcart-objects/1", kinds={}, surfaces={})
+
+
+class ObjectSighting(NamedTuple):
+    """An object as it was last seen, at rest on a surface."""
+
+    object: str
+    surface: str
+    pose: Pose2
+    """On the map."""
+    covariance: tuple[tuple[float, ...], ...]
+    """(3, 3) of x, y in [m] and heading in [rad], with the uncertainty of the base's pose."""
+
+
+class SurfacePose(NamedTuple):
+    """A surface as it was measured last, from a base that stood at it."""
+
+    surface: str
+    pose: Pose2
+    """Of the middle of its top, on the map."""
+    covariance: tuple[tuple[float, ...], ...]
+    """(3, 3) of x, y in [m] and heading in [rad], without the uncertainty of the base's pose."""
+
+
+class HeldObject(NamedTuple):
+    """An object in the hand."""
+
+    object: str
+    hand_T_object: Transform
+    """(4, 4); the object's origin is in the middle of its foot."""
+
+
+@dataclass
+class Objects(Section):
+    """Knowledge of a robot that fetches and carries objects."""
+
+    FILES: ClassVar = {"objects": ObjectsFile}
+    LEARNED: ClassVar = ("sightings", "held_object", "surface_poses")
+
+    objects: ObjectsFile = NOTHING_KNOWN
+    """Kinds, objects and surfaces."""
+    sightings: tuple[ObjectSighting, ...] = ()
+    """Objects as they were last seen, each once."""
+    held_object: HeldObject | None = None
+    """The object in the hand."""
+    surface_poses: tuple[SurfacePose, ...] = ()
+    """Surfaces as they were measured last, each once."""
+    listed: Loaded[ObjectsFile] | None = field(default=None, repr=False, compare=False)
+    """The file with the lines of its values."""
+    detectors: Mapping[str, Detector] = field(default_factory=dict, repr=False, compare=False)
+    """Detectors of other packages, by name."""
+    stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
+    """Computed places of the base, by surface."""
+
+    @override
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        listed = files.read("objects", lambda path: load_document(read_document(path), ObjectsFile))
+        if listed is None:
+            return cls()
+        return cls(listed.value, listed=listed, detectors=_built(listed, files))
+
+    @override
+    def faults(self, robot: RobotFile) -> Iterator[Finding]:
+        """Report objects that the fingers cannot take between them."""
+        if self.listed is not None and robot.gripper is not None:
+            yield from gripper_findings(self.listed.document, self.objects.kinds, robot.gripper.opening_mm)
+
+    @override
+    def names(self) -> Mapping[str, Collection[object] | None]:
+        if self.listed is None:
+            return {"places": None}
+        surfaces = self.objects.surfaces
+        computed = [name for name, surface in surfaces.items() if surface.place is None]
+        return {"objects": self.objects.objects, "surfaces": surfaces, "places": computed}
+
+    @override
+    def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
+        if self.listed is None:
+            return
+        found: dict[str, Place] = {}
+        for name, surface in self.objects.surfaces.items():
+            if surface.place is not None:
+                if surface.place not in places:
+                    words = f"unknown place {surface.place!r}{suggest(surface.place, places)}"
+                    yield self.listed.finding(("surfaces", name, "place"), words)
+            elif robot.arm is not None and robot.gripper is not None:
+                try:
+                    found[name] = standing_place(robot, grid, self.objects, name, tuple(places.values()))
+                except NoStandingPlace as reason:
+                    yield self.listed.finding(("surfaces", name), str(reason), at_key=True)
+        self.stands = found
+
+    @override
+    def places(self) -> Mapping[str, Place]:
+        return self.stands
+
+    @override
+    def movable_areas(self) -> Iterator[MovableArea]:
+        areas = (surface.movable_area() for surface in self.objects.surfaces.values())
+        return (area for area in areas if area is not None)
+
+    def seen(self, name: str) -> ObjectSighting | None:
+        """Return where an object was last seen; None if it wasn't."""
+        return next((sighting for sighting in self.sightings if sighting.object == name), None)
+
+    def surface(self, name: str) -> ObjectSurface:
+        """Return a surface of the file, at its measured pose if it was measured."""
+        surface = self.objects.surfaces[name]
+        measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
+        return surface if measured is None else surface.moved_to(measured)
+
+    def touched_names(self, name: str, x: float, y: float, radius: float) -> tuple[str, ...]:
+        """Return the names in contacts of what an object on a surface touches.
+
+        Others are the level neighbours that its foot may reach onto: nothing divides the parts of a bottom.
+
+        Args:
+            name: name of the surface.
+            x: of the foot's middle on the map, in [m].
+            y: likewise.
+            radius: of the circle around the foot, in [m].
+        """
+        surface = self.surface(name)
+        others = ((other, self.surface(other)) for other in self.objects.surfaces if other != name)
+        level = [item for item in others if abs(item[1].height_m - surface.height_m) < LEVEL_M]
+        least = -(radius + FOOT_OFF_M)
+        reached = (other for other, beside in level if beside.margin(x, y) > least)
+        return (*surface.contact_names(name), *reached)
+
+    def believed(self, name: str) -> Pose2 | None:
+        """Return where an object is believed to be, on the map; it is moved with its surface.
+
+        None for anywhere on the surface.
+        """
+        known = self.objects.objects[name]
+        if known.x_m is None or known.y_m is None:
+            return None
+        pose = Pose2(known.x_m, known.y_m, math.radians(known.heading_deg))
+        before, now = self.objects.surfaces[known.on].floor, self.surface(known.on).floor
+        return pose if now == before else now.compose(pose.relative_to(before))
+
+    def without(self, name: str) -> tuple[ObjectSighting, ...]:
+        """Return the sightings of all other objects."""
+        return tuple(sighting for sighting in self.sightings if sighting.object != name)
+
+    @override
+    def noted(self) -> dict[str, Any]:
+        held = self.held_object
+        return {
+            "sightings": [
+                [*sighting[:2], list(sighting.pose), sighting.covariance] for sighting in self.sightings
+            ],
+            "surface_poses": [
+                [pose.surface, list(pose.pose), pose.covariance] for pose in self.surface_poses
+            ],
+            "held_object": None if held is None else [held.object, held.hand_T_object.round(6).tolist()],
+        }
+
+
+def _built(listed: Loaded[ObjectsFile], files: NamedFiles) -> dict[str, Detector]:
+    """Return the detectors that a file names; add what is wrong with one to the findings."""
+    file, built = listed.value, {}
+    for name, options in file.detectors.items():
+        try:
+            built[name] = make_detector(name, file.solids(), options, files.paths["objects"].parent)
+        except BrokenDetector as broken:
+            files.findings.add(listed.finding(("detectors", name), str(broken), at_key=True))
+    return built

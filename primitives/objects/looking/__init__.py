@@ -1,0 +1,1 @@
+"""Objects in pictures, and the views from which they are seen."""

@@ -1,0 +1,103 @@
+"""Looks at the floor below the hand, where an object would lie that was let go and not taken."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from typing import Literal
+
+import numpy as np
+
+from handcart.backends.robot.fresh_pictures import Photo
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.objects.knowledge.objects import Objects
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
+from handcart.primitives.outcomes.evidence import Evidence
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
+
+from .object_look import ObjectLook, look_from
+from .view_plan import directions
+
+FloorLook = Literal["plain", "patterned"]
+FloorSeen = Literal["free", "not seen", "no tag seen"]
+"""Result of a look: nothing lies there; no view; nothing was read on a floor that has edges of its own."""
+VIEW_DISTANCES_M = (0.8, 0.85, 0.7, 0.9, 0.6)
+FALLEN_M = 0.25  # below where it was released, an object fell
+PATCH_HALF_M, TILE_M = 0.225, 0.15  # of the floor around where it would fall
+OWN_MARGIN_M = 0.10  # of the floor beside the robot and known surfaces, that they may hide
+MIN_SEEN_SHARE = 0.6  # of the patch
+
+
+def look_at_floor(
+    robot: Robot,
+    model: ModelView,
+    evidence: Evidence,
+    name: str,
+    released: FloatArray,
+    looks: FloorLook,
+) -> Generator[None, None, FloorSeen]:
+    """Look at the floor below the place where an object was let go; return what is known of it.
+
+    Args:
+        robot: its hand is empty.
+        model: knows the object.
+        evidence: receives the picture.
+        name: of the object.
+        released: (3,) of its foot in the base frame, in [m].
+        looks: `plain` if anything with an edge on the floor is the object; otherwise only its tags count.
+
+    Raises:
+        NeedsPerson: the object lies there.
+    """
+    below, lowest = np.append(released[:2], 0.0), float(released[2]) - FALLEN_M
+    look = ObjectLook()
+    above = list(directions((), None, "above"))
+    if not (yield from look_from(robot, model, below, above, VIEW_DISTANCES_M)):
+        return "not seen"
+    yield from settle(robot)
+    yield from look.picture(robot, model, evidence, name)
+    for read in look.of(name):
+        assert read.base_T_object is not None
+        height = float(read.base_T_object[2, 3])
+        if height < lowest:
+            low = Measured("Camera", "height of its foot", 1e3 * height, 1e3 * lowest, "mm")
+            raise NeedsPerson(f"{name} fell to the floor", low, cause=causes.SLIPPED)
+    if looks == "patterned":
+        return "no tag seen" if model.of(Objects).objects.tags_of(name) else "not seen"
+    yield
+    return _checked_free(robot, model, robot.photo(), name, below)
+
+
+def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below: FloatArray) -> FloorSeen:
+    """Return whether the floor around a point (3,) in the base frame was seen; it must be plain.
+
+    Raises:
+        NeedsPerson: it isn't.
+    """
+    tiles = list(_tiles(robot, model, below))
+    shares = [edge_share(photo.pixels, photo.camera, photo.base_T_camera, tile) for tile in tiles]
+    for share in shares:
+        if share is not None and not is_plain(share):
+            seen = Measured("Camera", "share of edges on the floor", share, 0.0)
+            raise NeedsPerson(f"something lies below the hand: {name} fell", seen, cause=causes.SLIPPED)
+    known = sum(share is not None for share in shares)
+    return "free" if tiles and known >= MIN_SEEN_SHARE * len(tiles) else "not seen"
+
+
+def _tiles(robot: Robot, model: ModelView, below: FloatArray) -> Iterator[FloatArray]:
+    """Yield the corners (4, 3) of parts of the floor that neither the robot nor a surface hides."""
+    surfaces = model.of(Objects).objects.surfaces.values()
+    steps = np.arange(-PATCH_HALF_M + TILE_M / 2, PATCH_HALF_M, TILE_M)
+    square = 0.5 * TILE_M * np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])
+    for x, y in ((below[0] + dx, below[1] + dy) for dx in steps for dy in steps):
+        corners = square + np.array([x, y, 0.0])
+        beside = robot.spec.footprint_shape.distances(corners[:, :2]).min()
+        on_map = robot.pose.apply(corners[:, :2])
+        onto = max(
+            (surface.margin(*corner) for surface in surfaces for corner in on_map.tolist()), default=-1.0
+        )
+        if beside > OWN_MARGIN_M and onto < -OWN_MARGIN_M:
+            yield corners

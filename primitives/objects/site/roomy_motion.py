@@ -1,0 +1,71 @@
+"""Motions of the arm beside walls: as far from them as the base's pose is uncertain, if there is room."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import collision_model, move_to_joints
+from handcart.primitives.objects.knowledge.objects import Objects
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.kinematics.shapes import Solid
+from handcart.robotics.numerics.arrays import FloatArray
+
+from .object_site import surroundings
+
+POSE_SIGMAS = 2.0  # of the base's pose, that is kept away from walls
+WALL_DISTANCE_M = 0.8  # from the base to a wall at which its heading counts
+MAX_ROOM_M = 0.03
+
+
+def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
+    """Return distances to keep from walls beyond the arm's margin, in [m], the preferred one first.
+
+    The walls of boxes and shelves are known on the map; the hand misses them by as much as the pose of the
+    base is off.
+    """
+    surfaces = model.of(Objects).objects.surfaces.values()
+    if not any(surface.walls for surface in surfaces):
+        return (0.0,)
+    covariance = robot.localization.covariance
+    place = math.sqrt(max(0.0, float(np.linalg.eigvalsh(covariance[:2, :2])[-1])))
+    turn = WALL_DISTANCE_M * math.sqrt(max(0.0, float(covariance[2, 2])))
+    return (min(MAX_ROOM_M, POSE_SIGMAS * math.hypot(place, turn)), 0.0)
+
+
+def move_with_room(
+    robot: Robot,
+    model: ModelView,
+    joints: FloatArray,
+    held: Solid | None = None,
+    also_around: tuple[Solid, ...] = (),
+) -> Periods:
+    """Move to joint angles (n,), in [rad] or [m], away from walls where both ends and a path have the room.
+
+    Args:
+        robot: its arm holds the last commanded joints.
+        model: knows surfaces and objects.
+        joints: goal.
+        held: held object, posed in the hand frame.
+        also_around: further bodies to keep clear of, in the base frame.
+
+    Raises:
+        Discrepancy: no free path was found, with less room either.
+    """
+    here = robot.arm.command()
+    for room in rooms(robot, model):
+        around = (*surroundings(robot, model, room=room), *also_around)
+        collision = collision_model(robot, held, around)
+        if room > 0.0 and (collision.in_collision(here) or collision.in_collision(joints)):
+            continue
+        try:
+            yield from move_to_joints(robot, joints, held, around)
+            return
+        except Discrepancy as no_way:
+            if room == 0.0 or no_way.cause is not causes.NO_ARM_PATH:
+                raise

@@ -1,0 +1,74 @@
+"""Room that the arm keeps from walls, and parts of a bottom that an object stands on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.objects.files.objects_file import ObjectsFile
+from handcart.primitives.objects.knowledge.objects import Objects
+from handcart.primitives.objects.look_for import LookFor
+from handcart.primitives.objects.site.roomy_motion import MAX_ROOM_M, move_with_room, rooms
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.cause_kind import CauseKind
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+
+from ..fetching import changed, rig_with
+
+BOX = "surfaces:\n  box: {x_m: 4.0, y_m: 1.0, height_m: 0.3, size_m: [0.3, 0.3], walls: [+x], wall_m: 0.2}\n"
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    folder = tmp_path_factory.mktemp("box")
+    return rig_with(changed(folder, "objects.yaml", ("surfaces:\n", BOX)))
+
+
+def view_of(rig: Rig) -> Any:
+    return rig.model.view(LookFor(object="parcel_1"))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("sigma", "room"), [(0.004, 0.008), (0.5, MAX_ROOM_M)])
+def test_room_at_walls_grows_with_the_uncertainty_of_the_base(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, sigma: float, room: float
+) -> None:
+    known = np.diag([sigma**2, 1e-8, 0.0])
+    monkeypatch.setattr(type(rig.robot.localization), "covariance", property(lambda _: known))
+    assert rooms(rig.robot, view_of(rig)) == pytest.approx((room, 0.0))
+
+
+def test_without_walls_no_room_is_kept() -> None:
+    plain = rig_with()
+    assert rooms(plain.robot, view_of(plain)) == (0.0,)
+
+
+@pytest.mark.parametrize(("cause", "tries"), [(causes.NO_ARM_PATH, 2), (causes.ARM_BLOCKED, 1)])
+def test_less_room_is_tried_where_no_path_has_it(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, cause: CauseKind, tries: int
+) -> None:
+    thickest = []
+
+    def refused(robot: Any, joints: Any, held: Any, around: Any) -> Any:
+        thickest.append(max(min(body.size) for body in around if body.name == "box"))
+        raise Discrepancy("refused", cause=cause)
+        yield
+
+    monkeypatch.setattr("handcart.primitives.objects.site.roomy_motion.move_to_joints", refused)
+    with pytest.raises(Discrepancy):
+        list(move_with_room(rig.robot, view_of(rig), rig.robot.arm.command()))
+    assert len(thickest) == tries
+
+
+def test_object_touches_the_level_parts_that_its_foot_reaches() -> None:
+    at, size = {"y_m": 1.0, "height_m": 0.01}, {"size_m": [0.2, 0.3]}
+    parts = {"left": {"x_m": 1.0, **at, **size}, "right": {"x_m": 1.2, **at, **size}}
+    low = {"low": {"x_m": 1.2, "y_m": 1.0, "height_m": 0.05, **size}}
+    file = ObjectsFile.model_validate(
+        {"format": "handcart-objects/1", "kinds": {}, "surfaces": {**parts, **low}}
+    )
+    objects = Objects(objects=file)
+    assert objects.touched_names("left", 1.08, 1.0, 0.03) == ("left", "right")
+    assert objects.touched_names("left", 1.0, 1.0, 0.03) == ("left",)
