@@ -22,7 +22,7 @@ from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS, TopicFault
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 from handcart.backends.ros2.wire.ros_link import RosLink
 
-from .judged import Tally, Verdict
+from .judged import Lateness, Tally, Verdict
 from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench, watching
 
 GOES_ON = ("doubled", "swapped")
@@ -43,7 +43,7 @@ class Noticed(NamedTuple):
     """Time from the fault to the report."""
     rest_s: float = 0.0
     """Time from the report until the base is at rest."""
-    late_s: float = 0.0
+    late: Lateness = Lateness()
     """Time by which a period of bench or program was too long, at most."""
 
 
@@ -66,10 +66,10 @@ def main() -> None:
                 )
                 with on_the_air(trial), watching() as watched:
                     noticed = FAULT_TRIALS.get(kind, spoiled)(kind, topic)
-                found.append(noticed._replace(late_s=watched.late_s))
+                found.append(noticed._replace(late=watched.late))
                 trial += 1
             print(file=sys.stderr)
-            tally = Tally([Verdict(noticed.wrong, noticed.late_s) for noticed in found])
+            tally = Tally([Verdict(noticed.wrong, noticed.late) for noticed in found])
             missed += tally.missed
             after, rest = (
                 np.max([getattr(noticed, name) for noticed in found]) for name in ("after_s", "rest_s")

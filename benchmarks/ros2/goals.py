@@ -40,11 +40,10 @@ from handcart.backends.ros2.wire.ros_link import RosLink
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
-from .judged import Tally, Verdict
+from .judged import LoopWatch, Tally, Verdict
 from .wire_rig import (
     FIRST_PERIODS,
     Ended,
-    LoopWatch,
     Process,
     Rest,
     await_driving,
@@ -87,7 +86,7 @@ def main() -> None:
             print(f"\r{kind}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True)
             with on_the_air(number), watching() as watched:
                 found.append(tried(kind, rng.uniform(0.0, 0.5)))
-            verdicts.append(Verdict(found[-1].wrong, watched.late_s))
+            verdicts.append(Verdict(found[-1].wrong, watched.late))
             number += 1
         print(file=sys.stderr)
         tally = Tally(verdicts)

@@ -47,7 +47,7 @@ def main() -> None:
                 seconds, periods, finding = kill(rng.uniform(0.0, 0.5))
             times.append(seconds)
             most_periods = max(most_periods, periods)
-            verdicts.append(Verdict(finding, watched.late_s))
+            verdicts.append(Verdict(finding, watched.late))
         print(file=sys.stderr)
         what = "base at rest" if name == "program" else "reported with a topic"
         middle, most = np.percentile(times, 50.0), np.max(times)

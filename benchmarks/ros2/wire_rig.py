@@ -26,6 +26,8 @@ from handcart.backends.ros2.wire.ros_link import RosLink, node_name
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
+from .judged import Lateness, LoopWatch, most_late
+
 FORK_CONTEXT = multiprocessing.get_context("fork")
 DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S = 0.1, 0.5
 FIRST_PERIODS = 10
@@ -62,7 +64,8 @@ class Process:
     def __init__(self, work: Callable[..., None], *words: Any) -> None:
         """Run `work` with a pipe and `words`."""
         self.pipe, other = FORK_CONTEXT.Pipe()
-        self._late = FORK_CONTEXT.Value("d", 0.0)
+        # Without a lock: a process that is killed while it writes would keep it for ever.
+        self._late = FORK_CONTEXT.Array("d", Lateness(), lock=False)
         self._process = FORK_CONTEXT.Process(
             target=_work_as_child, args=(os.getpid(), self._late, work, other, *words), daemon=True
         )
@@ -72,9 +75,10 @@ class Process:
             watching.processes.append(self)
 
     @property
-    def late_s(self) -> float:
-        """Time in [s] by which a period of its loop was too long, at most so far; 0 without a loop."""
-        return float(self._late.value)
+    def late(self) -> Lateness:
+        """Time by which a period of its loop was too long, at most so far; 0 without a loop."""
+        machine, own, is_split = self._late
+        return Lateness(machine, own, bool(is_split))
 
     def kill(self) -> float:
         """Kill it (SIGKILL); return the time in [s]."""
@@ -98,30 +102,12 @@ class Process:
             raise TimeoutError(f"the process died with status {self._process.exitcode}") from None
 
 
-class LoopWatch:
-    """Longest period of this process' loop, readable by the parent as `Process.late_s`."""
-
-    longest: Any = None
-    """Shared number of the parent; None outside of a `Process`."""
-
-    def __init__(self, period_s: float) -> None:
-        """Begin with a first period of `period_s` seconds."""
-        self._period_s, self._ended = period_s, time.monotonic()
-
-    def note(self) -> None:
-        """Note that a period has ended."""
-        now = time.monotonic()
-        late, self._ended = now - self._ended - self._period_s, now
-        if self.longest is not None:
-            self.longest.value = max(self.longest.value, late)
-
-
 def _work_as_child(parent: int, late: Any, work: Callable[..., None], *words: Any) -> None:
     """Do the work of a child that the kernel kills with its parent: else one would spin on for ever."""
     ctypes.CDLL(None, use_errno=True).prctl(END_WITH_PARENT, signal.SIGKILL)
     if os.getppid() != parent:  # it has ended before
         return
-    LoopWatch.longest = late
+    LoopWatch.shared = late
     work(*words)
 
 
@@ -147,9 +133,9 @@ class Watched:
         self.processes: list[Process] = []
 
     @property
-    def late_s(self) -> float:
-        """Time in [s] by which a period of any of them was too long, at most."""
-        return max((process.late_s for process in self.processes), default=0.0)
+    def late(self) -> Lateness:
+        """Time by which a period of any of them was too long, at most."""
+        return most_late([process.late for process in self.processes])
 
 
 @contextmanager
