@@ -11,6 +11,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_spec import SensorName
 from handcart.backends.description.sensor_table import TABLE_KEY
 from handcart.backends.sensors.sensor_kind import sensor_specs
+from handcart.files.models.field_docstrings import field_docstrings
 
 if TYPE_CHECKING:
     from handcart.backends.description.sensor_spec import SensorSpec
@@ -42,4 +43,4 @@ def _composed(specs: tuple[type[SensorSpec], ...]) -> type[RobotFile]:
 
 
 def _description() -> str | None:
-    return RobotFile.model_fields[TABLE_KEY].description
+    return field_docstrings(RobotFile).get(TABLE_KEY)

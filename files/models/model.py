@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler
+
+from .field_docstrings import field_docstrings
 
 if TYPE_CHECKING:
     from handcart.files.errors import Finding
@@ -16,7 +18,7 @@ class FileModel(BaseModel):
     """Base class of a mapping in a file; unknown keys are errors."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True, validate_default=True
+        extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True, validate_default=True
     )
 
     def contradictions(self, document: Document) -> Iterator[Finding]:
@@ -26,3 +28,14 @@ class FileModel(BaseModel):
             document: the file, which knows the lines of its values.
         """
         return iter(())
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the JSON Schema, with the docstrings below the fields as descriptions."""
+        found = handler(core_schema)
+        properties = handler.resolve_ref_schema(found).get("properties", {})
+        for name, text in field_docstrings(cls).items():
+            key = cls.model_fields[name].alias or name
+            if key in properties:
+                properties[key].setdefault("description", text)
+        return found

@@ -57,7 +57,7 @@ class _Search:
         for base in kind.__mro__:
             if self._is_new(base) and not _is_trusted(base.__module__):
                 outer, self._owner = self._owner, base.__name__ if depth else self._owner
-                for name, member in vars(base).items():
+                for name, member in tuple(vars(base).items()):  # a model may be built meanwhile
                     yield from self._in_member(name, member, depth)
                 self._owner = outer
 

@@ -73,7 +73,7 @@ class _Walk:
         if isinstance(value, type):
             for item in value.__mro__:
                 if item not in NOT_FOLLOWED and self._is_own(item):
-                    yield from (_function(member) for member in vars(item).values())
+                    yield from (_function(member) for member in [*vars(item).values()])
         elif isinstance(value, FunctionType):
             yield from _named(value.__code__, value.__globals__)
 

@@ -46,14 +46,16 @@ def _causes(kind: type[ActionPrimitive]) -> list[str]:
 
 
 def _parameters(kind: type[ActionPrimitive]) -> list[str]:
+    from handcart.files.models.field_docstrings import field_docstrings
     from handcart.files.models.schema_walk import SchemaWalk
     from handcart.files.models.schema_words import described, shown
 
     walk = SchemaWalk(kind.__pydantic_core_schema__)
-    lines = []
+    lines, docstrings = [], field_docstrings(kind)
     for key, field in kind.model_fields.items():
         default = "required" if field.is_required() else f"default {shown(field.default)}"
-        description = f": {field.description}" if field.description else ""
+        text = field.description or docstrings.get(key, "")
+        description = f": {text}" if text else ""
         lines.append(f"  {key} ({described(walk, walk.place((key,)).schema, key)}; {default}){description}")
     return lines
 

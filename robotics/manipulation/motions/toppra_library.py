@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import sys
-from importlib.util import LazyLoader, find_spec, module_from_spec
+from importlib import import_module
+from types import ModuleType
+from typing import Any
 
 
-def _load_when_used(name: str) -> None:
-    if name in sys.modules:
-        return
-    spec = find_spec(name)
-    assert spec is not None, f"toppra needs {name}"
-    assert spec.loader is not None, f"{name} is a module"
-    spec.loader = loader = LazyLoader(spec.loader)
-    sys.modules[name] = module = module_from_spec(spec)
-    loader.exec_module(module)
+class _LoadedOnUse(ModuleType):
+    """Stands for a module while others import it.
+
+    `importlib.util.LazyLoader` does not: up to Python 3.11, importing a module that is there already reads
+    its `__spec__`, and this loads it.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(import_module(self.__name__), name)
 
 
-_load_when_used("matplotlib.pyplot")
+_package, _plots = ModuleType("matplotlib"), _LoadedOnUse("matplotlib.pyplot")
+_package.pyplot = _plots  # type: ignore[attr-defined]
+_stand_ins = {part.__name__: part for part in (_package, _plots) if part.__name__ not in sys.modules}
+sys.modules.update(_stand_ins)
 
 from toppra import SplineInterpolator as SplineInterpolator  # noqa: E402
 from toppra.algorithm import TOPPRA as TOPPRA  # noqa: E402
@@ -26,3 +31,6 @@ from toppra.constraint import JointTorqueConstraint as JointTorqueConstraint  # 
 from toppra.constraint import JointVelocityConstraint as JointVelocityConstraint  # noqa: E402
 from toppra.constraint import JointVelocityConstraintVarying as JointVelocityConstraintVarying  # noqa: E402
 from toppra.interpolator import AbstractGeometricPath as AbstractGeometricPath  # noqa: E402
+
+for name in _stand_ins:
+    del sys.modules[name]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -108,3 +111,11 @@ def test_rounded_path_stays_within_the_deviation() -> None:
     rounded = RoundedPath(corners, deviation=0.02)
     off = _off_path(rounded.at(np.linspace(0.0, rounded.length, 5000)), corners)
     assert 0.01 < off <= 0.02 + 1e-9
+
+
+def test_plots_of_the_library_are_not_loaded() -> None:
+    code = "import sys, handcart.robotics.manipulation.motions.path_speed; print('matplotlib' in sys.modules)"
+    shown = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert shown.stdout == "False\n"
