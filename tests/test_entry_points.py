@@ -65,6 +65,7 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
     assert "MOVE_TO" in listed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "wrong"),
     [

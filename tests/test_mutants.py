@@ -19,6 +19,17 @@ TABLE = """\
   bugs:
     - {name: subtracts, text: a + b, replacement: a - b}
     - {name: words, text: The sum, replacement: A sum}
+    - {name: forgets, text: return a, replacement: return (a if a < 9 else 0)}
+"""
+TESTS = """import pytest
+from adder import add
+
+def test_sum():
+    assert add(2, 3) == 5
+
+@pytest.mark.slow
+def test_large_sum():
+    assert add(20, 3) == 23
 """
 
 
@@ -57,9 +68,8 @@ def test_what_is_noticed_and_what_is_missed(tmp_path: Path) -> None:
     project = tmp_path / "project"
     project.mkdir()
     (project / "adder.py").write_text('"""The sum."""\n\n\ndef add(a, b):\n    return a + b\n')
-    (project / "test_adder.py").write_text(
-        "from adder import add\n\n\ndef test_sum():\n    assert add(2, 3) == 5\n"
-    )
+    (project / "test_adder.py").write_text(TESTS)
+    (project / "pytest.ini").write_text("[pytest]\nmarkers = slow\n")
     (tmp_path / "table").mkdir()
     (tmp_path / "table" / "one.yaml").write_text(TABLE)
     command = [sys.executable, str(MUTANTS), "--project", str(project), "--table", str(tmp_path / "table")]
@@ -67,5 +77,6 @@ def test_what_is_noticed_and_what_is_missed(tmp_path: Path) -> None:
     assert ended.returncode == 1, ended.stderr
     assert "noticed adder.py: subtracts" in ended.stdout
     assert "MISSED  adder.py: words" in ended.stdout
-    assert "1 of 2 planted bugs were noticed (50.0 %)" in ended.stdout
+    assert "noticed adder.py: forgets" in ended.stdout, "by a slow test alone"
+    assert "2 of 3 planted bugs were noticed (66.7 %)" in ended.stdout
     assert (project / "adder.py").read_text().endswith("a + b\n")

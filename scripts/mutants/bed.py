@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 FAILED_STATUS = 1  # pytest's exit status where a test failed
+NO_TESTS_STATUS = 5  # where none is of the asked kind
+QUICK, SLOW = "not slow", "slow"  # marks of tests
 TIMED_OUT = -1000  # status where the tests didn't end
 PATIENCE_S = 600.0
 LEAST_S = 60.0  # that tests of a bug may take, however quick they are without it
@@ -77,25 +79,40 @@ class Bed:
             (folder / "shared").symlink_to(project.parent / "shared")
 
     def passes(self, tests: tuple[str, ...]) -> bool:
-        """Return whether the tests pass without a planted bug."""
+        """Return whether the quick tests pass without a planted bug."""
+        return self._passes(tests, QUICK)
+
+    def _passes(self, tests: tuple[str, ...], kind: str) -> bool:
         begun = time.monotonic()
-        passed = self._run(tests, self._machine_code, PATIENCE_S).status == 0
-        self._took[tests] = time.monotonic() - begun
-        return passed
+        status = self._run(tests, self._machine_code, PATIENCE_S, kind).status
+        self._took[*tests, kind] = time.monotonic() - begun
+        return status in (0, NO_TESTS_STATUS)
 
     def notices(self, mutant: Plantable) -> bool:
-        """Return whether one of the nearest tests fails, or never ends, with the bug planted."""
-        known = self._took.get(mutant.tests, PATIENCE_S)
-        status = self.run_tests(mutant, min(PATIENCE_S, max(LEAST_S, MAX_TIME_RATIO * known))).status
-        if status > FAILED_STATUS:
-            raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {status}")
-        return status != 0  # negative: it died, or never ended
+        """Return whether one of the nearest tests fails, or never ends, with the bug planted.
 
-    def run_tests(self, mutant: Plantable, patience_s: float) -> Ended:
+        The slow ones run where all quick ones pass.
+        """
+        if self._fails(mutant, QUICK):
+            return True
+        if not self._fails(mutant, SLOW):
+            return False
+        if not self._passes(mutant.tests, SLOW):
+            raise RuntimeError(f"{mutant.file}: slow tests fail without any bug: {' '.join(mutant.tests)}")
+        return True
+
+    def _fails(self, mutant: Plantable, kind: str) -> bool:
+        known = self._took.get((*mutant.tests, kind), PATIENCE_S)
+        ended = self.run_tests(mutant, min(PATIENCE_S, max(LEAST_S, MAX_TIME_RATIO * known)), kind)
+        if ended.status > FAILED_STATUS and ended.status != NO_TESTS_STATUS:
+            raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {ended.status}")
+        return ended.status not in (0, NO_TESTS_STATUS)  # negative: it died, or never ended
+
+    def run_tests(self, mutant: Plantable, patience_s: float, kind: str = QUICK) -> Ended:
         """Run a mutant's tests with the bug planted, up to the first that fails, within this time."""
         with self._planted(mutant) as compiled:
             code = self._machine_code.with_name("planted") if compiled else self._machine_code
-            ended = self._run(mutant.tests, code, patience_s)
+            ended = self._run(mutant.tests, code, patience_s, kind)
             shutil.rmtree(self._machine_code.with_name("planted"), ignore_errors=True)
         return ended
 
@@ -111,8 +128,9 @@ class Bed:
             path.write_text(sound, encoding="utf-8")
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
-    def _run(self, tests: tuple[str, ...], machine_code: Path, patience_s: float) -> Ended:
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "--tb=no", "-p", "no:cacheprovider", *tests]
+    def _run(self, tests: tuple[str, ...], machine_code: Path, patience_s: float, kind: str) -> Ended:
+        options = ["-q", "-x", "--tb=no", "-p", "no:cacheprovider", "-m", kind]
+        command = [sys.executable, "-m", "pytest", *options, *tests]
         surroundings = os.environ | {
             "PYTHONPATH": str(self.root / "src"),
             "NUMBA_CACHE_DIR": str(machine_code),

@@ -113,6 +113,7 @@ DATA = st.recursive(
 )
 
 
+@pytest.mark.slow
 @bounded
 @given(st.dictionaries(KEYS, DATA, min_size=1, max_size=4))
 def test_json_is_read_as_json(data: dict[str, object]) -> None:

@@ -35,6 +35,7 @@ def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Pat
     assert summary["fails"] == 0
 
 
+@pytest.mark.slow
 def test_while_the_base_drives_along_the_tool_stays_on_the_seam(tmp_path: Path) -> None:
     summary, status = run_task(TASK.with_name("driving.yaml"), tmp_path, RunOptions(seed=1))
     metrics = summary["metrics"]
@@ -71,6 +72,7 @@ def test_occupied_place_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) 
     assert "place_4" in journal
 
 
+@pytest.mark.slow
 def test_a_base_that_is_not_known_exactly_tracks_nothing(tmp_path: Path) -> None:
     folder = TASK.parents[2] / "backends" / "robots" / "atrv"
     shutil.copy(folder / "atrv.urdf", tmp_path)

@@ -154,6 +154,7 @@ def test_the_plugin_costs_nothing_unused() -> None:
     assert said.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
 def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs")
     assert said.status == 0
@@ -163,6 +164,7 @@ def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Said], tou
     assert (folder / "journal.jsonl").is_file()
 
 
+@pytest.mark.slow
 def test_run_as_json(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs", "--seed", 5, "--json")
     report = json.loads(said.out.splitlines()[-1])

@@ -84,6 +84,7 @@ def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
     assert re.search(rf"{re.escape(str(RETURN_BOOK))}:\d+:10: RECOGNIZE {re.escape(NEEDS_ARM)}$", said.stderr)
 
 
+@pytest.mark.slow
 def test_a_robot_with_an_arm_says_what_to_install() -> None:
     said = without(ARM, "run", DRIVE_MAP)
     file = ROOT / "backends" / "robots" / "librarian" / "robot.yaml"

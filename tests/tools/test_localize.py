@@ -81,6 +81,7 @@ def refused(handcart: Callable[..., Any]) -> Callable[..., str]:
     return call
 
 
+@pytest.mark.slow
 def test_a_log_is_played_with_track_and_picture(
     tmp_path: Path, drive: FieldLog, localized: Callable[..., dict[str, Any]]
 ) -> None:
@@ -181,6 +182,7 @@ def test_a_heading_that_stays_unknown_is_no_good_sign(tmp_path: Path, drive: Fie
     assert known.log_likelihood > unknown.log_likelihood + 50.0
 
 
+@pytest.mark.slow
 def test_noise_is_fitted_to_a_log(tmp_path: Path, localized: Callable[..., dict[str, Any]]) -> None:
     """The receiver is four times as good as its file says."""
     log = record_course(straight_course(4), REFERENCE_NOISE._replace(gps_white=0.25), 2)

@@ -101,6 +101,7 @@ def drive() -> FieldLog:
     return record_course(straight_course(2), REFERENCE_NOISE, 1, FieldTimes(wait=15.0, dwell=5.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
 def test_a_bag_is_played(tmp_path: Path, drive: FieldLog, storage: str, handcart: Callable[..., Any]) -> None:
     bag = write_bag(tmp_path / "bag", drive, storage, ("/odom", "/imu", "/fix", "/truth"))
@@ -113,6 +114,7 @@ def test_a_bag_is_played(tmp_path: Path, drive: FieldLog, storage: str, handcart
     assert json.loads(handcart("localize", inside, "--json").out)["fixes"] == len(drive.fixes)
 
 
+@pytest.mark.slow
 def test_a_sideways_imu_is_never_played_silently(
     tmp_path: Path, drive: FieldLog, handcart: Callable[..., Any]
 ) -> None:

@@ -28,6 +28,7 @@ def python(*lines: str, **options: Any) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, "-c", "\n".join(lines)], **options)
 
 
+@pytest.mark.slow
 def test_memory_that_runs_out_stops_the_robot(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,6 +74,7 @@ def test_a_killed_run_leaves_what_it_has_shown(tour: Path, tmp_path: Path) -> No
     assert len(frames_of(film)) >= FRAMES
 
 
+@pytest.mark.slow
 def test_without_opengl_the_camera_alone_is_shown(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -79,6 +79,7 @@ def test_a_bus_that_fails_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -
         drive(backend, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["run", "do"])
 def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(
     command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path

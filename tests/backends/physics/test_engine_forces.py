@@ -68,6 +68,7 @@ def test_what_is_weighed_anew_presses_with_its_new_weight(make: Make, mass: floa
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mass", "slips"), [(0.5, False), (40.0, True)])
 def test_what_is_too_heavy_slips_from_the_hand(hand: Hand, mass: float, slips: bool) -> None:
     backend: PhysicsBackend = hand.backend

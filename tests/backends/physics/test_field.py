@@ -72,6 +72,7 @@ def beside_a_target(backend: str, seed: int, folder: Path) -> Iterator[Rig]:
         yield Rig(prepared.robot, prepared.model, prepared.backend)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [25, 37])
 def test_sensor_stands_on_a_slope_where_a_dropped_one_falls(
     physics: type[PhysicsBackend], tmp_path: Path, seed: int
@@ -88,6 +89,7 @@ def test_sensor_stands_on_a_slope_where_a_dropped_one_falls(
         assert 9.0 < math.degrees(sensor.tilt()) < 17.0
 
 
+@pytest.mark.slow
 def test_what_the_fingers_let_go_at_home_the_magazine_takes_back(
     physics: type[PhysicsBackend], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,6 +107,7 @@ def test_what_the_fingers_let_go_at_home_the_magazine_takes_back(
         assert float(np.linalg.norm(sensor.pose[:3, 3] - hand)) < 0.3
 
 
+@pytest.mark.slow
 def test_a_car_on_rockers_takes_half_of_what_one_wheel_stands_on(
     physics: type[PhysicsBackend], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -130,6 +133,7 @@ def test_a_car_on_rockers_takes_half_of_what_one_wheel_stands_on(
         assert -pitch == pytest.approx(0.5 * (left + right) / 0.6, abs=0.006)
 
 
+@pytest.mark.slow
 def test_a_car_stands_on_rough_ground(physics: type[PhysicsBackend]) -> None:
     with prepare(TASK, physics.name, seed=0) as prepared:
         scene = simulated_world(prepared.backend)
@@ -141,6 +145,7 @@ def test_a_car_stands_on_rough_ground(physics: type[PhysicsBackend]) -> None:
         assert scene.base.distance(stood) < 1e-4
 
 
+@pytest.mark.slow
 def test_an_arm_on_a_slope_comes_to_rest(physics: type[PhysicsBackend]) -> None:
     """Its drive counts a speed towards where it belongs against what it is off, and else would swing on."""
     with prepare(TASK, physics.name, seed=3) as prepared:
@@ -198,6 +203,7 @@ def stands(physics: type[PhysicsBackend], softness: float, seconds: float = 4.0)
         backend.close()
 
 
+@pytest.mark.slow
 def test_wheels_sink_in_as_the_world_says(physics: type[PhysicsBackend]) -> None:
     (hard, weight), (soft, _) = (stands(physics, softness) for softness in (0.0, 4.0))
     on_one_point = 4e-5 * weight / 4

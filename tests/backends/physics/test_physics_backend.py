@@ -223,6 +223,7 @@ def test_fingers_that_close_on_nothing_meet(hand: Hand) -> None:
     assert hand.gripper.width() < 1e-3
 
 
+@pytest.mark.slow
 def test_constraint_grasp_holds_and_survives_a_restored_state(
     make: Make, spec: RobotFile, hand_of: Callable[[PhysicsBackend], Hand]
 ) -> None:

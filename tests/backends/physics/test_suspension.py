@@ -116,6 +116,7 @@ def test_what_falls_does_not_shake_on_its_springs(build: Build) -> None:
     assert np.ptp(leans[-10:], axis=0).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_a_swing_turns_the_base_and_no_encoder_sees_it_but_the_gyro(build: Build) -> None:
     backend = build(swing_yaw_mrad=-2.0)
     go(backend, part(backend, "Arm").command())

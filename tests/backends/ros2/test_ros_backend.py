@@ -130,6 +130,7 @@ def test_scans_and_pictures_are_those_of_the_simulation(make: Make) -> None:
         assert np.array_equal(picture, backend.inner.get(Camera).image())  # type: ignore[type-abstract,union-attr]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", ["silent", "frozen", "delayed", "old-stamps", "nan", "wrong-frame"])
 @pytest.mark.parametrize("topic", ["odom", "joint_states"])
 def test_a_topic_that_lies_stops_the_robot(make: Make, fault: str, topic: str) -> None:

@@ -187,6 +187,7 @@ def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
     }
 
 
+@pytest.mark.slow
 def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
     with_arm, without = KitSetting("kinematic"), KitSetting("kinematic", robot="cart")
     assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())

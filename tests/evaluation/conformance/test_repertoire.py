@@ -52,6 +52,7 @@ def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
     assert KitSetting("kinematic", "toyama/h1").tasks == KitSetting("kinematic", "toyama").tasks
 
 
+@pytest.mark.slow
 def test_unknown_robot_is_tried_in_all_its_capabilities() -> None:
     tasks = KitSetting("kinematic", "cart").tasks
     assert [f"{path.parent.name}/{path.name}" for path in tasks] == [

@@ -96,6 +96,7 @@ def test_a_missing_mesh_is_told() -> None:
     assert mesh_row(MeshUse("corner", "visual", "/nowhere/l.stl")).fault == "missing"
 
 
+@pytest.mark.slow
 def test_the_librarian_is_without_fault(librarian: RobotReport) -> None:
     assert librarian.warnings == []
     assert [joint.name for joint in librarian.contents.joints][2:8] == [f"joint_{n}" for n in range(1, 7)]

@@ -262,6 +262,7 @@ def test_two_hundred_elements_are_as_many_times_one() -> None:
     assert worst_cases(net).longest == 200 * worst_cases(repeated(1)).longest
 
 
+@pytest.mark.slow
 def test_too_many_states_give_an_interval_around_the_value() -> None:
     rows = [(f"s{i:02}", f"s{i + 1:02}", 1.0, 3, None) for i in range(20)]
     net = network(*rows, ("s19", "s00", 1.0, 3, None), start="s00", goal="s20")

@@ -139,6 +139,7 @@ networks = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(networks, st.lists(st.text("SSFFP", max_size=6), min_size=10, max_size=10))
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 def test_every_run_ends_within_its_bound(

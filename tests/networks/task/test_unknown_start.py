@@ -77,6 +77,7 @@ def test_a_simulated_robot_is_set_down_anywhere_free() -> None:
     assert drawn_pose(grid, 0.34, 3) == poses[3]
 
 
+@pytest.mark.slow
 def test_a_run_from_an_unknown_start_ends_truly(tmp_path: Path) -> None:
     summary, status = run_task(TASK, tmp_path, RunOptions(settings=UNKNOWN, seed=4))
     assert status == 0

@@ -81,6 +81,7 @@ def test_it_finds_the_slot_between_the_right_neighbours(
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callable[..., Rig]) -> None:
     rig = docked(0, call="512.9 ZUS")
     aside = rig.scene.of(BookProps).shelves["shelf_1"].pose[:3, 1]
@@ -159,6 +160,7 @@ def test_another_row_above_is_not_this_one(docked: Callable[..., Rig]) -> None:
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grey", [0, 120])
 def test_what_stands_in_the_slot_as_far_forward_as_a_spine_is_no_slot(
     docked: Callable[..., Rig], grey: int

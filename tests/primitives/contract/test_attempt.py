@@ -259,6 +259,7 @@ def test_what_was_not_declared_is_refused(make_rig: Callable[..., Rig], end: str
     assert what in outcome.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("localizer", ["scan", "odometry"])
 def test_what_fails_leave_does_not_add_up(make_rig: Callable[..., Rig], localizer: str) -> None:
     rig = make_rig(localizer=localizer)

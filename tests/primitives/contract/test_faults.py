@@ -73,6 +73,7 @@ def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float,
         assert robot.localization.displacements == pushes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("periods", [5, 60, FOR_GOOD])
 def test_an_old_scan_is_not_taken_for_a_new_one(periods: int) -> None:
     ending, _ = ended(Reach(ahead_m=0.4, fails=True), 10, Fault(FaultKind.STALE, "range", periods))
@@ -80,6 +81,7 @@ def test_an_old_scan_is_not_taken_for_a_new_one(periods: int) -> None:
     assert ending.outcome == ("GiveUp" if periods == FOR_GOOD else "Fail")
 
 
+@pytest.mark.slow
 def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
     """S12: scans no longer fit."""
     _, underway = ended(Reach(ahead_m=0.4), 10, Fault(FaultKind.STALE, "range", FOR_GOOD))
@@ -87,6 +89,7 @@ def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
     assert underway.robot.localization.sigma == (math.inf, math.inf)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("read", ["nothing", "the same", "the same for a while"])
 def test_gyros_that_tell_nothing_new_are_not_believed(read: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """S2, S3: outdoors no other sensor reports at once how the base turns."""

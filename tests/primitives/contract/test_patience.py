@@ -101,6 +101,7 @@ def test_restoring_that_needs_a_person_is_not_tried_again(make_rig: Callable[...
     assert outcome.reason.endswith("restoring failed: somebody holds the arm")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["arm", "base"])
 @pytest.mark.parametrize(("attempts", "kind"), [(1, GiveUp), (3, Fail)])
 def test_part_stuck_for_seconds_is_brought_back_later(

@@ -21,6 +21,7 @@ from .door_rig import opening, props, rig_at
 FRICTION = "friction_n: 6"
 
 
+@pytest.mark.slow
 def test_open_drawer_is_as_open_as_asked_and_closes_again(tmp_path: Path) -> None:
     with rig_at("drawer", tmp_path) as rig:
         assert isinstance(rig.do(OpenDoor(door="drawer", travel_mm=200.0)), Success)

@@ -30,6 +30,7 @@ def pushing(rig: Rig) -> list[float]:
     return times
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_low_box_is_run_into_once_and_then_driven_around(make_rig: Callable[..., Rig], seed: int) -> None:
     rig = make_rig(furniture=LOW.format(x=3.6, y=1.3, wide=0.4, deep=0.4), seed=seed)
@@ -47,6 +48,7 @@ def test_a_low_box_is_run_into_once_and_then_driven_around(make_rig: Callable[..
     assert times[-1] - times[0] <= 1.0
 
 
+@pytest.mark.slow
 def test_it_goes_around_without_being_told_to_modify(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(furniture=LOW.format(x=3.6, y=1.3, wide=0.4, deep=0.4))
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Fail)
@@ -54,6 +56,7 @@ def test_it_goes_around_without_being_told_to_modify(make_rig: Callable[..., Rig
     assert len(rig.scene.contacts) == 1
 
 
+@pytest.mark.slow
 def test_modify_fails_where_no_other_way_exists(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(furniture=LOW.format(x=4.0, y=4.4, wide=7.9, deep=0.2))  # from wall to wall
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Fail)

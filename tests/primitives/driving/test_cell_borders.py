@@ -9,6 +9,7 @@ from benchmarks.driving.cell_borders import Case, drive
 EXACT = Case(seed=0, offsets=(0.0, 0.0), thickness_m=0.1, is_drawn=False, tolerance_mm=40.0)
 
 
+@pytest.mark.slow
 def test_walls_on_cell_borders_end_in_no_false_outcome() -> None:
     arrivals = drive(EXACT, places=2)
     assert not any(arrival.false for arrival in arrivals)

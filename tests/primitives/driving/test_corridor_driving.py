@@ -27,6 +27,7 @@ def test_a_plain_corridor_is_no_success_and_says_why() -> None:
     assert first.reason.startswith("not determined: at middle the position is not determined along 0 deg")
 
 
+@pytest.mark.slow
 def test_a_place_that_needs_less_is_a_true_success() -> None:
     first = drive(PLAIN._replace(tolerance_mm=500.0, reach_m=12.0))[0]
     assert first.outcome == "Success"

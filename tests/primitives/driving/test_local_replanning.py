@@ -25,6 +25,7 @@ def boxes(*places: tuple[float, float], more: str = "") -> str:
     return "surprises:\n" + "".join(lines)
 
 
+@pytest.mark.slow
 def test_unmapped_boxes_are_driven_around_without_a_fail(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(boxes((3.0, 1.1), (4.6, 2.0)))
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)
@@ -63,6 +64,7 @@ def test_sensed_cells_are_kept_in_a_state_and_old_states_load(make_rig: Callable
     assert third.sensed_cells.shape == (0, 4)
 
 
+@pytest.mark.slow
 def test_restoring_takes_another_way_where_something_moved_behind(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(boxes((2.0, 1.2), more=", appears_s: 7"))
     before = rig.scene.base
@@ -72,6 +74,7 @@ def test_restoring_takes_another_way_where_something_moved_behind(make_rig: Call
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 def test_route_changes_while_driving_before_anything_holds_the_base(make_rig: Callable[..., Rig]) -> None:
     """A box appears 2 m ahead: a look at the layer leads around it, so the guard has nothing to stop."""
     rig = make_rig(boxes((4.3, 1.9), more=", appears_s: 3"))

@@ -54,6 +54,7 @@ def twins() -> Iterator[Rig]:
         yield rig
 
 
+@pytest.mark.slow
 def test_locate_drives_to_where_two_rooms_differ(twins: Rig) -> None:
     begun, locate = truth_of(twins), Locate()
     assert isinstance(twins.do(locate), Success)
@@ -64,6 +65,7 @@ def test_locate_drives_to_where_two_rooms_differ(twins: Rig) -> None:
     assert float(locate.facts["log_odds"]) > math.log(1e6)
 
 
+@pytest.mark.slow
 def test_move_to_refuses_by_name_until_the_pose_is_known(twins: Rig) -> None:
     begun = truth_of(twins)
     refused = twins.do(MoveTo(place="right_room"))
@@ -117,6 +119,7 @@ def test_the_map_is_no_obstacle_while_the_pose_is_unknown(tmp_path: Path) -> Non
         assert rig.robot.localization.travel.left > 0.1
 
 
+@pytest.mark.slow
 def test_state_of_an_unlocated_robot_is_restored(twins: Rig) -> None:
     for _ in range(3):
         twins.robot.step()
@@ -153,6 +156,7 @@ def test_a_robot_lifted_while_it_drives_gives_up_at_once(tmp_path: Path) -> None
         assert rig.robot.localization.lifted is not None
 
 
+@pytest.mark.slow
 def test_a_robot_lifted_at_rest_refuses_until_it_is_located(tmp_path: Path) -> None:
     with build_rig(kidnapping_twins(tmp_path, 3.0), robot="cart") as rig:
         while rig.robot.time < 6.0:

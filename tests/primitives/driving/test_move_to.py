@@ -52,6 +52,7 @@ def test_unmapped_box_is_a_fail_and_modify_leads_around_it(
     assert rig.model.detour is None
 
 
+@pytest.mark.slow
 def test_a_passer_by_is_waited_for(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(BOX.format(x=3.0, y=1.1, more=", leaves_s: 12"))
     assert isinstance(rig.run(MoveTo(place="shelf_1", wait_s=30.0)), Success)
@@ -110,6 +111,7 @@ def test_with_the_arm_out_the_base_does_not_drive(
     assert rig.robot.time < 2.0
 
 
+@pytest.mark.slow
 def test_who_comes_behind_a_waiting_base_is_not_in_its_way(make_rig: Callable[..., Rig]) -> None:
     """The base rolls on for 0.4 m after it began to wait: an obstacle behind it is then not ahead."""
     pallet = BOX.format(x=3.0, y=1.1, more=", leaves_s: 12")

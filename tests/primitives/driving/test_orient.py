@@ -84,6 +84,7 @@ def test_it_drives_ahead_until_the_heading_shows(unheaded: Callable[..., Any]) -
         assert rig.backend.scene.base.distance(again) < 0.01
 
 
+@pytest.mark.slow
 def test_what_stands_ahead_is_a_fail_and_it_drives_back(unheaded: Callable[..., Any]) -> None:
     """The obstacle is 5 m ahead: too near for the heading to be determined."""
     x, y = 5.0 * math.cos(math.radians(70.0)), 5.0 * math.sin(math.radians(70.0))

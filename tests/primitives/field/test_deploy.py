@@ -114,6 +114,7 @@ def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
     assert np.allclose(rig.robot.arm.command(), joints)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [1, 20, 60])
 def test_cancel_while_fingers_open_completes_the_release(rig: Rig, after: int) -> None:
     """Half open they would let it slide; the arm isn't to carry off what they still hold."""

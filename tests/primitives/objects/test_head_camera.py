@@ -31,6 +31,7 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
     return rig_with(robot=str(head_robot(tmp_path_factory.mktemp("head"))), seed=1)
 
 
+@pytest.mark.slow
 def test_head_finds_picks_and_places_an_object(rig: Rig) -> None:
     for primitive in (
         MoveTo(place="table_a"),

@@ -77,6 +77,7 @@ def base(rig: Rig) -> Pose2:
     return truth.base
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seconds", [14.0, 38.0])
 def test_it_is_known_how_far_it_came_back(rig: Rig, seconds: float) -> None:
     """Within what is needed, after standing for a while if it came far; where on the Earth it is, isn't."""
@@ -90,6 +91,7 @@ def test_it_is_known_how_far_it_came_back(rig: Rig, seconds: float) -> None:
     assert off < tolerance.base_mm
 
 
+@pytest.mark.slow
 def test_what_a_primitive_needs_is_held_against_what_was_measured(rig: Rig) -> None:
     outcome = rig.do(Needs(seconds=20.0, room=0.01))
     assert isinstance(outcome, GiveUp)
@@ -103,6 +105,7 @@ def test_a_primitive_can_not_allow_itself_more_than_the_robot_s_file(rig: Rig) -
     assert outcome.residuals.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
 
 
+@pytest.mark.slow
 def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> None:
     """The residuals of all of them add up, and are reported."""
     begun = base(rig)

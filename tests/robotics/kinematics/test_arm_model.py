@@ -104,6 +104,7 @@ def test_jacobian_matches_differences(arm: ArmModel) -> None:
             np.testing.assert_allclose(J[:, joint], np.concatenate((linear, angular)), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_inverse_reaches_random_poses_from_far(arm: ArmModel) -> None:
     poses, nears = _random(arm, 300, seed=3), _random(arm, 300, seed=4)
     reached = 0

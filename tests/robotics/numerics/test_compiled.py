@@ -30,6 +30,7 @@ def test_it_is_told_of_like_the_function() -> None:
     assert _doubled.__doc__ == "Twice as much."
 
 
+@pytest.mark.slow
 def test_nothing_is_imported_before_something_is_computed() -> None:
     code = "import sys, handcart.evaluation.viewing.playback.playback as _\n"
     code += "import handcart.robotics.navigation.routes.ways as w"

@@ -64,6 +64,7 @@ with ahead.compiling_ahead():
 """
 
 
+@pytest.mark.slow
 def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
     """And for nothing else."""
     words = [sys.executable, "-c", RUNS, str(tmp_path)]

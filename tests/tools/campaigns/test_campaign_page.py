@@ -103,6 +103,7 @@ def long_trial(seed: int) -> Trial:
     return Trial(seed, 3, {**summary, "metrics": metrics, "run_dir": run}, [end])
 
 
+@pytest.mark.slow
 def test_a_page_of_very_many_trials_stays_small(tmp_path: Path) -> None:
     folder = CampaignFolder.made(tmp_path / "out", ASKED)
     for seed in (0, 9_999):

@@ -27,6 +27,7 @@ def recorded(tmp_path: Path) -> Path:
     return tmp_path / "recorded"
 
 
+@pytest.mark.slow
 def test_twenty_thousand_are_told_with_how_far_they_may_be_trusted(
     handcart: Callable[..., Said], recorded: Path
 ) -> None:

@@ -29,6 +29,7 @@ def test_what_is_told(handcart: Callable[..., Said], tmp_path: Path) -> None:
     assert sum(level["adds"] for level in facts["levels"]) == pytest.approx(facts["probability"], rel=0.2)
 
 
+@pytest.mark.slow
 def test_parts_and_processes_tell_the_same(handcart: Callable[..., Said], tmp_path: Path) -> None:
     words = ("campaign", rare_walk(tmp_path), *ALWAYS[:-1], 6)
     plain = handcart(*words)

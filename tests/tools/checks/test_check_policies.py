@@ -78,6 +78,7 @@ def test_a_dry_run_follows_the_policy_given(
     assert said.out.startswith(f"1. {first}: Success")
 
 
+@pytest.mark.slow
 def test_a_run_and_its_explanation_follow_the_policy(
     handcart: Callable[..., Said], task: Callable[..., Path], tmp_path: Path
 ) -> None:

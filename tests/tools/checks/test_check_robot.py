@@ -57,6 +57,7 @@ def test_a_picture_that_cannot_be_drawn_is_bad_input(
     assert words in said.err
 
 
+@pytest.mark.slow
 def test_another_robot_runs_a_task_that_names_one(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:

@@ -15,6 +15,7 @@ from handcart.evaluation.conformance.report import KitReport
 from tests.tools.conftest import Said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", [[], ["it rolls on"]])
 def test_status_0_only_if_all_holds(
     handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch, wrong: list[str]

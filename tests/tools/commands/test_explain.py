@@ -75,6 +75,7 @@ def test_a_blocked_way(handcart: Callable[..., Said], runs: Callable[[str], Path
     assert Path(report["chart"]).read_text(encoding="utf-8").startswith("<?xml")
 
 
+@pytest.mark.slow
 def test_a_blocked_way_in_words(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
     said = handcart("explain", runs("blocked"))
     lines = said.out.splitlines()

@@ -64,6 +64,7 @@ def test_frames_around_a_drives_fault(handcart: Callable[..., Said], run: Callab
     assert times == [pytest.approx(3.0, abs=0.06)]
 
 
+@pytest.mark.slow
 def test_every_frame_is_in_a_candump_log(handcart: Callable[..., Said], run: Callable[..., Path]) -> None:
     folder = run("silent", 2.0)
     with CanutilsLogReader(folder / "frames_000.log") as reader:

@@ -200,6 +200,7 @@ def test_a_real_robot_moves_only_when_a_person_has_looked(
     assert handcart("resume", folder, "--confirm", last).status == 0
 
 
+@pytest.mark.slow
 def test_another_task_is_not_gone_on_with(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     """D12"""
     handcart("run", tour, "--runs", tmp_path / "runs")

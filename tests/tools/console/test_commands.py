@@ -30,6 +30,7 @@ def console(served: Served, live: LiveRun) -> Served:
     return served
 
 
+@pytest.mark.slow
 def test_a_command_reaches_its_run_with_who_gave_it(console: Served, live: LiveRun) -> None:
     reply = console.command(do="permit", action=0, ask=1, nonce="n")
     assert (reply.status, reply.json["ok"]) == (200, True)

@@ -327,6 +327,7 @@ def _closed(line: socket.socket) -> bool:
         return True
 
 
+@pytest.mark.slow
 def test_what_cannot_be_is_told_in_words(handcart: Callable[..., Said], tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         said = handcart("console", tmp_path, "--port", taken.getsockname()[1])

@@ -81,6 +81,7 @@ def test_one_axis_moves_and_no_other(backend: CanBackend, librarian: RobotFile, 
     assert all(abs(item) < 1e-3 for item in moved.values())
 
 
+@pytest.mark.slow
 def test_the_hand_is_never_faster_than_250_mm_s(backend: CanBackend, librarian: RobotFile) -> None:
     jogger, arm, model = Jogger(backend, librarian), backend.get(Arm), librarian.arm_model()  # type: ignore[type-abstract]
     assert arm is not None

@@ -119,6 +119,7 @@ def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
     assert run().status == 0
 
 
+@pytest.mark.slow
 def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(
     run: Callable[..., Said], handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:

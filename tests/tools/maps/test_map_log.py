@@ -71,6 +71,7 @@ def mapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "map"
 
 
+@pytest.mark.slow
 def test_map_walls_lie_at_the_true_walls(mapped: Path) -> None:
     grid, warning = load_map(mapped / "map.yaml")
     assert warning is None

@@ -5,10 +5,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import orjson
+import pytest
 
 from tests.tools.conftest import Said
 
 
+@pytest.mark.slow
 def test_a_run_leaves_one_page_that_needs_nothing_else(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
@@ -35,6 +37,7 @@ def test_a_run_leaves_one_page_that_needs_nothing_else(
     assert (said.status, ".txt" in said.err, "*.html" in said.err) == (2, True, True)
 
 
+@pytest.mark.slow
 def test_report_is_optional_and_a_missing_run_is_no_traceback(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:

@@ -59,6 +59,7 @@ def counts(recorded: Playback) -> dict[str, int]:
     return {topic: count for topic, count in found.items() if count}
 
 
+@pytest.mark.slow
 def test_all_that_was_recorded_is_there_once(
     handcart: Callable[..., Said], run: Path, tmp_path: Path
 ) -> None:
@@ -87,6 +88,7 @@ def test_all_that_was_recorded_is_there_once(
     assert joints["left_finger"] == joints["right_finger"] == pytest.approx(rows.width[-1] / 2)
 
 
+@pytest.mark.slow
 def test_what_stood_around_stands_where_it_stood(
     handcart: Callable[..., Said], run: Path, tmp_path: Path
 ) -> None:
@@ -104,6 +106,7 @@ def test_what_stood_around_stands_where_it_stood(
     assert 100 not in cells[len(cells) - row - near : len(cells) - row + near, around]
 
 
+@pytest.mark.slow
 def test_events_are_in_words_and_what_the_run_was_is_told(
     handcart: Callable[..., Said], run: Path, tmp_path: Path
 ) -> None:
@@ -123,6 +126,7 @@ def test_events_are_in_words_and_what_the_run_was_is_told(
     assert attached["robot.urdf"].decode() == Playback.read(run).scenery.robot.urdf
 
 
+@pytest.mark.slow
 def test_a_run_that_was_not_recorded_is_told(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:

@@ -35,6 +35,7 @@ def raised(row: str, by: float) -> str:
     return ",".join((x, y, f"{float(z) + by:.4f}", *rest))
 
 
+@pytest.mark.slow
 def test_a_seam_that_can_be_tracked_is_told_with_its_division(handcart: Callable[..., Said]) -> None:
     said = handcart("check", TASK / "task.yaml")
     assert said.status == 0
@@ -68,6 +69,7 @@ def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Said],
     assert "; the nearest that can be reached: (" in said.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -90,6 +92,7 @@ def test_what_else_is_in_the_way_is_told(
     assert message in said.err
 
 
+@pytest.mark.slow
 def test_placing_writes_a_task_that_holds(
     handcart: Callable[..., Said], folder: Path, tmp_path: Path
 ) -> None:

@@ -103,6 +103,7 @@ def test_what_may_be_done_next_can_be_pasted(tmp_path: Path, outcome: str, first
     assert next_steps({"run_dir": str(folder), "outcome": outcome})[-1] == str(folder / "report.html")
 
 
+@pytest.mark.slow
 def test_stdout_holds_the_result_alone(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs")
     assert len(said.out.splitlines()) == 1

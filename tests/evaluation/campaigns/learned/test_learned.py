@@ -100,6 +100,7 @@ def test_what_was_seldom_seen_leans_on_all_contexts(
     assert share == pytest.approx(0.7, abs=0.06)
 
 
+@pytest.mark.slow
 def test_each_half_predicts_the_other(task: Task, recorded: Callable[[int], Iterator[Trial]]) -> None:
     trust = hold_out(task, SeenActions.of(task, recorded(TRIALS)))
     assert trust.wrong is None
@@ -118,6 +119,7 @@ class FirstBlock(SecondTimeWorse):
         return np.where(lost, EndCode.GIVE_UP, EndCode.SUCCESS).astype(np.int8)
 
 
+@pytest.mark.slow
 def test_what_no_action_s_own_past_tells_is_refused() -> None:
     """The first block is often dropped, others never: the elements of a repeat cannot be distinguished."""
     task = load_task(STACK_BLOCKS)

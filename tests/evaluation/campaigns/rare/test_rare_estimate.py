@@ -51,6 +51,7 @@ def test_the_interval_is_of_the_logarithm() -> None:
     assert math.log(high / 1e-4) == pytest.approx(2.228 * 0.2, rel=1e-3)  # Student's, 10 degrees
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_exact_value_as_often_as_they_say(tmp_path: Path) -> None:
     path = rare_walk(tmp_path)
     exact, trials = exact_end(path, {}, "GiveUp"), network_trials(path, {})

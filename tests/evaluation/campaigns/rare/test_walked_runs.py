@@ -17,6 +17,7 @@ from handcart.evaluation.campaigns.statistics.exact_value import exact_end
 POPULATIONS = 1500
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("outcome", "importance", "at_once"),
     [

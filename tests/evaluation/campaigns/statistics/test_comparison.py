@@ -87,6 +87,7 @@ def test_the_bet_is_won_by_differences_alone() -> None:
     assert ever / 2000 <= 0.05
 
 
+@pytest.mark.slow
 def test_power_is_that_of_drawn_campaigns() -> None:
     chance = np.random.default_rng(2)
     drawn = chance.multinomial(100, [0.05, 0.2, 0.75], 4000)

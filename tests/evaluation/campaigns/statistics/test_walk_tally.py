@@ -17,6 +17,7 @@ from handcart.evaluation.campaigns.statistics.tally import Tally
 from handcart.evaluation.campaigns.statistics.walk_tally import WalkTally
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(6000), range(4090, 4100), range(-5000, -10), range(7, 8)])
 def test_it_counts_what_the_trials_count_one_by_one(tmp_path: Path, seeds: range) -> None:
     trials = network_trials(walk(tmp_path, 0.5), {})

@@ -38,6 +38,7 @@ class Hurry(RunObserver):
             self.drawn += 1
 
 
+@pytest.mark.slow
 def test_a_run_that_is_recorded_and_watched_is_the_same_to_the_bit(toured: Path, tmp_path: Path) -> None:
     bare, _ = run_task(TOUR, tmp_path, RunOptions(settings=SETTINGS))
     with open_server(0, "test") as opened:

@@ -69,6 +69,7 @@ def test_cylinder_that_cannot_be_is_reported(can: str, words: str, tmp_path: Pat
         check_quietly(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [

@@ -54,6 +54,7 @@ def _free_postures(arm: ArmModel, collision: CollisionModel, count: int) -> list
     return [q for q in drawn if not collision.in_collision(q)][:count]
 
 
+@pytest.mark.slow
 def test_paths_are_free_and_lead_there(arm: ArmModel, collision: CollisionModel) -> None:
     around = 0
     for seed, (start, goal) in enumerate(pairwise(_free_postures(arm, collision, 31))):

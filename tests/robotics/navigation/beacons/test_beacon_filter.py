@@ -32,6 +32,7 @@ def drives() -> list[BeaconDrive]:
     return [beacon_drive(seed, stops=3) for seed in range(8)]
 
 
+@pytest.mark.slow
 def test_the_place_is_known_although_each_beacon_is_off(drives: list[BeaconDrive]) -> None:
     trials = [try_beacons(drive, CONSTANT) for drive in drives]
     errors = np.concatenate([trial.errors for trial in trials])
@@ -42,6 +43,7 @@ def test_the_place_is_known_although_each_beacon_is_off(drives: list[BeaconDrive
     assert max(trial.refused for trial in trials) < 0.001
 
 
+@pytest.mark.slow
 def test_who_supposes_no_bias_is_wrong_and_hears_so(drives: list[BeaconDrive]) -> None:
     trials = [try_beacons(drive, BEACON_ERRORS._replace(bias=0.005, bias_walk=0.0)) for drive in drives]
     errors = np.concatenate([trial.errors for trial in trials])
@@ -49,6 +51,7 @@ def test_who_supposes_no_bias_is_wrong_and_hears_so(drives: list[BeaconDrive]) -
     assert not all(all(trial.consistent) for trial in trials)
 
 
+@pytest.mark.slow
 def test_biases_are_found_as_well_as_is_claimed(drives: list[BeaconDrive]) -> None:
     squares = []
     for drive in drives:
@@ -74,6 +77,7 @@ def test_a_scale_of_all_ranges_is_found() -> None:
     assert np.hypot(*sure.errors.T).max() > 2.0 * np.hypot(*wary.errors.T).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", [BeaconWorld(bias_walk=0.01), BeaconWorld(moved=0.5)])
 def test_claims_hold_where_a_bias_is_not_constant(world: BeaconWorld) -> None:
     """Wandering, or as a beacon is moved a little; without the walk that is supposed they don't."""
@@ -99,6 +103,7 @@ def test_a_beacon_that_was_carried_off_is_not_believed(drives: list[BeaconDrive]
     assert not all(try_beacons(drive._replace(ranges=ranges)).consistent)
 
 
+@pytest.mark.slow
 def test_claims_hold_where_a_beacon_is_moved_by_metres_on_the_way() -> None:
     """Refused at first, its ranges would come to fit a wrong place as the robot drives on."""
     trials = [try_beacons(beacon_drive(seed, BeaconWorld(moved=3.0))) for seed in range(3)]

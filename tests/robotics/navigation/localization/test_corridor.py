@@ -70,6 +70,7 @@ def by_direction(localizer: ScanLocalizer, truth: Pose2, angle: float) -> tuple[
     return abs(off[0]), abs(off[1]), float(spread[0]), float(spread[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.0, 0.02, 0.3, math.pi / 4])
 @pytest.mark.parametrize("off", [0.03, -0.03])
 def test_along_a_corridor_the_claim_covers_the_error(scan: Scan, angle: float, off: float) -> None:

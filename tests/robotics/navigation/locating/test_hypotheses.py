@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.locating.hypotheses import Hypotheses
@@ -64,6 +65,7 @@ def test_the_same_view_again_is_no_further_evidence() -> None:
     assert abs(hypotheses.margin - once.margin) < 3.0
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_not_on_the_map_is_explained_nowhere() -> None:
     elsewhere = [(x, y, 0.4, 0.5, 0.5) for x in np.arange(0.0, 8.0, 1.7) for y in np.arange(0.0, 6.0, 1.9)]
     hypotheses = Hypotheses(field_of(TWINS), 0.01)

@@ -117,6 +117,7 @@ def test_a_measured_pose_takes_the_bent_way_with_it() -> None:
     assert np.linalg.eigvalsh(odometry.covariance).min() > 0.0
 
 
+@pytest.mark.slow
 def test_measured_poses_also_calibrate_the_wheels() -> None:
     """After a corrected drive, the next one is dead reckoned far better than by uncalibrated wheels."""
     rng = np.random.default_rng(1)

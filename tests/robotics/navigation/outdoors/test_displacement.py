@@ -71,6 +71,7 @@ def test_it_is_the_way_that_was_driven(log: FieldLog, number: int) -> None:
     assert np.hypot(*mean[:2]) > 3.0
 
 
+@pytest.mark.slow
 def test_displacement_over_ten_metres_is_consistent_and_smaller() -> None:
     found: list[Way] = []
     for seed in range(6):

@@ -68,6 +68,7 @@ def test_it_reaches_the_limit_and_knows_how_wrong_it_is() -> None:
         assert (squares < 5.991).mean() > 0.87
 
 
+@pytest.mark.slow
 def test_rtk_lays_within_three_centimetres() -> None:
     errors = []
     for seed in range(6):
@@ -99,6 +100,7 @@ def test_reflection_is_rejected_and_its_effect_undone(shift: float) -> None:
     assert np.hypot(*as_laid(log, localizer.smoothed()).errors.T).max() < 0.5
 
 
+@pytest.mark.slow
 def test_good_fixes_are_believed() -> None:
     for seed in range(4):
         log = record_course(zigzag_course(), REFERENCE_NOISE, seed)

@@ -20,6 +20,7 @@ def drive(localizer: ParticleFilter, seconds: float, speed: float = 0.5, rate: f
         localizer.predict(np.array([0.0, 0.0, rate]), LEVEL, np.full(2, speed * DT), DT)
 
 
+@pytest.mark.slow
 def test_it_spreads_like_the_papers_field_test() -> None:
     """A few runs only: the benchmark has them all."""
     course = zigzag_course()

@@ -28,6 +28,7 @@ def squares(world: str, seeds: range, alone: bool = False) -> np.ndarray:
     return np.concatenate(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", ["drift", "antenna", "heading", "slip"])
 def test_claims_hold_where_the_world_is_not_as_told(world: str) -> None:
     seeds = range(4)
@@ -35,6 +36,7 @@ def test_claims_hold_where_the_world_is_not_as_told(world: str) -> None:
     assert squares(world, seeds, alone=True).mean() > 4.0
 
 
+@pytest.mark.slow
 def test_what_the_world_is_like_is_found_out() -> None:
     before = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0))).weights
     for world, rows in (("as told", slice(0, 1)), ("jumps", slice(9, 12))):
@@ -85,6 +87,7 @@ def test_fixes_that_come_late_are_found_to() -> None:
     assert delay > 0.15
 
 
+@pytest.mark.slow
 def test_wheels_that_creep_stand_still() -> None:
     """1 mm/s from the wheels of a base that stands: the gyros' bias is learned all the same."""
     creeping, still = squares("creep", range(2)), squares("as told", range(2))

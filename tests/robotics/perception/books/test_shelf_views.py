@@ -82,6 +82,7 @@ def test_a_held_book_hides_spines_but_makes_no_interval(bookshelf: Bookshelf, re
     assert fuse_views([view]).intervals == ()
 
 
+@pytest.mark.slow
 def test_views_with_wrong_poses_are_aligned_by_their_books(
     bookshelf: Bookshelf, reader: OcrLabelReader
 ) -> None:
