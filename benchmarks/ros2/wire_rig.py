@@ -23,6 +23,7 @@ from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
 from handcart.backends.ros2.bench.ros_bench import RosBench
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.ros_link import RosLink, node_name
+from handcart.backends.ros2.wire.transports import TRANSPORTS
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
@@ -189,6 +190,7 @@ def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[R
         moves: returns whether what is watched has moved in the bench's last period.
     """
     assert robot.ros2 is not None
+    os.environ[TRANSPORTS] = "DEFAULT"  # with shared memory, as a robot's drivers have it
     faults = BenchFaults(robot.period_s)
     bench = RosBench(robot, robot.ros2, inner, RosLink(node_name("bench")), faults)
     moved: list[tuple[float, bool]] = []

@@ -13,6 +13,7 @@ from typing_extensions import override
 from .goals import Accepts, GoalSender, TakesGoal
 from .ros_errors import NoRos
 from .ros_goals import RosGoalSender, action_servers, actions_of, node_of, serve_action
+from .transports import RANGE, environment, shares_memory, transport_variables
 
 Take = Callable[[Any], None]
 """Receives a message."""
@@ -111,11 +112,15 @@ class RosLink(Link):
             rclpy = import_module("rclpy")
             executors = import_module("rclpy.executors")
             self._qos = import_module("rclpy.qos")
-            self._context = import_module("rclpy.context").Context()
         except ImportError as missing:
             raise NoRos(missing) from None
-        rclpy.init(args=[], context=self._context, domain_id=domain)
-        self._node = rclpy.create_node(name, namespace=namespace or None, context=self._context)
+        variables = transport_variables(rclpy.get_rmw_implementation_identifier())
+        with environment(variables):
+            self._context, self._node = _new_node(rclpy, name, namespace, domain)
+        if RANGE in variables and shares_memory():  # another node of this process was there first
+            self._node.destroy_node()
+            self._context.try_shutdown()
+            self._context, self._node = _new_node(rclpy, name, namespace, domain)
         self._executor = self._new_executor(executors)
         self._executor.add_node(self._node)
         self._heard: list[tuple[Any, Take]] = []
@@ -272,6 +277,13 @@ class RosLink(Link):
         self._executor.shutdown(timeout_sec=0.5)
         self._node.destroy_node()
         self._context.try_shutdown()
+
+
+def _new_node(rclpy: Any, name: str, namespace: str, domain: int | None) -> tuple[Any, Any]:
+    """Start a node of the module `rclpy`; return its context, of its own, and the node."""
+    context = import_module("rclpy.context").Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
+    return context, rclpy.create_node(name, namespace=namespace or None, context=context)
 
 
 def _take_all(subscription: Any, take: Take) -> None:

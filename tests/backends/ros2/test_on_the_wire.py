@@ -27,6 +27,7 @@ from handcart.backends.ros2.wire.goals import GoalSender, GoalStage, SentGoal, S
 from handcart.backends.ros2.wire.messages import TRAJECTORY_ACTION, trajectory_goal
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import RosLink
+from handcart.backends.ros2.wire.transports import shares_memory
 
 pytest.importorskip(
     "rclpy", reason="rclpy is not installed; needed: the extra ros2, apart", exc_type=ImportError
@@ -309,3 +310,11 @@ def test_any_action_passes_the_middleware_with_each_of_its_ends() -> None:
     finally:
         for link in rig.links:
             link.close()
+
+
+def test_no_memory_is_shared_that_a_killed_node_could_lock() -> None:
+    link = RosLink("apart")
+    try:
+        assert not shares_memory()
+    finally:
+        link.close()
