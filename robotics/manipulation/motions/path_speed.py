@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from handcart.robotics.manipulation.motions.rounded_path import RoundedPath
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .toppra_library import (
-    TOPPRA,
     AbstractGeometricPath,
     JointAccelerationConstraint,
     JointVelocityConstraint,
+    SeidelToppra,
 )
 
 
@@ -33,16 +35,27 @@ def highest_speed(
     Raises:
         RuntimeError: no speed profile keeps the limits.
     """
-    limits = [
-        JointVelocityConstraint(np.column_stack((-velocity, velocity))),
-        JointAccelerationConstraint(np.column_stack((-acceleration, acceleration))),
-    ]
+    velocity, acceleration = np.asarray(velocity, dtype=np.float64), np.asarray(acceleration, np.float64)
+    limits = _limits(velocity.tobytes(), acceleration.tobytes())
     grid = _grid(rounded.knots)
-    solver = TOPPRA(limits, _Path(rounded), gridpoints=grid, solver_wrapper="seidel")
+    solver = SeidelToppra(list(limits), _Path(rounded), grid)
     _, speed, _ = solver.compute_parameterization(0.0, 0.0)
     if speed is None or not np.all(np.isfinite(speed)):
         raise RuntimeError("TOPP-RA found no speed along a path from rest to rest")
     return grid, np.maximum(speed, 0.0)
+
+
+@lru_cache(maxsize=16)
+def _limits(velocity: bytes, acceleration: bytes) -> tuple[object, object]:
+    """Return toppra's constraints for limits given as the bytes of their (n,) numbers.
+
+    They do not change, and toppra describes each in words, which takes as long as a short path's speeds.
+    """
+    fastest, hardest = np.frombuffer(velocity), np.frombuffer(acceleration)
+    return (
+        JointVelocityConstraint(np.column_stack((-fastest, fastest))),
+        JointAccelerationConstraint(np.column_stack((-hardest, hardest))),
+    )
 
 
 def _grid(knots: FloatArray) -> FloatArray:

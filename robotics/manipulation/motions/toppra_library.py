@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from types import ModuleType
 from typing import Any
@@ -25,12 +26,28 @@ _stand_ins = {part.__name__: part for part in (_package, _plots) if part.__name_
 sys.modules.update(_stand_ins)
 
 from toppra import SplineInterpolator as SplineInterpolator  # noqa: E402
-from toppra.algorithm import TOPPRA as TOPPRA  # noqa: E402
+from toppra.algorithm import TOPPRA  # noqa: E402
+from toppra.algorithm.algorithm import ParameterizationAlgorithm  # noqa: E402
 from toppra.constraint import JointAccelerationConstraint as JointAccelerationConstraint  # noqa: E402
 from toppra.constraint import JointTorqueConstraint as JointTorqueConstraint  # noqa: E402
 from toppra.constraint import JointVelocityConstraint as JointVelocityConstraint  # noqa: E402
 from toppra.constraint import JointVelocityConstraintVarying as JointVelocityConstraintVarying  # noqa: E402
 from toppra.interpolator import AbstractGeometricPath as AbstractGeometricPath  # noqa: E402
+from toppra.solverwrapper import seidelWrapper  # noqa: E402
+
+from handcart.robotics.numerics.arrays import FloatArray  # noqa: E402
 
 for name in _stand_ins:
     del sys.modules[name]
+
+
+class SeidelToppra(TOPPRA):  # type: ignore[misc]
+    """TOPP-RA with the solver of Seidel, which is compiled into toppra.
+
+    Its own constructor searches the disk for the other solvers each time.
+    """
+
+    def __init__(self, constraints: Sequence[object], path: AbstractGeometricPath, grid: FloatArray) -> None:
+        """Take linear constraints, a path, and its arc lengths (g,), from the path's start to its end."""
+        ParameterizationAlgorithm.__init__(self, list(constraints), path, gridpoints=grid)
+        self.solver_wrapper = seidelWrapper(self.constraints, self.path, self.gridpoints, solve_lp1d=True)

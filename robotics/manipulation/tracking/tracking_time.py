@@ -9,10 +9,10 @@ from scipy.interpolate import CubicSpline
 
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.toppra_library import (
-    TOPPRA,
     JointAccelerationConstraint,
     JointTorqueConstraint,
     JointVelocityConstraintVarying,
+    SeidelToppra,
     SplineInterpolator,
 )
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
@@ -187,7 +187,7 @@ def _fastest(
             JointTorqueConstraint(load.torques, np.column_stack((-room, room)), np.zeros(arm.dof))
         )
     grid = np.unique(np.concatenate((path.lengths, np.linspace(0.0, path.length, 4 * len(path.points)))))
-    solver = TOPPRA(constraints, spline, gridpoints=grid, solver_wrapper="seidel")
+    solver = SeidelToppra(constraints, spline, grid)
     _, speed, _ = solver.compute_parameterization(0.0, 0.0)
     if speed is None or not np.all(np.isfinite(speed)):
         raise RuntimeError("TOPP-RA found no speed along a path from rest to rest")

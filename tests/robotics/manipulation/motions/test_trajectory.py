@@ -119,3 +119,14 @@ def test_plots_of_the_library_are_not_loaded() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
     )
     assert shown.stdout == "False\n"
+
+
+def test_limits_of_an_earlier_path_do_not_hold_for_the_next() -> None:
+    path = np.array([np.zeros(6), np.full(6, 0.4)])
+    lengths = []
+    for velocity, acceleration in ((1.0, 1.0), (0.25, 1.0), (0.25, 0.5), (1.0, 1.0)):
+        limits = VELOCITY * velocity, ACCELERATION * acceleration
+        points = time_path(path, *limits, PERIOD)
+        _assert_limits(points, *limits, PERIOD)
+        lengths.append(len(points))
+    assert lengths[0] == lengths[3] < lengths[1] < lengths[2]
