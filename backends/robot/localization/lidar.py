@@ -35,6 +35,8 @@ class Lidar(RangeSensor):
         self._raw: Scan | None = None
         self._read: Scan | None = None
         self._blind: tuple[Scan, float] | None = None
+        self._silence: tuple[Scan, str] | None = None
+        self._beams: tuple[Scan, ScanBeams] | None = None
 
     def scan(self) -> Scan:
         """See `RangeSensor`; `Scan.validity` is set."""
@@ -84,18 +86,34 @@ class Lidar(RangeSensor):
         does.
         """
         scan = self.scan()
-        echoes = int(np.isfinite(scan.ranges).sum())
-        if self.blockage or echoes >= min(MIN_ECHOES, len(scan.ranges)):
-            return self.blockage
+        if self._silence is None or self._silence[0] is not scan:
+            self._silence = scan, self._silence_of(scan)
+        return self._silence[1]
+
+    def _silence_of(self, scan: Scan) -> str:
+        echoes = int(np.count_nonzero(np.isfinite(scan.ranges)))
+        blockage = self.blockage
+        if blockage or echoes >= min(MIN_ECHOES, len(scan.ranges)):
+            return blockage
         return f"the lidar gets next to no echoes: {echoes} of {len(scan.ranges)} beams return"
+
+    def beams(self) -> ScanBeams:
+        """Return this period's scan by its beams, without blind ones; all callers share the arrays."""
+        scan = self.scan()
+        if self._beams is None or self._beams[0] is not scan:
+            self._beams = scan, _beams_of(scan, self.spec.reach_m)
+        return self._beams[1]
 
 
 def beams_of(lidar: Lidar) -> ScanBeams:
     """Return this period's scan by its beams, without blind ones."""
-    scan = lidar.scan()
+    return lidar.beams()
+
+
+def _beams_of(scan: Scan, reach: float) -> ScanBeams:
     sensor = scan.base_T_sensor
     ranges = np.where(scan.blind(), np.nan, scan.ranges) if len(scan.validity) else scan.ranges
-    return ScanBeams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, lidar.spec.reach_m)
+    return ScanBeams(np.array([sensor.x, sensor.y]), scan.angles + sensor.theta, ranges, reach)
 
 
 def other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 from typing_extensions import override
 
 from handcart.backends.simulation.world.material import Material
-from handcart.backends.simulation.world.thing import Thing
+from handcart.backends.simulation.world.thing import Thing, middle_frame
 from handcart.robotics.geometry.transform import Transform
 
 from .spec import BookSpec
@@ -74,6 +73,4 @@ class SimulatedBook(Thing):
     @property
     @override
     def thing_T_middle(self) -> Transform:
-        result = np.eye(4)
-        result[0, 3], result[2, 3] = self.depth / 2, self.height / 2
-        return result
+        return middle_frame(self.depth / 2, self.height / 2)

@@ -33,7 +33,7 @@ def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
     for every period.
     """
     rng, begun = _stream(int(seed), purpose)
-    counter = begun["state"]["counter"]
+    counter = begun["state"]["counter"]  # of whole numbers: an array's are unpacked twice as slowly
     counter[2], counter[3] = _branch(seed, purpose, period), period
     rng.bit_generator.state = begun
     return rng.standard_normal(size)
@@ -60,4 +60,7 @@ def _stream(seed: int, purpose: str) -> tuple[np.random.Generator, dict[str, Any
     another.
     """
     rng = keyed(seed, purpose)
-    return rng, dict(rng.bit_generator.state)
+    begun = dict(rng.bit_generator.state)
+    begun["state"] = {name: words.tolist() for name, words in begun["state"].items()}
+    begun["buffer"] = begun["buffer"].tolist()
+    return rng, begun

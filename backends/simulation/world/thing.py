@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import lru_cache
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -80,9 +81,7 @@ class Thing(ABC):
     @property
     def thing_T_middle(self) -> Transform:
         """Pose (4, 4) of the thing's middle in its own frame, by default right above the origin."""
-        result = np.eye(4)
-        result[2, 3] = self.size[2] / 2
-        return result
+        return middle_frame(0.0, self.size[2] / 2)
 
     @property
     def mass(self) -> float:
@@ -121,3 +120,12 @@ class Thing(ABC):
     def tilt(self) -> float:
         """Angle between its height and the vertical, in [rad]."""
         return float(np.arccos(np.clip(self.pose[2, 2], -1.0, 1.0)))
+
+
+@lru_cache(maxsize=256)
+def middle_frame(ahead: float, above: float) -> Transform:
+    """Return the pose (4, 4) that far ahead of and above the origin, in [m]; read-only."""
+    pose = np.eye(4)
+    pose[0, 3], pose[2, 3] = ahead, above
+    pose.flags.writeable = False
+    return pose

@@ -80,3 +80,20 @@ def test_a_raw_scan_is_read_once_and_the_next_one_anew() -> None:
     raw.scan = lambda: one._replace(ranges=np.full(BEAMS, 9.0))  # type: ignore[method-assign]
     assert lidar.scan().validity.tolist() == [Validity.NO_RETURN] * BEAMS
     assert lidar.scan_later()().validity.tolist() == [Validity.NO_RETURN] * BEAMS
+
+
+def test_silence_and_beams_are_those_of_the_newest_scan() -> None:
+    raw = Raw()
+    lidar = lidar_of(raw)
+    assert lidar.silence == ""
+    assert lidar.beams().ranges.tolist() == [2.0] * BEAMS
+    raw.ranges = np.full(BEAMS, math.inf)
+    assert lidar.silence == f"the lidar gets next to no echoes: 0 of {BEAMS} beams return"
+    assert lidar.beams().ranges.tolist() == [math.inf] * BEAMS
+
+
+def test_beams_of_one_scan_are_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    raw = Raw()
+    lidar, one = lidar_of(raw), raw.scan()
+    monkeypatch.setattr(raw, "scan", lambda: one)
+    assert lidar.beams() is lidar.beams()

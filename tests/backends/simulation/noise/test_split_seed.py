@@ -45,3 +45,13 @@ def test_the_same_branch_draws_the_same() -> None:
     one, same = SplitSeed(7).split(9), SplitSeed(7).split(9)
     assert drawn(one, "slip", 1) == drawn(same, "slip", 1)
     assert drawn(7, "slip", 1) == drawn(SplitSeed(7), "slip", 1)  # a cache belongs to one of them
+
+
+def test_cheap_noise_is_the_first_noise_of_its_generator() -> None:
+    for seed, purpose, period, size in (
+        (0, "gyros", 0, 3),
+        (2**40 + 1, "joints", 77, 6),
+        (3, "joints", 5, 400),
+    ):
+        expected = keyed(seed, purpose, period).standard_normal(size)
+        assert (keyed_normal(seed, purpose, period, size) == expected).all()
