@@ -2,11 +2,12 @@
 
     python -m benchmarks.cpu_against CHECKOUT [TASK ...] [--pairs 5] [--starts 3] [--seed 1]
 
-The other checkout has its virtual environment in `.venv`. One process of each checkout imports and compiles
-in a first run, which is not counted; then both run each task with the same seed, in turn, `--pairs` times,
-the first of a pair being the second of the next. `start` is a campaign of one trial less the median run.
-Counted is user and system time on one thread. `ratio` is the median of the pairs' ratios, `from` and `to`
-are the least and the greatest, `of least` divides the least times, which load on the machine raises least.
+The other checkout's code runs in its `.venv`, or in this one's if it has none. One process of each imports
+and compiles in a first run, which is not counted; then both run each task with the same seed, in turn,
+`--pairs` times, the first of a pair being the second of the next. `start` is a campaign of one trial less
+the median run. Counted is user and system time on one thread. `ratio` is the median of the pairs' ratios,
+`from` and `to` are the least and the greatest, `of least` divides the least times, which load on the
+machine raises least.
 """
 
 from __future__ import annotations
@@ -68,8 +69,14 @@ class Row(NamedTuple):
 
 
 def python_of(checkout: Path) -> str:
-    """Return the interpreter of a checkout's virtual environment; this one's for this checkout."""
-    return sys.executable if checkout == REPOSITORY_ROOT else str(checkout / ".venv" / "bin" / "python")
+    """Return the interpreter of a checkout's virtual environment; this one's if it has none."""
+    own = checkout / ".venv" / "bin" / "python"
+    return str(own) if checkout != REPOSITORY_ROOT and own.exists() else sys.executable
+
+
+def environment_of(checkout: Path, **more: str) -> dict[str, str]:
+    """Return the variables of a process that runs a checkout's code, on one thread."""
+    return {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(checkout / "src"), **more}
 
 
 @contextmanager
@@ -85,7 +92,7 @@ def runner(checkout: Path, task: str, backend: str) -> Iterator[Callable[[int], 
             stdout=pipe,
             stderr=errors,
             text=True,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
+            env=environment_of(checkout),
         )
         assert process.stdin is not None and process.stdout is not None
         requests, answers = process.stdin, process.stdout
@@ -113,7 +120,7 @@ def start_s(checkout: Path, words: list[str]) -> float:
         subprocess.run(
             [python_of(checkout), "-P", "-c", program],
             cwd=checkout,
-            env={**os.environ, "OMP_NUM_THREADS": "1", "TMPDIR": folder},
+            env=environment_of(checkout, TMPDIR=folder),
             check=True,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -148,8 +155,8 @@ def rows_of_task(
     words = ["campaign", f"tasks/{task}/task.yaml", "--trials", "1", "--jobs", "1"]
     words += ["--first", str(given.seed), "--backend", given.backend]
     starts = [partial(start_s, checkout, words) for checkout in checkouts]
-    both = alternated(f"  start of {task}", starts, given.starts, advance)
     if given.starts:
+        both = alternated(f"  start of {task}", starts, given.starts, advance)
         here = [start - median(row.here) for start in both.here]
         yield Row(both.name, here, [start - median(row.other) for start in both.other])
 
@@ -180,7 +187,8 @@ def main() -> None:
             for row in rows_of_task(checkouts, task, given, advance):
                 print(row.text(), flush=True)
     help_times = [partial(start_s, checkout, ["--help"]) for checkout in checkouts]
-    print(alternated("handcart --help", help_times, 4 * given.starts, lambda: None).text(), flush=True)
+    if given.starts:
+        print(alternated("handcart --help", help_times, 4 * given.starts, lambda: None).text(), flush=True)
 
 
 if __name__ == "__main__":
