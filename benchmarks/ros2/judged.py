@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 LATE_LIMIT_S = 0.05
 """[s] by which no period of bench and program may be too long in a trial that is judged: one period."""
 QUEUE_FILE = Path("/proc/thread-self/schedstat")
@@ -122,14 +124,24 @@ class LoopWatch:
         """Begin with a first period of `period_s` seconds; `queue` is the clock of the calling thread."""
         self._queue = queue or QueueClock()
         self._period_s, self._ended, self._waited = period_s, time.monotonic(), self._queue.read_s()
+        self._found: list[Lateness] = []
 
     def note(self) -> None:
         """Note that a period has ended."""
         now, waited = time.monotonic(), self._queue.read_s()
         late = split_lateness(now - self._ended - self._period_s, waited - self._waited)
         self._ended, self._waited = now, waited
+        self._found.append(late)
         if self.shared is not None:
             self.shared[:] = most_late((Lateness(*self.shared), late))
+
+    def figures(self) -> dict[str, float]:
+        """Return by how much 99 % of the periods are too long at most, by each cause, in [ms]."""
+        shares = [(late.machine_s, late.own_s) for late in self._found if late.is_split]
+        if not shares:
+            return {}
+        machine, own = (round(1e3 * float(share), 3) for share in np.percentile(shares, 99.0, axis=0))
+        return {"machine_p99_ms": machine, "own_p99_ms": own}
 
 
 def split_lateness(late_s: float, waited_s: float) -> Lateness:

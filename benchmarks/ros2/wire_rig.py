@@ -232,7 +232,7 @@ def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.
                     watch.note()
             finally:
                 watch.note()
-                ended, figures = time.monotonic(), dict(backend.figures())
+                ended, figures = time.monotonic(), {**backend.figures(), "too long": watch.figures()}
     except (RobotFault, HandcartError) as error:
         words = str(error)
     # Leaving the air takes a moment more, up to 2 s where the other side was killed.

@@ -103,6 +103,9 @@ def test_a_period_is_split_by_the_wait_within_it(tmp_path: Path, monkeypatch: py
         assert shared[0] >= machine
         assert shared[1] >= own
     assert shared[0] < 1.0  # no more than the period was late
+    figures = watch.figures()
+    assert figures["machine_p99_ms"] >= 20.0
+    assert figures["own_p99_ms"] >= 20.0
 
 
 @pytest.mark.slow
