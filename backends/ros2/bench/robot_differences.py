@@ -10,8 +10,8 @@ from handcart.backends.description.ros_spec import RosSpec
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 
-TIMEOUT_NAME, LATENCY_NAME = "timeout", "joints.latency"
-TIME_NAMES = (TIMEOUT_NAME, LATENCY_NAME)
+TIMEOUT_NAME, LATENCY_NAME, FINGER_LATENCY_NAME = "timeout", "joints.latency", "gripper.latency"
+TIME_NAMES = (TIMEOUT_NAME, LATENCY_NAME, FINGER_LATENCY_NAME)
 FIXED_NAMES = {
     "velocity.forward": "factor of the speed that the base drives for a commanded one",
     "velocity.sideways": "the same, sideways",
@@ -24,6 +24,7 @@ FIXED_NAMES = {
     "scan.side": "-1 for a lidar that counts the other way round, as one mounted upside down",
     "imu": "factor of the inertial unit's accelerations",
     LATENCY_NAME: "time in [s] after which a joint obeys its command",
+    FINGER_LATENCY_NAME: "time in [s] after which the fingers obey their command",
     TIMEOUT_NAME: "time in [s] for which the base keeps its last speeds",
 }
 """Differences by name; a joint's name, or `state.` and a joint's name, is the factor of its positions."""
@@ -79,3 +80,8 @@ class RobotDifferences:
     def joint_latency_s(self) -> float:
         """Return the time in [s] after which a joint obeys its command."""
         return self._factors.get(LATENCY_NAME, 0.0)
+
+    @property
+    def finger_latency_s(self) -> float:
+        """Return the time in [s] after which the fingers obey their command."""
+        return self._factors.get(FINGER_LATENCY_NAME, 0.0)

@@ -93,6 +93,7 @@ class RosBench:
         self._command, self._commanded = DriveCommand(), -math.inf
         self._wanted: dict[str, float] = {}
         self._late = LateCommands(round(self._true.joint_latency_s / robot.period_s))
+        self._late_fingers = LateCommands(round(self._true.finger_latency_s / robot.period_s))
         self._wheels = WheelOdometry(robot.drive)
         self._frames = BenchFrames(robot, spec, inner, link)
         self._send = self._publishers()
@@ -230,7 +231,8 @@ class RosBench:
 
     def _move_fingers(self, gripper: Gripper) -> None:
         spec, file = self._spec.gripper, self._robot.gripper
-        positions = [self._wanted[name] for name in spec.joints if name in self._wanted]
+        asked = self._late_fingers.passed(self._wanted)
+        positions = [asked[name] for name in spec.joints if name in asked]
         if file is None or not positions:
             return
         opening = file.opening_mm / 1e3

@@ -1,6 +1,8 @@
-"""The step that checks the gripper's direction and scale."""
+"""The step that checks the gripper's direction, scale and latency."""
 
 from __future__ import annotations
+
+import math
 
 from typing_extensions import override
 
@@ -15,13 +17,15 @@ OPENING_RATIOS = (0.3, 0.6)
 """Openings that are tried, relative to the full one."""
 SLACK_M, MAX_ERROR = 0.003, 0.1
 SETTLE_S = 2.0
+MOVED_M = 0.001
+"""Change of the width from which the fingers move."""
 
 
 class GripperRung(Rung[RosSite]):
     """Step that opens the fingers to two widths, and compares command, reading and a ruler."""
 
     name = "gripper"
-    summary = "the fingers at two widths: command, reading and a ruler agree"
+    summary = "the fingers at two widths: command, reading and a ruler agree, and the fingers follow in time"
 
     @override
     def left_out(self, site: RosSite) -> str:
@@ -34,11 +38,12 @@ class GripperRung(Rung[RosSite]):
         if not site.confirm("empty", "Is nothing between the fingers, and no hand near them?"):
             raise RungFailed("something was between the fingers")
         facts: Facts = {}
+        latencies = []
         with site.backend() as backend:
             for share in OPENING_RATIOS:
                 wanted = share * spec.opening_mm / 1e3
                 with site.operator.hold("gripper: hold the space bar; letting go stops it") as held:
-                    read = _open_to(backend, wanted, held)
+                    read, latency = _open_to(backend, wanted, held)
                 truth = backend.ground_truth()
                 key = f"width_at_{100 * share:.0f}_percent_mm"
                 question = f"How wide are the fingers open, by a ruler [mm]? (commanded: {1e3 * wanted:.0f})"
@@ -46,20 +51,43 @@ class GripperRung(Rung[RosSite]):
                 _compare(wanted, read, measured)
                 facts[f"{key[:-3]}_read_mm"] = round(1e3 * read, 1)
                 facts[key] = round(1e3 * measured, 1)
+                latencies += [] if math.isnan(latency) else [latency]
+        if latencies:
+            facts["latency_s"] = round(max(latencies), 3)
+            _check_latency(site, max(latencies))
         return facts
 
 
-def _open_to(backend: RosBackend, width: float, held: Held) -> float:
-    """Open the fingers to a width in [m], and return what is read at rest."""
+def _open_to(backend: RosBackend, width: float, held: Held) -> tuple[float, float]:
+    """Open the fingers to a width in [m].
+
+    Returns:
+        The width in [m] that is read at rest, and the time in [s] from the command until the reading moved;
+        NaN if it never did.
+    """
     gripper = backend.get(Gripper)  # type: ignore[type-abstract]
     assert gripper is not None, "the robot's file has one"
-    for _ in range(round(SETTLE_S / backend.period)):
+    begun, latency = gripper.width(), math.nan
+    for number in range(round(SETTLE_S / backend.period)):
         if not held():
             backend.stop()
             raise RungFailed("the key was let go before the motion was over")
         gripper.move(width)
         backend.step()
-    return gripper.width()
+        if math.isnan(latency) and abs(gripper.width() - begun) > MOVED_M:
+            latency = (number + 1) * backend.period
+    return gripper.width(), latency
+
+
+def _check_latency(site: RosSite, latency_s: float) -> None:
+    """Raise `RungFailed` if the fingers follow so late that, not having moved yet, they count as pressing."""
+    assert site.robot.ros2 is not None, "a site of ROS has one"
+    rest_ms = site.robot.ros2.gripper.rest_ms
+    if 1e3 * latency_s > rest_ms + 1e-6:
+        raise RungFailed(
+            f"gripper: its reading follows {latency_s:.2f} s after the command; allowed: {rest_ms / 1e3:.2f}"
+            " s (`rest_ms`): until then fingers at rest count as pressing on something; raise `rest_ms`"
+        )
 
 
 def _compare(wanted: float, read: float, measured: float) -> None:

@@ -128,13 +128,21 @@ def test_a_wrong_gripper_is_found(site_of: Any, wrong: str) -> None:
         GripperRung().climb(site_of("librarian", wrong))
 
 
+def test_fingers_that_would_count_as_pressing_too_soon_are_found(site_of: Any) -> None:
+    words = r"its reading follows 0\.\d+ s after the command; allowed: 0\.15 s \(`rest_ms`\)"
+    with pytest.raises(RungFailed, match=words):
+        GripperRung().climb(site_of("librarian", "gripper.latency=0.2"))
+
+
 @pytest.mark.slow
 def test_arm_and_gripper_as_their_file_says_pass(site_of: Any) -> None:
     site = site_of("librarian")
     facts = JointsRung().climb(site)
     assert set(facts) == {"hand_off_mm", *site.robot.arm.joints}
     assert all(facts[name]["latency_s"] <= 0.1 for name in site.robot.arm.joints)
-    assert GripperRung().climb(site)["width_at_60_percent_mm"] == pytest.approx(42, abs=2)
+    facts = GripperRung().climb(site)
+    assert facts["width_at_60_percent_mm"] == pytest.approx(42, abs=2)
+    assert 0.0 < facts["latency_s"] <= 0.1
 
 
 def scans(shape: str, side: int, beams: int = 360) -> tuple[Scan, Scan]:
