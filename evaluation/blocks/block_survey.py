@@ -210,7 +210,7 @@ class BlockSurvey(Survey):
 
 
 def _same_fix(fixed: Fixed, other: Fixed | None) -> bool:
-    return other is not None and fixed._replace(swings=0) == other._replace(swings=0)
+    return fixed is other or (other is not None and fixed._replace(swings=0) == other._replace(swings=0))
 
 
 def _on_scale(value: float) -> float:

@@ -190,7 +190,8 @@ class Scene:
 
     def riding(self) -> list[Thing]:
         """Return the things on the robot."""
-        return [thing for thing in self.things() if thing.rest is Rest.TRAY]
+        tray = Rest.TRAY  # looked up in an enumeration slowly, and there may be many things
+        return [thing for props in self.props.values() for thing in props.things() if thing.rest is tray]
 
     def felt_force(self) -> FloatArray:
         """Return the force (3,) on the hand, in its frame, in [N]: contacts, felt weights, and forces of

@@ -289,6 +289,10 @@ def disagreement_of_ranges(
     if step <= 0.0:
         return 0.0
     total, compared = 0.0, 0
+    ends = np.empty((count, 2))
+    for i in range(count):
+        angle = angles[0] + i * step
+        ends[i, 0], ends[i, 1] = ranges[i] * math.cos(angle), ranges[i] * math.sin(angle)
     for x, y in moved_echoes(before, moved, sensor):
         if math.isnan(x):
             continue
@@ -297,12 +301,8 @@ def disagreement_of_ranges(
         low = int(at)
         if low + 1 >= count or not (math.isfinite(ranges[low]) and math.isfinite(ranges[low + 1])):
             continue
-        first, second = angles[0] + low * step, angles[0] + (low + 1) * step
-        begin_x, begin_y = ranges[low] * math.cos(first), ranges[low] * math.sin(first)
-        line_x, line_y = (
-            ranges[low + 1] * math.cos(second) - begin_x,
-            ranges[low + 1] * math.sin(second) - begin_y,
-        )
+        begin_x, begin_y = ends[low, 0], ends[low, 1]
+        line_x, line_y = ends[low + 1, 0] - begin_x, ends[low + 1, 1] - begin_y
         length = math.sqrt(line_x * line_x + line_y * line_y) + 1e-9
         beside = abs((x - begin_x) * line_y - (y - begin_y) * line_x) / length
         off = min(beside, abs(away - ranges[low]), abs(away - ranges[low + 1]))
