@@ -145,7 +145,8 @@ class Coordinator:
             self._forget(self._left)
         if self._aims.is_early() and (expected := self._aims.expected):
             words = f"round {self._route.round} begins at {expected[1]}"
-            self._log.aims_at(words, Aim(what="wait", situation=self.situation, at_s=round(expected[0], 6)))
+            here, number, at = self.situation, self._route.round, round(expected[0], 6)
+            self._log.aims_at(words, Aim(what="wait", situation=here, round=number, at_s=at))
         while (end := (yield from self._reach())) is None:
             self._begin_next_round()
         return end
@@ -375,4 +376,4 @@ def _aim_watch(
     shift = robot.time - standing.last_t
     handled = {number: instant + shift for number, instant in standing.interrupted.items()}
     began = standing.round_began + shift
-    return AimWatch(robot, network.aims, began, handled, clock, waits=began > robot.time)
+    return AimWatch(robot, network.aims, began, handled, clock, standing.round_waits)

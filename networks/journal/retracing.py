@@ -50,7 +50,9 @@ class RunPosition:
     at: Snapshot | None = None
     """Snapshot of the robot when the run last knew its situation."""
     round_began: float = 0.0
-    """The robot's time at the begin of the round, in [s]."""
+    """The robot's time at the begin of the round, in [s]; expected while it waits."""
+    round_waits: bool = False
+    """True from the record that the round waits until its first plan."""
     last_t: float = 0.0
     """The robot's time of the last record, in [s]."""
     interrupted: dict[int, float] = field(default_factory=dict)
@@ -100,6 +102,8 @@ def _follow(found: RunPosition, record: Record) -> None:
     found.last_t = max(found.last_t, float(record.get("t", 0.0)))
     if kind == "PLAN":
         found.plans += 1
+        if found.round_waits and route.priority is None:  # not on behalf of an interrupt
+            _round_begins(found, float(record["t"]))
         route.plan()
     elif kind == "START":
         found.started, found.in_doubt = record["n"], record
@@ -147,6 +151,13 @@ def _check(found: RunPosition, record: Record) -> None:
         raise ValueError(f"action {record['n']} is not the one that was started")
 
 
+def _round_begins(found: RunPosition, now: float) -> None:
+    """Note that a round no longer waits; a clock may have come to its time of day earlier than expected."""
+    found.round_waits, rounds = False, found.route.network.aims.rounds
+    if rounds is not None and rounds.at:
+        found.round_began = now
+
+
 def _take(found: RunPosition, record: Record) -> None:
     if record["outcome"] == "GiveUp":
         found.gave_up = record
@@ -166,10 +177,10 @@ def _aim(found: RunPosition, record: Record) -> None:
     if what == "abandon":
         route.abandon(record["reason"])
     elif what == "wait":
-        found.round_began = float(record.get("at_s", now))
+        found.round_waits, found.round_began = True, float(record.get("at_s", now))
     elif what == "round":
         route.begin_round()
-        found.round_began = float(record.get("at_s", now))
+        found.round_waits, found.round_began = True, float(record.get("at_s", now))
         if route.round != record["round"]:
             raise ValueError(f"round {route.round} was next")
     else:

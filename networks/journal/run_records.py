@@ -207,7 +207,7 @@ class Aim(TypedDict):
     """Record: the run pursues another goal."""
 
     what: Literal["abandon", "interrupt", "round", "wait"]
-    """The goal is abandoned, an interrupt comes first, another round begins, or the first round waits."""
+    """The goal is abandoned, an interrupt comes first, another round begins, or the round waits."""
     situation: str
     reason: NotRequired[str]
     interrupt: NotRequired[Index]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clocks
 from collections.abc import Callable, Iterator
 from datetime import datetime, time
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -123,6 +124,29 @@ def test_a_resumed_run_waits_on(load: Load, new_stand: Callable[[], Stand], tmp_
     assert again.robot.time > 5.0 + 12.0
 
 
+def test_a_resumed_round_that_began_does_not_wait_again(
+    load: Load, new_stand: Callable[[], Stand], tmp_path: Path
+) -> None:
+    """The clock was set while the round waited; the program was killed after the round's first action."""
+    task, stand = load(f'{HEAD}rounds: {{most: 1, at: "12:00"}}\n{CIRCLE}'), new_stand()
+    noon = datetime(2026, 7, 1, 12).timestamp()
+    day = LocalDay(
+        lambda: stand.robot.time + (0.0 if stand.robot.time < 2.0 else noon - 5.0), lambda: stand.robot.time
+    )
+    with Journal(tmp_path / "j") as journal:
+        journal.append("RUN", 0.0, {"schema": "x", "network": task.network.fingerprint()})
+        stand.finish(Coordinator(task.network, stand.robot, stand.model, journal, clock=day))
+    records = read_journal(tmp_path / "j").records
+    killed = next(n for n, record in enumerate(records) if record["kind"] == "RESULT")
+    position, again = standing(task.network, records[: killed + 1]), new_stand()
+    assert position.round_began == pytest.approx(5.0, abs=0.2)
+    clock = LocalDay(lambda: again.robot.time + noon + 60.0, lambda: again.robot.time)
+    run = Coordinator(task.network, again.robot, again.model, standing=position, clock=clock).run()
+    for _ in islice(run, 500):
+        again.robot.step()
+    assert next(run, "over") == "over"
+
+
 @pytest.fixture
 def berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A machine in a time zone with summer time, by its rule alone, without a data base of zones."""
@@ -183,7 +207,7 @@ def test_a_clock_that_is_set_starts_nothing(load: Load, stand: Stand) -> None:
         ('rounds: {at: ["09:00", 5]}', "no time of day"),
         ("rounds: {at: []}", "at"),
         ("rounds: {at: 09:00}", "in quotes"),
-        ('rounds: {at: "09:00", every_s: 5}', "has two rules"),
+        ('rounds: {at: "09:00", every_s: 5}', "has both every_s and at"),
         ('interrupts: [{name: a, when: {at: "09:00", every_s: 9}, goal: door}]', "needs one condition"),
     ],
 )
