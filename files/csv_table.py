@@ -48,12 +48,12 @@ def read_csv(path: Path | str, most: int, max_bytes: int = MAX_BYTES) -> Iterato
             yield CsvRow(reader.line_num, stripped if any(stripped) else (), tuple(starts))
     except csv.Error as error:
         raise _refused(
-            path, reader.line_num, f"no CSV: {error}; allowed: cells with commas between"
+            path, reader.line_num, f"invalid CSV: {error}; allowed: cells with commas between"
         ) from None
 
 
 def number_in(cell: str) -> float:
-    """Parse a cell as a decimal number; NaN if it is not one, also in digits of other scripts."""
+    """Parse a cell as a decimal number in ASCII digits; NaN if it is anything else."""
     try:
         return float(cell if cell.isascii() and "_" not in cell else "nan")
     except ValueError:

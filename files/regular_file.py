@@ -89,7 +89,7 @@ def decode_text(content: bytes, file: str, longest_line: int | None = MAX_LINE) 
         wrong = f"the byte 0x{content[error.start]:02x} is not UTF-8; allowed: UTF-8"
         raise FileError([_at_end_of(before, file, wrong)]) from None
     if found := _CONTROL.search(text):
-        wrong = f"the character U+{ord(found.group()):04X} stands in the file; allowed: printable characters"
+        wrong = f"the character U+{ord(found.group()):04X} can't be printed; allowed: printable characters"
         raise FileError([_at_end_of(text[: found.start()], file, wrong)])
     overlong = re.search(rf"(?m:^)[^\n]{{{longest_line + 1}}}", text) if longest_line else None
     if overlong:

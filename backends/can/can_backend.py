@@ -123,7 +123,11 @@ class CanBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:
-        """See `Backend`; on the interface `virtual` the drives are simulated, with a world its robot too."""
+        """Build as `Backend.build` does.
+
+        On the interface `virtual` the drives are simulated. If a world is given, the robot on them is
+        simulated in it as well.
+        """
         if robot.can is not None and robot.can.interface == VIRTUAL_INTERFACE:
             from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 
 
 class Reading(NamedTuple):
-    """Reading that a method of a capability returns."""
+    """Declaration of a method that reads a sensor: the sensor's name, its measured fields, its noise."""
 
     sensor: str
     """Name of the sensor in faults; two methods may belong to one sensor."""

@@ -68,8 +68,9 @@ class Ladder:
     """Steps in order."""
 
     def records(self, folder: Path | None = None) -> list[RungRecord]:
-        """Return the records of passed steps that match the robot's file, from the first step without a
-        gap.
+        """Return the records of the steps passed so far: all before the first that has no valid record.
+
+        A record is valid if it belongs to this version of the robot's file.
         """
         found = []
         for number, rung in enumerate(self.rungs, 1):
@@ -82,7 +83,7 @@ class Ladder:
 
     @property
     def next(self) -> Rung[Any] | None:
-        """The lowest that is not climbed; None where all are."""
+        """First step that is not passed yet; None if all are."""
         done = len(self.records())
         return self.rungs[done] if done < len(self.rungs) else None
 

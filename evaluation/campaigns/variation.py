@@ -194,7 +194,7 @@ def _fault(varied: Varied, other: Document) -> str:
     if there and isinstance(node.content, int | float) and not isinstance(node.content, bool):
         return ""
     if there:
-        return f"{other.file}:{node.line}: {varied.key} is no number; allowed: one that stands in the file"
+        return f"{other.file}:{node.line}: {varied.key} is no number; allowed: one that is given in the file"
     known = _keys(node)
     return f"{other.file} has no number {varied.key}{suggest(varied.key.split('.')[-1], known)}"
 

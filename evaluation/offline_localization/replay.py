@@ -16,8 +16,8 @@ from handcart.robotics.navigation.beacons.beacon_filter import BeaconFilter
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.noise_hypotheses import noise_hypotheses
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
-from handcart.robotics.navigation.outdoors.suppositions import suppositions
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 TRACK_PERIOD_S = 1.0  # between points of the track
@@ -107,7 +107,7 @@ def localizer_for(
     if kind == "beacons":
         return _by_beacons(log, noise, start, position)
     if kind == "gps_filter":
-        supposed = [suppositions(noise)[0]._replace(share=1.0, worse=0)] if alone else None
+        supposed = [noise_hypotheses(noise)[0]._replace(share=1.0, worse=0)] if alone else None
         return GpsFilter(start, noise, position, supposed=supposed, heading_sigma=HEADING_SIGMA)
     return ParticleFilter(start, particle_errors(noise, position), heading_sigma=PARTICLES_SIGMA)
 

@@ -117,7 +117,14 @@ class ReplayBackend(Backend):
         return self._parts
 
     def pass_on(self, part: Any, kind: Kind, method: str, *words: Any) -> Any:
-        """Answer a call of a part's layer."""
+        """Compare a call of a capability's method with the recorded run, and return its recorded result.
+
+        Args:
+            part: the capability.
+            kind: kind of the capability.
+            method: name of the method.
+            *words: arguments of the call.
+        """
         if method in kind.COMMANDS:
             self._command(part.number, method, [plain(word) for word in words])
             return None

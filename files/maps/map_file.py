@@ -126,8 +126,8 @@ def load_map(path: Path) -> tuple[GridMap, str | None]:
 def read_occupancy(path: Path) -> OccupancyFile:
     """Read a map file and its picture; raise `FileError` with every finding."""
     if path.suffix == MOVINGAI_SUFFIX:
-        warning = f"a MovingAI map tells no size of its cells: {MOVINGAI_CELL_M:g} m is taken; "
-        advice = f"a map's file with `image: {path.name}` and `resolution` tells another"
+        warning = f"a MovingAI map does not state the size of its cells; {MOVINGAI_CELL_M:g} m is assumed; "
+        advice = f"to set it: a map's file with `image: {path.name}` and `resolution`"
         finding = str(Finding(str(path), 1, 1, warning + advice))
         return OccupancyFile(read_movingai(path), MOVINGAI_CELL_M, (0.0, 0.0), finding)
     loaded = load_document(read_document(path), MapFile)

@@ -50,7 +50,7 @@ def read_movingai(path: Path) -> Int8Array:
         if len(row) != width:
             raise _refused(file, number, f"{len(row)} cells; allowed: the {width} stated in line 3")
         if found := re.search(f"[^{re.escape(''.join(_MEANING))}]", row):
-            wrong = f"no terrain {found.group()!r}; allowed: {' '.join(_MEANING)}"
+            wrong = f"unknown terrain {found.group()!r}; allowed: {' '.join(_MEANING)}"
             raise _refused(file, number, wrong, found.start() + 1)
     values = table[np.frombuffer("".join(rows).encode("ascii"), dtype=np.uint8)]
     return np.ascontiguousarray(values.reshape(height, width)[::-1])
@@ -66,7 +66,7 @@ def _size(file: str, lines: list[str]) -> tuple[int, int]:
             raise _refused(file, number, f"{line[:40]!r} is not a line of a MovingAI map; allowed: {allowed}")
         numbers += [int(group) for group in found.groups()]
     if len(lines) < 4 or lines[3].strip() != "map":
-        raise _refused(file, 4, "the map doesn't begin; allowed: map")
+        raise _refused(file, 4, "the line 'map' before the rows is missing; allowed: map")
     height, width = numbers
     if not 0 < height * width <= MAX_PIXELS:
         raise _refused(file, 2, f"{width} x {height} cells; allowed: at least one, {MAX_PIXELS} in all")

@@ -118,7 +118,7 @@ class _Wording:
     def _kind(self, place: SchemaPlace, path: KeyPath, value: Any) -> Finding:
         key, kinds = place.schema["discriminator"], [str(kind) for kind in place.schema["choices"]]
         if not isinstance(key, str) or not isinstance(value, dict):
-            return self._document.finding(path, f"{_name(path)} is of no known kind{suggest('', kinds)}")
+            return self._document.finding(path, f"{_name(path)} has no known kind{suggest('', kinds)}")
         if key not in value:
             return self._document.finding(path, f"the key {key!r} is missing{suggest('', kinds)}")
         unknown = f"{key} is {shown(value[key])}{suggest(str(value[key]), kinds)}"

@@ -21,7 +21,7 @@ def split_setting(text: str) -> tuple[str, str]:
     """Return key and value of `KEY=VALUE`; raise `FileError` if the key or `=` is missing."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
-        raise FileError([Finding(f"--set {text}", 0, 0, "no setting; allowed: KEY=VALUE")])
+        raise FileError([Finding(f"--set {text}", 0, 0, "no value is given; allowed: KEY=VALUE")])
     return key.strip(), value.strip()
 
 

@@ -37,7 +37,7 @@ def syntax_error(file: str, error: Exception, latest_mark: Any) -> FileError:
         mark = context_mark
     words = next((said for sign, said in _EXPLANATIONS if sign in problem), None)
     if words is None:
-        words = f"no YAML ({' '.join(filter(None, (context, problem)))}); allowed: YAML 1.2"
+        words = f"invalid YAML ({' '.join(filter(None, (context, problem)))}); allowed: YAML 1.2"
     return _at(file, mark, words)
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from handcart.files.models.model import FileModel
+from handcart.files.models.schema_words import shown
 from handcart.networks.graph.aims import Aims, Interrupt, Rounds
 
 from .condition_entry import Conditions
@@ -24,7 +25,8 @@ def read_time_of_day(text: Any) -> time:
     """Return a time of day, written like 17:30 or 17:30:05; raises ValueError."""
     if isinstance(text, str) and _TIME_OF_DAY.fullmatch(text):
         return time.fromisoformat(text)
-    raise ValueError('no time of day; allowed: "HH:MM" or "HH:MM:SS", from "00:00" to "23:59:59"')
+    allowed = '"HH:MM" or "HH:MM:SS", from "00:00" to "23:59:59"'
+    raise ValueError(f"{shown(text)} is no time of day; allowed: {allowed}")
 
 
 def _in_order(times: Any) -> Any:
@@ -53,7 +55,7 @@ class RoundsEntry(FileModel):
     @model_validator(mode="after")
     def _has_one_rule(self) -> Self:
         if self.at is not None and self.every_s:
-            raise ValueError("has two rules; allowed: every_s or at")
+            raise ValueError("has both every_s and at; allowed: one of them")
         return self
 
 
@@ -74,7 +76,7 @@ class DueEntry(FileModel):
     def _has_one(self) -> Self:
         below = self.battery_below_percent
         if self.until_percent is not None and (below is None or self.until_percent <= below):
-            raise ValueError("until_percent has no lower battery_below_percent; allowed: one above it")
+            raise ValueError("until_percent needs battery_below_percent; allowed: a charge above that one")
         if sum(item is not None for item in (self.every_s, self.at, below)) != 1:
             raise ValueError("needs one condition; allowed: every_s, at or battery_below_percent")
         return self

@@ -187,7 +187,7 @@ class NetworkGenerator:
         for number, name in enumerate(self._space.values):
             counts[name] = len({place.state[number] for place in self._names})
         most = listed(f"{name} ({count} values)" for name, count in counts.most_common(3))
-        wrong = f"the conditions span more than {limit}; most values have {most}"
+        wrong = f"the conditions span more than {limit}; facts with the most values: {most}"
         return f"{wrong}; allowed: fewer facts or values, or conditions that exclude more"
 
 

@@ -29,7 +29,7 @@ class BeliefPrior(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """Judgement of the policy for one plan, by the beliefs at that time."""
+    """Choice between two policies for one plan, by the beliefs in the actions' probabilities at that time."""
 
     follows: str
     """Policy that the plan follows: `rule`, or that of the file."""

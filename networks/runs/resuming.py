@@ -62,8 +62,8 @@ class Past:
         return float(self.contents.records[-1]["t"])
 
     @property
-    def to_tell(self) -> list[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
-        """Return the records for the journal before the run continues: kind, fields, fields under `wall`."""
+    def resume_records(self) -> list[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
+        """Records to append to the journal before the run continues: kind, fields, fields under `wall`."""
         records: list[tuple[str, Mapping[str, Any], Mapping[str, Any]]] = []
         if self.recovered is not None and self.checkpoint is not None:
             wall = {"checkpoint": self.checkpoint.digest}

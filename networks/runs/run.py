@@ -166,7 +166,7 @@ def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past 
         journal.append("RUN", prepared.robot.time, header(prepared, begins), process_facts())
         return journal
     journal = Journal.go_on(path, past.contents, sync)
-    for kind, fields, wall in past.to_tell:
+    for kind, fields, wall in past.resume_records:
         journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else wall)
     return journal
 

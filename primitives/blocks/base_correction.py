@@ -115,7 +115,7 @@ class ByImu(FixOnce):
 
 
 class FixAgain(FixOnce):
-    """The landmark is viewed again, with the block in the hand."""
+    """Correction by a second view of the landmark over the goal, with the block in the hand."""
 
     views_landmark: ClassVar = True
 

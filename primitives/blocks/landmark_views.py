@@ -101,12 +101,12 @@ class LandmarkViews:
 
     @property
     def explanation(self) -> MarkAssignment | None:
-        """The likeliest one; None as long as no landmark was seen."""
+        """Most likely assignment of seen marks to landmarks; None as long as no landmark was seen."""
         return self._explained[0] if self._explained else None
 
     @property
     def explanations(self) -> list[MarkAssignment]:
-        """The likeliest one, and all with the base elsewhere that are hardly less likely."""
+        """Most likely assignment, and all with another base pose that are almost as likely."""
         return rivals(self._explained) if self._explained else []
 
     def wanted(self) -> Transform | None:

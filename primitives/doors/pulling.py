@@ -76,7 +76,12 @@ def measured_bias(robot: Robot) -> Generator[None, None, FloatArray]:
 
 
 def yield_to_force(robot: Robot, bias: FloatArray) -> Generator[None, None, None]:
-    """Let a hand that has just closed on a handle give way to the force on it."""
+    """Let a hand that has just closed on a handle give way to the force on it.
+
+    Args:
+        robot: its hand holds a handle.
+        bias: (3,) force on the empty hand, in the base frame, in [N]; see `measured_bias`.
+    """
     yield from relax(robot)
     for _ in range(RELAX_PERIODS):
         give = GIVES_AT_REST_M_S_N * (_force(robot) - bias)

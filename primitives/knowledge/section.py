@@ -157,7 +157,7 @@ class Section:
         return tuple(field.name for field in fields(cls))
 
     def forget_element(self) -> None:
-        """Forget what belongs to an element of a repeat."""
+        """Clear the entries `ELEMENT` when a `repeat` of the task's file goes on to its next element."""
         for name in self.ELEMENT:
             setattr(self, name, None)
 

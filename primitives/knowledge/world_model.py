@@ -150,7 +150,7 @@ class WorldModel:
         return found
 
     def clear_element(self) -> None:
-        """Forget what belongs to one element of a repeat."""
+        """Clear what was learned about one element when a `repeat` goes on to the next."""
         self.detour = None
         for section in self.sections.values():
             section.forget_element()
@@ -273,7 +273,7 @@ def _hints(kind: Any) -> Mapping[str, Any]:
 
 
 class ModelView:
-    """World model as one primitive sees it: undeclared entries can be neither read nor written."""
+    """World model as one primitive may use it: only declared entries can be read or written."""
 
     if TYPE_CHECKING:
         map: GridMap
@@ -287,13 +287,13 @@ class ModelView:
         discs: FloatArray
 
     def __init__(self, model: WorldModel, primitive: Declares, part: object = None) -> None:
-        """See a model, or a section of it."""
+        """Restrict a model, or the section `part` of it, to what a primitive declares."""
         object.__setattr__(self, "_model", model)
         object.__setattr__(self, "_primitive", primitive)
         object.__setattr__(self, "_part", model if part is None else part)
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return a domain's section, through the same eyes."""
+        """Return a view of a domain's section, restricted to what the same primitive declares."""
         model = self.__dict__["_model"]
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
@@ -306,7 +306,7 @@ class ModelView:
         primitive, part = self.__dict__["_primitive"], self.__dict__["_part"]
         if name not in primitive.reads + primitive.writes:
             if isinstance(part, Section) and name not in part.entries() and not name.startswith("_"):
-                return getattr(part, name)  # how it works something out of what it knows
+                return getattr(part, name)  # a method or property computed from entries
             raise UndeclaredAccess(f"{primitive.label()} reads {name!r} without declaring it in `reads`")
         return getattr(part, name)
 

@@ -224,7 +224,9 @@ class OpenCampaign:
             HandcartError, KeyboardInterrupt: as `run_campaign` does.
         """
         if cluster is not None and jobs is not None:
-            raise NotPossible("--cluster --jobs; allowed: one of them, a cluster has as many as it has")
+            raise NotPossible(
+                "--cluster --jobs; allowed: one of them, the cluster sets the number of processes"
+            )
         alone = self.setting.walks and not (self.setting.varied or self.setting.rare)
         if alone and self.out is None and self.settling is None:
             from handcart.evaluation.campaigns.statistics.walk_tally import WalkTally
@@ -296,7 +298,7 @@ def _worlds(words: Sequence[str]) -> WorldGenerator:
     if other := next((item for item, _, _ in named if item != name), None):
         raise NotPossible(f"--generate {name} and {other}; allowed: worlds of one kind")
     if name not in known:
-        raise NotPossible(f"--generate {name}: no worlds of that name{suggest(name, known)}")
+        raise NotPossible(f"--generate {name}: unknown kind of generated world{suggest(name, known)}")
     options = [option for _, _, option in named if option]
     worlds: WorldGenerator = typed_model(imported(known[name]), options, f"--generate {name}")
     return worlds

@@ -64,7 +64,7 @@ def robot_facts(
     from .check_bus import bus_figures, bus_of, bus_tables
 
     if picture is not None and picture.suffix not in PICTURE_SUFFIXES:
-        raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURE_SUFFIXES)}")
+        raise NoSuchPicture(f"{picture}: unknown suffix of a picture; allowed: {', '.join(PICTURE_SUFFIXES)}")
     robot = load_robot(str(file))
     if backend is not None:
         build_in_empty_world(robot, backend)

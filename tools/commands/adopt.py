@@ -42,7 +42,7 @@ def adopt(
     for words in _deviations(found):
         print(words)
     if before == after:
-        print(f"{file} says so already")
+        print(f"{file} has these values already")
     elif output is not None:
         _write_copy(output, after, file)
         print(f"written to {output}")
@@ -127,7 +127,7 @@ def _write_copy(output: Path, text: str, file: Path) -> None:
     from handcart.tools.terminal.writing import NotWritable, check_folder, write_text
 
     if output.suffix not in (".yaml", ".yml"):
-        raise NotWritable(output, f"no robot's file has the suffix {output.suffix!r}", "*.yaml")
+        raise NotWritable(output, f"unknown suffix {output.suffix!r} of a robot's file", "*.yaml")
     check_folder(output.parent)
     spec = load_robot(str(file))
     for name in (spec.urdf, *(part.urdf for part in spec.parts)):

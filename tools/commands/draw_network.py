@@ -21,7 +21,7 @@ def draw(
 
     if output.suffix not in WRITER_BY_SUFFIX:
         raise typer.BadParameter(
-            f"no drawing for {output.suffix!r}{suggest(output.suffix, WRITER_BY_SUFFIX)}"
+            f"unknown suffix {output.suffix!r} of a drawing{suggest(output.suffix, WRITER_BY_SUFFIX)}"
         )
     loaded = load_task(task_path(task))
     write_text(output, WRITER_BY_SUFFIX[output.suffix](loaded.network, loaded.file.title))

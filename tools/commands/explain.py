@@ -76,7 +76,7 @@ def _drawn(explanation: Explanation, picture: Path | None) -> Path | None:
     name = f"explained_{explanation.action.number:03d}.svg" if explanation.action else "explained.svg"
     path = picture or explanation.run.folder / name
     if path.suffix not in (".svg", ".png", ".pdf"):
-        raise NotWritable(path, f"no picture has the suffix {path.suffix!r}", "*.svg, *.png or *.pdf")
+        raise NotWritable(path, f"unknown suffix {path.suffix!r} of a picture", "*.svg, *.png or *.pdf")
     try:
         draw_chart(explanation, path)
     except OSError as error:

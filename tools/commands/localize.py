@@ -78,13 +78,13 @@ def localize(
     from handcart.tools.terminal.share_shown import share_shown
 
     if localizer not in LOCALIZER_KINDS:
-        raise typer.BadParameter(f"no localizer {localizer!r}{suggest(localizer, LOCALIZER_KINDS)}")
+        raise typer.BadParameter(f"unknown localizer {localizer!r}{suggest(localizer, LOCALIZER_KINDS)}")
     if output is not None and output.suffix not in TRACK_PICTURE_SUFFIXES:
         raise typer.BadParameter(
-            f"no picture for {output.suffix!r}{suggest(output.suffix, TRACK_PICTURE_SUFFIXES)}"
+            f"unknown suffix {output.suffix!r} of a picture{suggest(output.suffix, TRACK_PICTURE_SUFFIXES)}"
         )
     if stamps not in STAMP_KINDS:
-        raise typer.BadParameter(f"no stamps {stamps!r}{suggest(stamps, STAMP_KINDS)}")
+        raise typer.BadParameter(f"unknown kind of stamps {stamps!r}{suggest(stamps, STAMP_KINDS)}")
     with announced(f"reading {log}"):
         played = _read(log, nmea, reference, stamps, columns)
         whose = robot or _robot_of(log)

@@ -95,7 +95,7 @@ class Handlers:
         state = next(item for item in self._watcher.states() if item["name"] == request.match_info["run"])
         asks = state.get("asks")
         if not asks or str(asks["index"]) != action:
-            return said(409, "that action doesn't wait")
+            return said(409, "that action is not waiting for permission")
         found = await self._away(lambda: RunDetails(folder, True).after(state["situation"], asks["index"]))
         return found if isinstance(found, web.Response) else _json(found)
 
@@ -228,7 +228,7 @@ async def _body(request: web.Request) -> dict[str, Any]:
         content = await asyncio.wait_for(request.read(), PATIENCE_S)
         word = orjson.loads(content)
     except TimeoutError:
-        raise web.HTTPRequestTimeout(reason="the command didn't come whole") from None
+        raise web.HTTPRequestTimeout(reason="the command arrived incomplete, or too slowly") from None
     except orjson.JSONDecodeError:
         word = None
     if not isinstance(word, dict):

@@ -144,7 +144,7 @@ def _sockets(hosts: Sequence[str], port: int | None) -> list[socket.socket]:
             continue
         return opened
     asked = f"port {port}" if port is not None else f"any port from {PORT} to {PORT + TRIES - 1}"
-    raise NoConsole(f"{asked} of {hosts[0]} can't be had: {wrong}; allowed: a free one, or 0 for any")
+    raise NoConsole(f"{asked} of {hosts[0]} can't be listened on: {wrong}; allowed: a free one, or 0 for any")
 
 
 def _opened(host: str, port: int) -> socket.socket:

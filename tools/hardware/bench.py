@@ -169,7 +169,9 @@ def _scans(bench: Bench, port: int) -> RangeServer:
 
     sensor = None if bench.inner is None else bench.inner.get(RangeSensor)  # type: ignore[type-abstract]
     if sensor is None:
-        raise InputError("nothing has a range sensor; needed: --backend kinematic, and a robot that has one")
+        raise InputError(
+            "--range-port without a simulated lidar; needed: --backend kinematic, and a robot with a lidar"
+        )
     try:
         return RangeServer(sensor, port)
     except OSError as error:

@@ -34,7 +34,7 @@ def jog(
     from handcart.tools.terminal.terminal_operator import TerminalOperator
 
     if not math.isfinite(way):
-        raise typer.BadParameter(f"way is {way:g}; allowed: a finite number")
+        raise typer.BadParameter(f"the distance is {way:g}; allowed: a finite number")
     operator: Operator = TerminalOperator() if bench is None else BenchOperator()
     spec = load_robot(robot)
     site = Site(

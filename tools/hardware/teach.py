@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from handcart.backends.description.robot_file import ArmSpec, RobotFile
     from handcart.evaluation.robot_report.postures import HandAim
 
-ONE_OF = "what is the posture? allowed: either --joints, --hand or --from-posture"
+ONE_OF = "needs one posture; allowed: either --joints, --hand or --from-posture"
 MAX_NAMED_PAIRS = 3  # of touching links
 DIRECTION_BY_WORD = {
     "ahead": (1.0, 0.0, 0.0),
@@ -84,7 +84,7 @@ def _aim(hand: str | None, way: str, roll: float | None) -> HandAim:
     from handcart.files.suggest import suggest
 
     if hand is None:
-        raise typer.BadParameter("where is the hand to be? needed: --hand X,Y,Z")
+        raise typer.BadParameter("the hand's position is missing; needed: --hand X,Y,Z")
     place = _triple(hand)
     if place is None:
         raise typer.BadParameter(f"invalid place {hand!r}; allowed: X,Y,Z in metres")

@@ -35,7 +35,9 @@ def compare(
     from .map_words import read_map
 
     if output is not None and output.suffix not in PICTURE_SUFFIXES:
-        raise typer.BadParameter(f"no picture for {output.suffix!r}; allowed: {', '.join(PICTURE_SUFFIXES)}")
+        raise typer.BadParameter(
+            f"unknown suffix {output.suffix!r} of a picture; allowed: {', '.join(PICTURE_SUFFIXES)}"
+        )
     grids = read_map(first), read_map(second)
     for path, grid in zip((first, second), grids, strict=True):
         if not grid.occupied.any():

@@ -137,7 +137,7 @@ def write_new(kind: Starter, name: str, folder: Path) -> list[Path]:
     """
     names = names_of(name)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise FolderInUse(f"{folder}: there is something already; allowed: a new or an empty folder")
+        raise FolderInUse(f"{folder} is not empty; allowed: a new or an empty folder")
     check_folder(folder)
     written = []
     for part, below in kind.parts:

@@ -140,7 +140,9 @@ class RunDesk:
         if last is None or last.waits is None:
             return Answer(False, "no run waits for a person")
         if self._clock() - since < READ_S:
-            return Answer(False, f"its reason is new; read it in {SERVICE_PREFIX}/desk, and call again")
+            return Answer(
+                False, f"its reason was not read before; read it in {SERVICE_PREFIX}/desk, and call again"
+            )
         try:
             return Answer(True, acknowledge(last.folder, last.waits.record, last.waits.cause))
         except HandcartError as error:
@@ -156,9 +158,11 @@ class RunDesk:
             return Answer(False, busy)
         last, since = self._read
         if last is None or last.obstacle:
-            return Answer(False, "no run is there yet" if last is None else last.obstacle)
+            return Answer(False, "there is no run yet" if last is None else last.obstacle)
         if self._clock() - since < READ_S or self._last() != last:
-            return Answer(False, f"its state is new; read it in {SERVICE_PREFIX}/desk, and call again")
+            return Answer(
+                False, f"its state was not read before; read it in {SERVICE_PREFIX}/desk, and call again"
+            )
         words = ["resume", str(last.folder), "--node", "--confirm", str(last.record)]
         return self._started(words, RESUME_TIMEOUT_S, lambda: _resumed(last), "resumed:")
 
@@ -175,7 +179,9 @@ class RunDesk:
                 if folder := begun():
                     return Answer(True, f"{said} {folder}")
                 if over:
-                    return Answer(False, _last_line(output) or f"it ended with {self._child.returncode}")
+                    return Answer(
+                        False, _last_line(output) or f"the program ended with status {self._child.returncode}"
+                    )
                 time.sleep(POLL_PERIOD_S)
         return Answer(False, f"it has not begun within {seconds:g} s; it may still begin")
 

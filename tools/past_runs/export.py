@@ -32,7 +32,7 @@ def export(
         raise typer.BadParameter("needed: -o FILE, or --to FORMAT for a task")
     write = EXPORT_BY_SUFFIX.get(file.suffix)
     if write is None:
-        raise NotWritable(file, f"nothing is written with the suffix {file.suffix!r}", "*.mcap, *.parquet")
+        raise NotWritable(file, f"unknown suffix {file.suffix!r} of an export", "*.mcap, *.parquet")
     try:
         words = write(folder, file)
     except OSError as error:

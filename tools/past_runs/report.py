@@ -24,7 +24,7 @@ def report(
 
     folder = folder or latest_run(Path("runs"))
     if page is not None and page.suffix != ".html":
-        raise NotWritable(page, f"no page has the suffix {page.suffix!r}", "*.html")
+        raise NotWritable(page, f"unknown suffix {page.suffix!r} of a page", "*.html")
     try:
         write = _campaign_page if (folder / ARGUMENTS).exists() else _run_page
         print(printable(f"written: {write(folder, page)}"))

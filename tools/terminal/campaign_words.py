@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handcart.evaluation.campaigns.statistics.exact_value import beside, exact_goal
+from handcart.evaluation.campaigns.statistics.exact_value import compare_share, exact_goal
 from handcart.evaluation.campaigns.statistics.rerun import rerun
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class CampaignWords:
         goal = self._exact()
         if isinstance(goal, str):
             return
-        found = beside(goal, self._report.successes, len(self._report.trials))
+        found = compare_share(goal, self._report.successes, len(self._report.trials))
         verdict = "they agree" if found.agrees else "they differ: the probabilities in the file don't hold"
         yield f"handcart check computes {100 * goal:.2f} %: {verdict} (exact test, p = {found.p_value:.3g})"
 
@@ -124,7 +124,7 @@ class CampaignWords:
         report, median, goal = self._report, self._report.median_run, self._exact()
         exact: dict[str, Any] = {"unknown": goal} if isinstance(goal, str) else {"p_goal": goal}
         if not isinstance(goal, str):
-            found = beside(goal, report.successes, len(report.trials))
+            found = compare_share(goal, report.successes, len(report.trials))
             exact |= {"p_value": found.p_value, "agrees": found.agrees}
         return {
             "trials": len(report.trials),

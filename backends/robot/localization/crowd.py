@@ -77,17 +77,18 @@ class Crowd:
         return points[kept] if kept.sum() > MIN_KEPT_SHARE * len(points) else points
 
     def hides_walls(self, scan: Scan, pose: Pose2, field: LikelihoodField | None, rolled: Pose2) -> bool:
-        """Return whether people alone explain that a base at rest seems to be elsewhere.
+        """Return whether people, and no motion, explain why the scan of a base at rest does not fit the map.
 
-        The scan agrees better with the one of coming to rest if the base has not moved than if it had moved
-        to where the map says: walls seen between people merely have other errors on the map. A small motion
-        is looked for in the ranges of the same beams.
+        People hide walls. The few walls that are still visible may have other errors on the map, so that
+        matching this scan to the map shows a motion that did not happen. The check compares this scan with
+        the scan taken when the base came to rest: if they agree better without that motion than with it,
+        the base has not moved. For a small motion the ranges of the same beams are compared.
 
         Args:
-            scan: this period's.
-            pose: map_T_base.
-            field: of the map; None without one.
-            rolled: motion by the wheels since the base came to rest; none while it rests.
+            scan: scan of this period.
+            pose: believed map_T_base.
+            field: likelihood field of the map; None without a map.
+            rolled: motion by the wheels since the base came to rest; the identity if they did not turn.
         """
         if not self._is_near or field is None or self._ranges.shape != scan.ranges.shape:
             return False

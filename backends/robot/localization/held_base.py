@@ -1,4 +1,4 @@
-"""A base that something holds while its wheels turn: scans deny the motion, and show its pose again."""
+"""Detection of a base that something holds while its wheels turn, by comparing wheels and scans."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from .lidar import Lidar, beams_of
 from .lost import Lost
 
 REST_PERIODS = 4  # periods at rest, after which the wheels report nothing more
-MAX_SEARCH_S = 10.0  # after the wheels were denied, until the pose counts as lost
+MAX_SEARCH_S = 10.0  # after scans contradicted the wheels, until the pose counts as lost
 HELD_REASON = "its wheels turned while something held it, and its scans do not show where it is since"
 
 
 class HeldBase:
-    """Compares wheels with scans once a period; corrects the pose where they disagree."""
+    """Monitor of a base whose wheels may turn while it is held; corrects the pose by its scans."""
 
     def __init__(self, wheels: Localizer, lidar: Lidar | None, period: float) -> None:
         """Begin at rest; without a lidar the wheels are believed. The control period is in [s]."""
@@ -36,7 +36,7 @@ class HeldBase:
 
     @property
     def searches(self) -> bool:
-        """True if the wheels were denied and no scan has shown the pose since."""
+        """True from the time when scans contradicted the wheels until a scan matches the map again."""
         return self._searched > 0
 
     @property

@@ -24,8 +24,12 @@ class Lost(NamedTuple):
     unit: str = ""
 
 
-def silenced_for(seconds: float) -> Lost | None:
-    """Return that the lidar has repeated its scan for too long, in [s]; None if it has not."""
+def lost_by_stale_lidar(seconds: float) -> Lost | None:
+    """Return the reason "the lidar repeats its last scan" if it did so for too long; None otherwise.
+
+    Args:
+        seconds: time since its last new scan while the base moved, in [s].
+    """
     if seconds <= MAX_STALE_S:
         return None
     what = "time since the last new scan"
@@ -33,6 +37,6 @@ def silenced_for(seconds: float) -> Lost | None:
 
 
 def lifted_by(share: float) -> Lost:
-    """Return that the base was lifted, by the share of beams that changed at once."""
+    """Return the reason "the base was lifted", given the share of beams that changed at once."""
     what = "share of beams that changed at once"
     return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)

@@ -23,7 +23,7 @@ from .determination import NO_SHIFT
 from .held_base import HeldBase
 from .lidar import MIN_ECHOES, Lidar, beams_of
 from .localization import Localization
-from .lost import Lost, silenced_for
+from .lost import Lost, lost_by_stale_lidar
 from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
 
 CLEAR_ECHOES_RATIO = 2.0  # of the fewest echoes that show a pose, which the map must exceed to expect them
@@ -90,7 +90,7 @@ class ScanLocalization(Localization):
         if self.lifted is not None:
             return self.lifted
         if not self._matching.lost:
-            return silenced_for(self.stale_s) or self.held_base.lost
+            return lost_by_stale_lidar(self.stale_s) or self.held_base.lost
         share = "share of the scan that the map explains"
         silence = self._range_sensor.silence if isinstance(self._range_sensor, Lidar) else ""
         if silence:

@@ -18,7 +18,7 @@ from handcart.robotics.navigation.localization.odometry_localizer import Odometr
 from .held_base import HeldBase
 from .lidar import Lidar
 from .localization import Localization
-from .lost import Lost, silenced_for
+from .lost import Lost, lost_by_stale_lidar
 
 REST_PERIODS = 4  # periods at rest after which a scan shows whether the wheels' pose is right
 # [m] of commanded travel alone that is added while the encoders read the same
@@ -66,7 +66,7 @@ class WheelLocalization(Localization):
             why = "after the drive its scan fits the map nowhere near where its wheels say"
             return Lost(why, "RangeSensor", share, self._reckoning.explained, LEAST_INLIERS)
         if self._unanswered <= MAX_COMMANDED_TRAVEL_M:
-            return silenced_for(self.stale_s) or self.held_base.lost
+            return lost_by_stale_lidar(self.stale_s) or self.held_base.lost
         why = "its wheels are driven, and read the same again and again"
         way = "way driven since the wheels read anything new"
         return Lost(why, "Base", way, 1e3 * self._unanswered, 1e3 * MAX_COMMANDED_TRAVEL_M, "mm")

@@ -64,7 +64,11 @@ class RosCamera(TopicSensor, PlacedCamera):
 
 
 def grey_picture(message: Any) -> ByteArray:
-    """Return the picture (height, width) of a message, from 0 to 255, in memory of its own."""
+    """Return the picture (height, width) of a message, grey from 0 to 255, as a copy that can't be written.
+
+    Args:
+        message: `sensor_msgs/Image` with an encoding of `TO_GREY` and complete data.
+    """
     channels, conversion = TO_GREY[message.encoding]
     rows = np.frombuffer(bytes(message.data), np.uint8)[: message.step * message.height]
     pixels = rows.reshape(message.height, message.step)[:, : channels * message.width]

@@ -118,10 +118,8 @@ class BookProps(BooksThere):
 
     # Props in a physics engine
 
+    @override
     def awake(self, hand: FloatArray) -> Iterable[SimulatedBook]:
-        """Return the books in rows within reach of the hand, at `hand` (3,) in the world in [m], and those in
-        no row.
-        """
         away = np.linalg.norm(self._places - hand, axis=1)
         near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE_DISTANCE_M}
         return [book for book in self.books.values() if book.rest is not Rest.TABLE or book.shelf in near]

@@ -39,7 +39,7 @@ class Waiting(NamedTuple):
 
 
 class BooksThere(Props[BooksSection]):
-    """Books by their accession numbers, shelves by their names; what happens to them is `BookProps`."""
+    """Books and shelves of a simulated world, before they move; `BookProps` adds gripping and falling."""
 
     section = BooksSection
     STATE: ClassVar[Kinds] = {"books": dict[int, SimulatedBook], "to_come": list[BookSpec], "waits": Waiting}

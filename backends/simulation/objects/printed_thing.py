@@ -22,7 +22,11 @@ class PrintedThing(Thing):
         return self._faces
 
     def print_over(self, faces: Mapping[Side, GreyImage]) -> None:
-        """Print other pictures over its printed sides: damage, or something that covers the tags."""
+        """Replace the pictures on its sides, to simulate damage or something that covers the tags.
+
+        Args:
+            faces: picture (h, w) of each printed side, grey from 0 to 255.
+        """
         self.__dict__["_faces"] = dict(faces)
 
     def cover_print(self) -> None:

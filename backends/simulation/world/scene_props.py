@@ -83,7 +83,11 @@ class SceneProps(ABC):
     # Props in a physics engine
 
     def awake(self, hand: FloatArray) -> Iterable[Thing]:
-        """Things that physics may have moved in this period; the hand is at (3,) in [m] in the world."""
+        """Return the things that the physics engine may have moved in this period.
+
+        Args:
+            hand: (3,) position of the hand in the world, in [m].
+        """
         return self.things()
 
     @abstractmethod

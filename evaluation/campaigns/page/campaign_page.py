@@ -19,7 +19,7 @@ from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport, Spread
 from handcart.evaluation.campaigns.statistics.claim import Settling
 from handcart.evaluation.campaigns.statistics.divergence import first_difference
-from handcart.evaluation.campaigns.statistics.exact_value import beside, exact_goal, file_chances
+from handcart.evaluation.campaigns.statistics.exact_value import compare_share, exact_goal, file_chances
 from handcart.evaluation.campaigns.statistics.rerun import rerun
 from handcart.evaluation.viewing.report.report import REPORT_FILE, write_report
 from handcart.files.errors import HandcartError
@@ -173,12 +173,12 @@ class CampaignPage:
         if self._settling is not None:
             yield f"Claimed: {self._settling.words()}."
         if isinstance(goal, str):
-            yield f"There is no exact value beside it: {goal}."
+            yield f"There is no exact value to compare with: {goal}."
         else:
-            found = beside(goal, self._report.successes, len(self._report.trials))
+            found = compare_share(goal, self._report.successes, len(self._report.trials))
             verdict = "they agree" if found.agrees else "they differ: the file's probabilities don't hold"
             tested = f"(exact test, p = {found.p_value:.3g})"
-            yield f"handcart check reckons {100 * goal:.2f} %: {verdict} {tested}."
+            yield f"handcart check computes {100 * goal:.2f} %: {verdict} {tested}."
 
     def _metrics(self, table: TrialTable, limits: Mapping[str, float]) -> Iterator[dict[str, Any]]:
         """Yield the metrics that differ between trials, or have a limit."""

@@ -68,8 +68,14 @@ def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
     return {name: action.p_success for name, action in named if action.p_success is not None}
 
 
-def beside(goal: float, successes: int, count: int) -> ExactValue:
-    """Return the exact value next to a measured share, as text."""
+def compare_share(goal: float, successes: int, count: int) -> ExactValue:
+    """Test by the exact binomial test whether a share of successes contradicts P(goal).
+
+    Args:
+        goal: P(goal) by the probabilities in the task's file.
+        successes: number of successful trials.
+        count: number of trials.
+    """
     return ExactValue(goal, _binomial_test(successes, count, min(1.0, max(0.0, goal))))
 
 

@@ -32,7 +32,7 @@ class BagMessage(NamedTuple):
 
 
 class Bag(NamedTuple):
-    """Content of a bag."""
+    """Content of a ROS bag: its decoded messages, and what could not be decoded."""
 
     topics: dict[str, str]
     """Type of each topic, in the bag's order."""

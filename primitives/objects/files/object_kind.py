@@ -55,7 +55,7 @@ class ObjectKind(FileModel):
 
     @property
     def foot_radius(self) -> float:
-        """Radius of the circle around its foot, in [m]."""
+        """Radius of the smallest circle around the footprint of an upright object, in [m]."""
         return self.size[0] / 2 if self.is_round else math.hypot(*self.size[:2]) / 2
 
     def body(self, name: str) -> Solid:

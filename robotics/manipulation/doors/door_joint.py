@@ -31,7 +31,12 @@ class DoorJoint(NamedTuple):
         return math.inf if self.hinge is None else math.hypot(*self.hinge)
 
     def with_handle(self, handle: Transform, opening: float) -> DoorJoint:
-        """Return the joint of a door whose handle is at a pose (4, 4) with an opening, in [rad] or [m]."""
+        """Return this joint, moved so that its handle is at a measured pose.
+
+        Args:
+            handle: (4, 4) pose of the handle, in any frame; the joint returned is in that frame.
+            opening: opening of the door at that pose, in [rad], or in [m] for a slide.
+        """
         return self._replace(closed=np.asarray(handle @ inverse(self._moved(opening))))
 
     def _moved(self, opening: float) -> Transform:
@@ -68,7 +73,13 @@ class DoorJoint(NamedTuple):
         return math.atan2(step[1], step[0])
 
     def opening_of(self, handle: Transform) -> float:
-        """Return the opening by the orientation of the handle (4, 4), in [rad]; of a slide by its place."""
+        """Return the opening at a pose of the handle, in [rad], or in [m] for a slide.
+
+        For a hinge it is determined by the handle's orientation, for a slide by its position.
+
+        Args:
+            handle: (4, 4) in the frame of `closed`.
+        """
         if self.hinge is None:
             return self.opening_at(handle[:3, 3])
         turn = math.atan2(handle[1, 0], handle[0, 0]) - math.atan2(self.closed[1, 0], self.closed[0, 0])

@@ -12,16 +12,16 @@ _FEWEST = 3  # of steps between stops
 
 
 class SwingYaw(NamedTuple):
-    """Estimate of the yaw for each swing."""
+    """Yaw of a base on springs for each swing of its arm, with its scatter."""
 
     yaw_per_swing: float
     """Mean, in [rad]."""
     sigma: float
-    """Its standard deviation."""
+    """Standard error of the mean, in [rad]."""
     spread: float
-    """Standard deviation of a single swing's, in [rad]."""
+    """Standard deviation of the yaw of a single swing, in [rad]."""
     spread_sigma: float
-    """Standard error of the spread."""
+    """Standard error of the spread, in [rad]."""
     noise: float
     """Standard deviation of one look's heading, in [rad]."""
 

@@ -53,7 +53,11 @@ class KeyframeView(NamedTuple):
     """Occupied where beams ended, and next to it."""
 
     def contradictions(self, hits: FloatArray) -> float:
-        """Return the share of points (n, 2), of those in known cells, that lie in free space."""
+        """Return the share of points that lie in free space, among those that lie in known cells.
+
+        Args:
+            hits: (n, 2) in the keyframe's frame, in [m].
+        """
         cells = self.grid.to_cell(hits[self.grid.inside(hits)])
         rows, columns = cells[:, 0], cells[:, 1]
         known = np.count_nonzero(~self.grid.unknown[rows, columns])

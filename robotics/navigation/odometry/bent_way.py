@@ -31,11 +31,11 @@ class _BentSums(NamedTuple):
 
 
 class BentWay(_BentSums):
-    """Sums over a drive whose heading is not known exactly."""
+    """Position error of second order in the heading's error, summed up over a drive."""
 
     @classmethod
     def straight(cls) -> Self:
-        """Return the sums before a drive."""
+        """Return sums of zero, for the beginning of a drive."""
         return cls(np.zeros((2, 2)), np.zeros((3, 3)))
 
     @cached_property

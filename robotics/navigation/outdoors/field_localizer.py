@@ -114,10 +114,11 @@ class FieldLocalizer(ABC):
 
     @property
     def displacement(self) -> Belief:
-        """origin_T_base since `set_origin`: x ahead, y left in [m], turn in [rad]; (3,) and (3, 3).
+        """Motion origin_T_base since `set_origin`, with its covariance.
 
-        Over some metres it is known far better than where the base is: what is wrong with both alike doesn't
-        count, nor does it which way it headed on the Earth.
+        The mean (3,) is x ahead and y left in [m] and the turn in [rad]. Over some metres the motion is known
+        far better than the pose on the Earth: errors that both poses share cancel, and the heading on the
+        Earth does not matter.
 
         Raises:
             ValueError: no origin was set.

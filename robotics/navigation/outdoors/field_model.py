@@ -51,7 +51,7 @@ class FieldModel(NamedTuple):
 
     @property
     def figures(self) -> FloatArray:
-        """Figures (11,) of the noise for the compiled step, in SI units."""
+        """Parameters (11,) of the noise in SI units, in the order in which `field_step` takes them."""
         n = self.noise
         ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]
         gyro = [n.gyro_white, n.gyro_walk, n.gyro_warm_up_time]

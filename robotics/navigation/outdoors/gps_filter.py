@@ -21,8 +21,8 @@ from handcart.robotics.navigation.outdoors.field_localizer import (
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.navigation.outdoors.heading_bank import KNOWN_HEADING_SIGMA_RAD, HeadingBank
+from handcart.robotics.navigation.outdoors.noise_hypotheses import NoiseHypothesis, noise_hypotheses
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
-from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
 from handcart.robotics.numerics.arrays import FloatArray
 
 # of the weight of other claims: the stated sky is more likely than a worse one
@@ -58,7 +58,7 @@ class GpsFilter(FieldLocalizer):
         noise: FieldNoise = REFERENCE_NOISE,
         start_position: float = 0.05,
         record: bool = False,
-        supposed: Sequence[Supposition] | None = None,
+        supposed: Sequence[NoiseHypothesis] | None = None,
         heading_sigma: float = KNOWN_HEADING_SIGMA_RAD,
     ) -> None:
         """Start at a pose whose position is right to `start_position` [m] an axis.
@@ -68,13 +68,13 @@ class GpsFilter(FieldLocalizer):
             noise: given noise model of wheels, gyros and GNSS.
             start_position: sigma in [m].
             record: keep the data that `smoothed` needs.
-            supposed: hypotheses; `suppositions` of `noise` if None.
+            supposed: hypotheses; `noise_hypotheses` of `noise` if None.
             heading_sigma: sigma that an unknown start heading must reach before it counts as known, in
                 [rad].
         """
         super().__init__(start)
         self._noise, self._begun, self._start_position = noise, start, start_position
-        supposed = suppositions(noise) if supposed is None else supposed
+        supposed = noise_hypotheses(noise) if supposed is None else supposed
         self._bank = HeadingBank(start, supposed[0].noise, start_position)
         self._searching = noise.start_heading > UNKNOWN_HEADING_SIGMA_RAD
         self._heading_sigma = heading_sigma
@@ -82,19 +82,19 @@ class GpsFilter(FieldLocalizer):
         self._squares: list[
             tuple[float, float | None]
         ] = []  # times of fixes, and squares as in `Fixed`; None if refused
-        shares = np.array([supposition.share for supposition in supposed])
+        shares = np.array([hypothesis.share for hypothesis in supposed])
         self._weights: FloatArray = shares / shares.sum()
-        self._worse = [supposition.worse for supposition in supposed]
+        self._worse = [hypothesis.worse for hypothesis in supposed]
         worse = np.array([[a.may_become(b) for a in supposed] for b in supposed])
         self._becomes = np.eye(len(shares)) + WORSENING_PROBABILITY * self._weights[:, None] * worse
         self.log_likelihood = 0.0
         self.filters = [
             FieldKalman(
-                start, _computable(supposition.noise), start_position, TrackRecord() if record else None
+                start, _computable(hypothesis.noise), start_position, TrackRecord() if record else None
             )
-            for supposition in supposed
+            for hypothesis in supposed
         ]
-        """One for each supposition."""
+        """One for each hypothesis."""
         self._here: Pose2 | None = None
         self._spread: FloatArray | None = None
         """(3, 3) covariance; like `_here` asked many times between two steps."""
@@ -111,12 +111,12 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def refused(self) -> int:
-        """Fixes that the likeliest supposition didn't believe."""
+        """Number of fixes that the filter of the most likely hypothesis rejected as outliers."""
         return self.best.refused
 
     @property
     def restarts(self) -> int:
-        """Number of restarts of the likeliest hypothesis' filter from rejected fixes."""
+        """Number of times that the filter of the most likely hypothesis began again from rejected fixes."""
         return self.best.restarts
 
     @property

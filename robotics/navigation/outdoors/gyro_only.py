@@ -7,7 +7,7 @@ from typing import ClassVar
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
-from handcart.robotics.navigation.outdoors.suppositions import Supposition
+from handcart.robotics.navigation.outdoors.noise_hypotheses import NoiseHypothesis
 from handcart.robotics.numerics.arrays import FloatArray
 
 
@@ -20,7 +20,7 @@ class GyroOnly(GpsFilter):
         """Start with `noise` as the only hypothesis, because without fixes all are alike. Arguments as of
         `GpsFilter`.
         """
-        super().__init__(start, noise, start_position, supposed=[Supposition(noise, 1.0, 0)])
+        super().__init__(start, noise, start_position, supposed=[NoiseHypothesis(noise, 1.0, 0)])
 
     def _fix(self, position: FloatArray, sigma: float | None) -> bool:
         return False

@@ -20,7 +20,7 @@ GROUND_SHARES = (
 )  # shares of worlds: as given, more slip than given, a start heading further off
 
 
-class Supposition(NamedTuple):
+class NoiseHypothesis(NamedTuple):
     """Hypothesis on the noise: one way in which the world may differ from the given noise model."""
 
     noise: FieldNoise
@@ -31,7 +31,7 @@ class Supposition(NamedTuple):
     worst.
     """
 
-    def may_become(self, other: Supposition) -> bool:
+    def may_become(self, other: NoiseHypothesis) -> bool:
         """Return True if a world that so far fits this hypothesis may turn out to fit the other, worse
         one.
         """
@@ -43,10 +43,10 @@ def _badness(noise: FieldNoise) -> tuple[float, float, float]:
     return noise.gps_drift, noise.slip, noise.start_heading
 
 
-def suppositions(given: FieldNoise) -> list[Supposition]:
+def noise_hypotheses(given: FieldNoise) -> list[NoiseHypothesis]:
     """Return each GNSS condition combined with each ground, the given one first and worse ones later."""
     given = given._replace(gps_delay=max(given.gps_delay, MAX_FIX_DELAY_S))
-    found: list[Supposition] = []
+    found: list[NoiseHypothesis] = []
     skies = [(_drifting(given, sigma, time), share) for sigma, time, share in GNSS_CONDITIONS[1:]]
     skies = [
         (given, GNSS_CONDITIONS[0][2]),
@@ -58,7 +58,7 @@ def suppositions(given: FieldNoise) -> list[Supposition]:
         for noise, rough in zip((sky, _slipping(sky), _turned(sky)), GROUND_SHARES, strict=True):
             here = len(found)
             found.append(
-                Supposition(noise, share * rough, here if here >= last else here + len(GROUND_SHARES))
+                NoiseHypothesis(noise, share * rough, here if here >= last else here + len(GROUND_SHARES))
             )
     return found
 

@@ -56,16 +56,17 @@ def find_slots(
 ) -> tuple[Gap, ...]:
     """Return the free slots in an interval of the shelf's front, from left to right.
 
-    The two views from nearest before it decide. An edge at the same place in both views is the end of
-    something in the front; between such edges a piece is deep if the views differ there, however they are
-    aligned. A piece that looks the same from both sides isn't free: it is a spine, or can't be
-    distinguished from one.
+    The two views taken from the places nearest to the interval are compared (parallax). An edge at the same
+    position in both views is the end of a surface in the front. Between two such edges, the piece is a free
+    slot if the views differ however they are aligned. A piece that looks the same in both views is not
+    free: it is a spine, or can't be distinguished from one.
 
     Args:
         views: views from before the shelf.
-        offsets: in [m], added to each view's positions.
-        interval: between two spines that are sure.
-        solid: left and right of such spines, in [m]: the brightness of the views is compared there.
+        offsets: correction of each view's lateral positions, in [m].
+        interval: interval between two spines that were recognized.
+        solid: left and right edge of each recognized spine, in [m]; the brightness of the views is matched
+            there.
     """
     pair = _best_pair(views, offsets, interval)
     if pair is None:

@@ -47,10 +47,11 @@ def fit_outline(
 ) -> OutlineFit | None:
     """Fit an outline of known size (Gauss and Newton, with Huber's weights); None if it isn't determined.
 
-    Readings are missing next to a step in depth, by an amount that is fitted too, the same all around.
+    A depth camera loses readings next to a step in depth. The width of that strip is fitted too, the same
+    all around.
 
     Args:
-        points: (n, 2) around it, or along a part of it, in [m].
+        points: (n, 2) on the outline or a part of it, in any plane frame, in [m]; the pose is in that frame.
         sides: lengths of a rectangle, or the diameter of a circle, in [m].
         cell: distance of neighbouring points, in [m].
         pixel: distance of neighbouring readings, in [m].

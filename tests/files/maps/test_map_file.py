@@ -147,7 +147,7 @@ def test_a_movingai_map(tmp_path: Path) -> None:
     assert grid.unknown.astype(int).tolist() == [[0] * 5, [0, 1, 0, 0, 0], [0] * 5]
     assert (grid.resolution, grid.origin_x) == (1.0, 0.0)
     assert warning is not None
-    assert "1 m is taken" in warning
+    assert "1 m is assumed" in warning
 
 
 def test_a_movingai_map_in_a_maps_file_has_its_resolution(chart: Path) -> None:
@@ -174,8 +174,8 @@ def test_a_movingai_map_in_a_maps_file_has_its_resolution(chart: Path) -> None:
         ("width 5", "width 0", "0 x 3 cells"),
         ("map\n", "nap\n", "arena.map:4:1:"),
         ("TW...", "TW..", "arena.map:6:1: 4 cells; allowed: the 5 stated in line 3"),
-        ("TW...", "TW.#.", "arena.map:6:4: no terrain '#'; allowed: . G S @ O T W"),
-        ("TW...", "TW.é.", "arena.map:6:4: no terrain"),
+        ("TW...", "TW.#.", "arena.map:6:4: unknown terrain '#'; allowed: . G S @ O T W"),
+        ("TW...", "TW.é.", "arena.map:6:4: unknown terrain"),
     ],
 )
 def test_a_wrong_movingai_map_is_told_with_its_line(tmp_path: Path, old: str, new: str, words: str) -> None:

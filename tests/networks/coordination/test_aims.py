@@ -242,7 +242,7 @@ def test_a_low_battery_is_charged_before_the_run_goes_on(
     [
         (
             "goal: shelf\ninterrupts: [{name: a, when: {every_s: 1, until_percent: 9}, goal: home}]\n",
-            "until_percent has no lower battery_below_percent",
+            "until_percent needs battery_below_percent; allowed: a charge above that one",
         ),
         ("goal: [shelf, shel]\n", "4:15: unknown situation 'shel'; did you mean 'shelf'?"),
         ("goal: [shelf, shelf]\n", "4:15: 'shelf' is reached already"),

@@ -287,7 +287,7 @@ def test_what_is_known_and_what_comes_next_is_told(run: Run) -> None:
     assert past.words(wall - 7.2, boot)[0].startswith(f"known: record {past.last}, 0 s ago")
     assert past.next_words() == "next: DRIVE (c to z)"
     assert past.recovered is None
-    (epoch,) = past.to_tell
+    (epoch,) = past.resume_records
     assert epoch == ("EPOCH", {"after": past.last, "in_doubt": None}, {})
 
 
@@ -310,7 +310,7 @@ def test_a_recovered_result_and_a_torn_tail_are_told(run: Run) -> None:
         "recovered: action 3 had ended with Success",
     ]
     assert past.checkpoint is not None
-    (kind, fields, wall), epoch = past.to_tell
+    (kind, fields, wall), epoch = past.resume_records
     assert (kind, fields["n"], fields["recovered"]) == ("RESULT", 3, True)
     assert wall == {"checkpoint": past.checkpoint.digest}
     assert epoch[1]["in_doubt"] is None

@@ -120,7 +120,7 @@ def test_geojson_without_points_is_refused(tmp_path: Path, text: str) -> None:
     [
         ("name,x_m,y_m\n" + "a" * 200_000 + ",1,2\n", 2, "a line of more than 20000 characters"),
         ("name,x_m,y_m\n" + "a" * 61 + ",1,2\n", 2, "the name has 61 characters; allowed: 60"),
-        ('name,x_m,y_m\n"a' + ",1,2\n" * 40_000, 26216, "no CSV: field larger than field limit"),
+        ('name,x_m,y_m\n"a' + ",1,2\n" * 40_000, 26216, "invalid CSV: field larger than field limit"),
         ("name,x_m,y_m\n" + "\n" * 5001, 5002, "more than 5000 rows; allowed: fewer"),
         ("name,x_m,y_m\na,1_0,2\n", 2, "x_m is '1_0'; allowed: a finite number"),
         ("name,x_m,y_m\na,1\0,2\n", 2, "the character U+0000"),

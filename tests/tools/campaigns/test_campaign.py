@@ -244,7 +244,7 @@ def test_a_repeated_action_is_one_row_named_as_in_the_file(
 @pytest.mark.parametrize(
     ("generate", "wrong"),
     [
-        (["librari"], "no worlds of that name; did you mean 'library'?"),
+        (["librari"], "unknown kind of generated world; did you mean 'library'?"),
         (["library.blockd=closed"], "unknown key 'blockd'; did you mean 'blocked'?"),
         (["library.blocked=shut"], "allowed: none, way_around, closed"),
         (["library.books=0"], "books=0"),

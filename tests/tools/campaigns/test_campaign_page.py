@@ -52,7 +52,7 @@ def test_page_equals_the_campaign_and_that_of_its_merged_parts(
     successes, low, high = re.findall(r"Success (\d+) of 60; by Wilson ([\d.]+) to ([\d.]+) %", said.out)[0]
     assert f"{successes} of 60 trials reached the goal" in page
     assert f"95 % interval {low} to {high} %" in page
-    assert re.search(r"handcart check reckons [\d.]+ %: they agree", page)
+    assert re.search(r"handcart check computes [\d.]+ %: they agree", page)
     assert len(rows(page)) == 60
     assert sum("<td>Success" in row for row in rows(page)) == int(successes)
     worst = re.findall(r"<pre>(handcart campaign .*)</pre>", page)

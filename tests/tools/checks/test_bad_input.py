@@ -139,7 +139,7 @@ def test_file_of_unknown_kind_is_rejected_and_a_ros_map_accepted(
         (("draw", str(TASKS / "return_book/task.yaml"), "-o", "network.gif"), ".svg"),
         (("make-library", "--out", __file__), "is not a folder"),
         (("run", str(TASKS / "return_book/task.yaml"), "--runs", __file__), "is not a folder"),
-        (("check", __file__), "no YAML"),
+        (("check", __file__), "invalid YAML"),
         (("do", "MOVETO"), "did you mean 'MOVE_TO'"),
         (("do", "MOVE_TO", "plaze=shelf_1"), "did you mean 'place'"),
         (("do", "MOVE_TO", "place=shelf_1", "wait_s=-5"), "wait_s is -5; allowed: a number from 0 to 600 s"),

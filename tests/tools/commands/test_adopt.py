@@ -73,7 +73,7 @@ def test_it_is_written_and_nothing_else_changes(
     assert spec.camera.calibrated is not None
     assert spec.camera.calibrated.xyz_mm == (0.5, -1.0, 2.0)
     assert spec.suspension.pivot_m == 0.17
-    assert "says so already" in handcart("adopt", run, "--write").out
+    assert "has these values already" in handcart("adopt", run, "--write").out
 
 
 def test_a_read_only_file_is_copied_where_asked(

@@ -33,7 +33,7 @@ def test_u1_it_listens_on_this_machine_alone(served: Served) -> None:
 def test_u1_another_address_needs_to_be_asked_for_and_the_token(runs: Path) -> None:
     other = Server(runs, "127.0.0.2", 0)
     assert other.address.startswith(f"http://127.0.0.2:{other.port}/#token=")
-    with pytest.raises(NoConsole, match="can't be had"):
+    with pytest.raises(NoConsole, match="can't be listened on"):
         Server(runs, "127.0.0.2", other.port)
     other.close()
     for every in ("0.0.0.0", "::", ""):
@@ -332,7 +332,7 @@ def test_what_cannot_be_is_told_in_words(handcart: Callable[..., Said], tmp_path
     with socket.create_server(("127.0.0.1", 0)) as taken:
         said = handcart("console", tmp_path, "--port", taken.getsockname()[1])
     assert (said.status, said.out) == (2, "")
-    assert "can't be had: Address already in use; allowed: a free one, or 0 for any" in said.err
+    assert "can't be listened on: Address already in use; allowed: a free one, or 0 for any" in said.err
     said = handcart("console", tmp_path, "--host", "no.such.host.invalid")
     assert said.status == 2
-    assert "can't be had" in said.err
+    assert "can't be listened on" in said.err

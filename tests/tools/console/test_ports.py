@@ -27,7 +27,7 @@ def test_a_port_that_one_address_lacks_is_let_go_of_on_the_other(tmp_path: Path)
         taken.bind(("::1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        with pytest.raises(NoConsole, match=f"port {port} of 127.0.0.1 can't be had: .*in use"):
+        with pytest.raises(NoConsole, match=f"port {port} of 127.0.0.1 can't be listened on: .*in use"):
             Server(tmp_path, None, port)
         assert can_be_had("127.0.0.1", port)
 
@@ -51,7 +51,7 @@ def test_without_a_port_the_next_free_one_is_taken(tmp_path: Path, monkeypatch: 
         return socket.socket()
 
     monkeypatch.setattr(module, "_opened", opened)
-    with pytest.raises(NoConsole, match=r"port 7 .*can't be had: in use"):
+    with pytest.raises(NoConsole, match=r"port 7 .*can't be listened on: in use"):
         Server(tmp_path, "127.0.0.1", 7)
     asked.clear()
     sockets = module._sockets(("127.0.0.1",), None)

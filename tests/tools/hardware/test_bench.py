@@ -88,7 +88,7 @@ def test_faults_are_listed(handcart: Callable[..., Said]) -> None:
         (("--fault", "bus-off@1"), "happens at the program's own interface"),
         (("--fault", "fault@soon"), "allowed: NAME@SECONDS or NAME@SECONDS@NODE"),
         (("--interface", "udp_multicast", "--channel", "10.0.0.1"), "no CAN on udp_multicast 10.0.0.1"),
-        (("--range-port", "7000"), "nothing has a range sensor; needed: --backend kinematic"),
+        (("--range-port", "7000"), "--range-port without a simulated lidar; needed: --backend kinematic"),
     ],
 )
 def test_bad_input(handcart: Callable[..., Said], words: tuple[str, ...], message: str) -> None:

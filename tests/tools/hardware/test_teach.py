@@ -108,7 +108,7 @@ def test_hand_points_the_given_way(
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--pointing", "down"), "where is the hand to be? needed: --hand X,Y,Z"),
+        (("--pointing", "down"), "the hand's position is missing; needed: --hand X,Y,Z"),
         (("--hand=0.3,0,0.8", "--pointing", "dwn"), "invalid direction 'dwn'; did you mean 'down'?"),
         (("--hand=0.3,0,0.8", "--pointing=0,0,0"), "invalid direction '0,0,0'; allowed: not all 0"),
         (("--hand=0.3,0,nan",), "invalid place '0.3,0,nan'"),

@@ -156,7 +156,7 @@ def test_world_walls_report_things_that_a_map_lacks(plan: Path, tmp_path: Path, 
         (["keepout", "PLAN", "-o", "NEW"], "nothing to do; allowed: --add or --remove"),
         (["keepout", "PLAN", "-o", "NEW", "--add", "0,0,1,1"], "at least three corners"),
         (["keepout", "PLAN", "-o", "NEW", "--add", "90,90,91,90,91,91"], "no cell changes"),
-        (["compare", "PLAN", "PLAN", "-o", "a.txt"], "no picture for '.txt'"),
+        (["compare", "PLAN", "PLAN", "-o", "a.txt"], "unknown suffix '.txt' of a picture"),
         (["walls", "PLAN", "PLAN"], "PLAN:1:1"),
     ],
 )

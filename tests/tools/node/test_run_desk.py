@@ -130,7 +130,7 @@ def test_a_giveup_is_acknowledged_once_it_was_published(robot: Robot) -> None:
     robot.end(**GAVE_UP)
     assert desk.acknowledge() == (False, "no run waits for a person")
     assert desk.state()["waits"]["reason"] == "it squeaks"
-    assert "is new; read it" in desk.acknowledge().message
+    assert "was not read before; read it" in desk.acknowledge().message
     now[0] = 1.5
     assert desk.acknowledge() == (True, "it squeaks")
     assert desk.state()["waits"] is None
@@ -157,14 +157,14 @@ def test_a_run_that_broke_off_is_resumed_as_it_was_read(robot: Robot) -> None:
     now = [0.0]
     spaced = ("--node-namespace", "/r")
     desk = RunDesk({"tour": Path("tour.yaml")}, robot.runs, ("-x",), spaced, robot.start, lambda: now[0])
-    assert desk.resume() == (False, "no run is there yet")
+    assert desk.resume() == (False, "there is no run yet")
     desk.request("tour")
     assert "one at a time" in desk.resume().message
     robot.end("START", **BROKEN_OFF)
     run = robot.runs / "run-1"
     read = {"run": str(run), "record": 1, "end": "it broke off after record 1, START"}
     assert desk.state()["resumable"] == read
-    assert "its state is new" in desk.resume().message
+    assert "its state was not read before" in desk.resume().message
     now[0] = 1.5
     robot.refusal = "the robot isn't where that action began: base 0.3 m off; bring it there"
     assert desk.resume() == (False, robot.refusal)
@@ -192,7 +192,7 @@ def test_a_journal_that_grew_since_it_was_read_is_not_resumed(robot: Robot) -> N
     desk.state()
     now[0] = 1.5
     assert desk.acknowledge().success
-    assert "its state is new" in desk.resume().message
+    assert "its state was not read before" in desk.resume().message
 
 
 def test_services_get_names_that_ros_accepts() -> None:

@@ -81,4 +81,4 @@ def _free(port: int | None) -> int:
         if port is not None
         else f"any port from {FIRST_PORT} to {FIRST_PORT + MAX_PORT_TRIES - 1}"
     )
-    raise NoView(f"--port: {asked} can't be had: {wrong}; allowed: a free one, or 0 for any")
+    raise NoView(f"--port: {asked} can't be listened on: {wrong}; allowed: a free one, or 0 for any")

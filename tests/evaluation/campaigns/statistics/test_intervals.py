@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest
 
-from handcart.evaluation.campaigns.statistics.exact_value import beside
+from handcart.evaluation.campaigns.statistics.exact_value import compare_share
 from handcart.evaluation.campaigns.statistics.intervals import median_interval, wilson
 
 COUNTS = (1, 2, 5, 6, 7, 20, 59, 100, 1000, 12345)
@@ -25,7 +25,7 @@ def test_shares_are_bounded_as_by_wilson(count: int) -> None:
 def test_a_share_is_held_against_a_value_exactly(count: int, p: float) -> None:
     for successes in {0, 1, count // 3, count - 1, count}:
         exact = binomtest(successes, count, p).pvalue
-        assert beside(p, successes, count).p_value == pytest.approx(exact, rel=1e-6, abs=1e-12)
+        assert compare_share(p, successes, count).p_value == pytest.approx(exact, rel=1e-6, abs=1e-12)
 
 
 @pytest.mark.parametrize("count", range(40))

@@ -76,6 +76,6 @@ def test_a_taken_port_is_told() -> None:
         taken.bind((LOOPBACK_HOST, 0))
         taken.listen()
         port = taken.getsockname()[1]
-        said = f"--port: the port {port} can't be had: .*; allowed: a free one"
+        said = f"--port: the port {port} can't be listened on: .*; allowed: a free one"
         with pytest.raises(NoView, match=said), open_server(port, "test"):
             pass

@@ -18,9 +18,9 @@ from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
+from handcart.robotics.navigation.outdoors.noise_hypotheses import NoiseHypothesis
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees
-from handcart.robotics.navigation.outdoors.suppositions import Supposition
 
 STANDS = 2400  # periods at first
 
@@ -89,7 +89,7 @@ def test_fixes_that_are_taken_back_are_taken_back_of_the_way_too(log: FieldLog, 
     rows = (log.fix_rows > 1600) & (log.fix_rows < 2300)
     wrong = log._replace(fixes=log.fixes + 1.5 * rows[:, None])
     first, second = (
-        GpsFilter(start_pose(log), supposed=[Supposition(REFERENCE_NOISE, 1.0, 0)]) for _ in range(2)
+        GpsFilter(start_pose(log), supposed=[NoiseHypothesis(REFERENCE_NOISE, 1.0, 0)]) for _ in range(2)
     )
     play(wrong, first, 0, origin)
     first.set_origin()

@@ -16,16 +16,16 @@ from handcart.backends.saved_state import pack
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE, RTK_NOISE, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.noise_hypotheses import NoiseHypothesis
 from handcart.robotics.navigation.outdoors.placement_errors import nees
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
-from handcart.robotics.navigation.outdoors.suppositions import Supposition
 
 RUNS = range(16)
 
 
-def only(noise: FieldNoise) -> list[Supposition]:
+def only(noise: FieldNoise) -> list[NoiseHypothesis]:
     """Return a filter with this hypothesis alone, whatever the fixes say."""
-    return [Supposition(noise, 1.0, 0)]
+    return [NoiseHypothesis(noise, 1.0, 0)]
 
 
 def limit(log: FieldLog) -> np.ndarray:

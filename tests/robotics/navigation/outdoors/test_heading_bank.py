@@ -202,7 +202,7 @@ def test_a_track_needs_its_heading_less_exactly_than_a_sensor() -> None:
 
 
 def test_a_worse_sky_moves_the_place_as_much_as_its_fixes_err() -> None:
-    """Fixes see place and slow error together: their sum is as sure by each supposition."""
+    """Fixes see place and slow error together: their sum is as sure by each hypothesis."""
     localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), REFERENCE_NOISE._replace(start_heading=math.inf))
     driven_until_known(localizer, REFERENCE_NOISE, 3)
     spreads = [filter_.belief.covariance for filter_ in localizer.filters]

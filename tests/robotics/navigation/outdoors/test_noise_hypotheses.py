@@ -13,13 +13,13 @@ from benchmarks.field.field_trial import start_pose, try_course
 from benchmarks.field.mismatches import NOISE_WORLDS
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.noise_hypotheses import NoiseHypothesis, noise_hypotheses
 from handcart.robotics.navigation.outdoors.placement_errors import nees
-from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
 
 
 def squares(world: str, seeds: range, alone: bool = False) -> np.ndarray:
     """Of all placements in some runs; `alone`: nothing but what is told is supposed."""
-    supposed = [Supposition(REFERENCE_NOISE, 1.0, 0)] if alone else None
+    supposed = [NoiseHypothesis(REFERENCE_NOISE, 1.0, 0)] if alone else None
     found = []
     for seed in seeds:
         log = record_course((straight_course, zigzag_course)[seed % 2](5), NOISE_WORLDS[world], seed)
@@ -46,7 +46,7 @@ def test_what_the_world_is_like_is_found_out() -> None:
         assert localizer.weights[rows].sum() > before[rows].sum() + 0.1
 
 
-def test_suppositions_that_are_apart_are_unsure() -> None:
+def test_hypotheses_that_are_apart_are_unsure() -> None:
     localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0)))
     near = localizer.covariance[0, 0]
     localizer.filters[1]._mean[0] += 2.0
@@ -59,7 +59,7 @@ def test_suppositions_that_are_apart_are_unsure() -> None:
 def test_fixes_twice_as_far_off_as_they_may_be_contradict_the_claim() -> None:
     """Each could be, all of them can't."""
     start = start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0))
-    localizer = GpsFilter(start, supposed=[Supposition(REFERENCE_NOISE, 1.0, 0)])
+    localizer = GpsFilter(start, supposed=[NoiseHypothesis(REFERENCE_NOISE, 1.0, 0)])
     rng = np.random.default_rng(3)
     for _ in range(60):
         localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.zeros(2), 1.0)
@@ -72,7 +72,7 @@ def test_fixes_twice_as_far_off_as_they_may_be_contradict_the_claim() -> None:
 
 def test_worlds_become_worse_and_never_better() -> None:
     localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE_NOISE, 0)))
-    given, worse = suppositions(REFERENCE_NOISE)[0], suppositions(REFERENCE_NOISE)[3]
+    given, worse = noise_hypotheses(REFERENCE_NOISE)[0], noise_hypotheses(REFERENCE_NOISE)[3]
     assert given.may_become(worse)
     assert not worse.may_become(given)
     assert localizer._becomes[0].tolist() == [1.0] + [0.0] * 11

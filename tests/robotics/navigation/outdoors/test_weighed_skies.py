@@ -12,7 +12,7 @@ from handcart.robotics.navigation.outdoors import field_model as states
 from handcart.robotics.navigation.outdoors.field_localizer import inconsistency_of
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE_NOISE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
-from handcart.robotics.navigation.outdoors.suppositions import suppositions
+from handcart.robotics.navigation.outdoors.noise_hypotheses import noise_hypotheses
 
 GIVEN = REFERENCE_NOISE._replace(gps_white=2.0, gps_drift=0.5, antenna=(0.0, 0.0, 0.0))
 DRIFTS = [0.5, math.hypot(0.5, 0.5), math.hypot(0.5, 1.5), math.hypot(0.5, 6.0)]
@@ -20,17 +20,17 @@ SHARES = np.outer([0.55, 0.25, 0.15, 0.05], [0.6, 0.3, 0.1]).ravel()
 
 
 def test_worlds_are_supposed_with_these_figures() -> None:
-    found = suppositions(GIVEN)
-    assert [supposition.share for supposition in found] == pytest.approx(SHARES.tolist())
-    assert [supposition.worse for supposition in found] == [3, 4, 5, 6, 7, 8, 9, 10, 11, 9, 10, 11]
-    assert [supposition.noise.gps_drift for supposition in found] == pytest.approx(
+    found = noise_hypotheses(GIVEN)
+    assert [hypothesis.share for hypothesis in found] == pytest.approx(SHARES.tolist())
+    assert [hypothesis.worse for hypothesis in found] == [3, 4, 5, 6, 7, 8, 9, 10, 11, 9, 10, 11]
+    assert [hypothesis.noise.gps_drift for hypothesis in found] == pytest.approx(
         np.repeat(DRIFTS, 3).tolist()
     )
-    assert [supposition.noise.gps_drift_time for supposition in found] == [300.0] * 3 + [600.0] * 9
-    assert [supposition.noise.jump_every for supposition in found] == [math.inf] * 9 + [1000.0] * 3
-    assert [supposition.noise.jump for supposition in found[9:]] == pytest.approx([DRIFTS[3]] * 3)
-    assert {supposition.noise.gps_delay for supposition in found} == {0.3}
-    assert [supposition.noise.gps_delay for supposition in suppositions(GIVEN._replace(gps_delay=0.4))] == [
+    assert [hypothesis.noise.gps_drift_time for hypothesis in found] == [300.0] * 3 + [600.0] * 9
+    assert [hypothesis.noise.jump_every for hypothesis in found] == [math.inf] * 9 + [1000.0] * 3
+    assert [hypothesis.noise.jump for hypothesis in found[9:]] == pytest.approx([DRIFTS[3]] * 3)
+    assert {hypothesis.noise.gps_delay for hypothesis in found} == {0.3}
+    assert [hypothesis.noise.gps_delay for hypothesis in noise_hypotheses(GIVEN._replace(gps_delay=0.4))] == [
         0.4
     ] * 12
     for as_told, slipping, turned in zip(found[::3], found[1::3], found[2::3], strict=True):
@@ -41,7 +41,7 @@ def test_worlds_are_supposed_with_these_figures() -> None:
         assert slipping.noise.side_slip == pytest.approx(3.0 * GIVEN.side_slip)
         assert as_told.noise.start_heading == slipping.noise.start_heading == math.radians(1.0)
         assert turned.noise.start_heading == pytest.approx(math.radians(6.0))
-    assert suppositions(GIVEN._replace(start_heading=0.3))[2].noise.start_heading == 0.3
+    assert noise_hypotheses(GIVEN._replace(start_heading=0.3))[2].noise.start_heading == 0.3
 
 
 def test_claims_suppose_a_worse_sky_than_was_seen() -> None:
@@ -65,7 +65,7 @@ def test_a_fix_weighs_worlds_that_may_have_become_worse() -> None:
     densities = np.exp(-0.5 * 13.0 / variances) / variances
     leaps = -math.expm1(-0.1 / 1000.0)  # the fourth sky: the same normal density, leapt or not
     assert leaps > 0.0
-    worlds = suppositions(GIVEN)
+    worlds = noise_hypotheses(GIVEN)
     becomes = SHARES + 1e-4 * np.array(
         [SHARES[b] * sum(SHARES[a] for a in range(12) if worlds[a].may_become(worlds[b])) for b in range(12)]
     )
