@@ -7,7 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from handcart.backends.robot.localization.determination import DETERMINED_SIGMAS, PoseNeed
+from handcart.backends.robot.localization.determination import (
+    DETERMINED_SIGMAS,
+    NO_SHIFT,
+    PoseNeed,
+    difference,
+    undetermined,
+)
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.place import Place
@@ -90,3 +96,22 @@ def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
                 NOT_DETERMINED,
                 cause=causes.UNDETERMINED,
             )
+
+
+def check_determined(robot: Robot, name: str, place: Place, need: PoseNeed) -> None:
+    """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
+    off, shift = difference(robot.pose, place.pose), robot.localization.map_shift
+    if place.docks:  # its front was measured, not the map
+        off, shift = (0.0, 0.0, 0.0), NO_SHIFT
+    found = undetermined(robot.localization.repeatability, need, off, shift)
+    if found is None:
+        return
+    size, limit = found.shown
+    measured = Measured(robot.localization.source, "3 sigma of the pose", size, limit, found.unit)
+    raise Discrepancy(
+        f"not determined: at {name} {found.words}",
+        True,
+        measured,
+        NOT_DETERMINED,
+        cause=causes.UNDETERMINED,
+    )

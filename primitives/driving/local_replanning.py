@@ -54,10 +54,10 @@ NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is 
 class LocalReplanning:
     """Obstacles that one drive senses and the map lacks, and the route around them."""
 
-    def __init__(self, robot: Robot, model: ModelView, name: str) -> None:
-        """Begin a drive to a place with what earlier drives sensed."""
+    def __init__(self, robot: Robot, model: ModelView, name: str, place: Place | None = None) -> None:
+        """Begin a drive to a place, or to another one on the way, with what earlier drives sensed."""
         self._model, self._name = model, name
-        self._place: Place = model.places[name]
+        self._place: Place = place or model.places[name]
         self._goal = self._place.pose
         self._front = self._place.front if self._place.docks else None
         lidar = robot.spec.range_sensor

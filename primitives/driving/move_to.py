@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
+from functools import partial
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -14,7 +15,6 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.localization.determination import (
-    NO_SHIFT,
     PoseNeed,
     difference,
     room_left,
@@ -40,7 +40,7 @@ from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .docking import DOCK_TOLERANCE, NOT_DETERMINED, dock
+from .docking import DOCK_TOLERANCE, check_determined, dock
 from .driving import (
     WATCH_HORIZON_M,
     FieldObstacleMonitor,
@@ -54,6 +54,7 @@ from .early_forecast import check_will_be_determined
 from .lidar_watch import LidarWatch
 from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
+from .place_measuring import measure_place
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
 STUCK_TIMEOUT_S = 6.0  # without getting on, though nothing is seen in the way
@@ -98,6 +99,7 @@ class MoveTo(ActionPrimitive):
     _ahead: FloatArray = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
     _restores: bool = PrivateAttr(default=False)
+    _driven: float = PrivateAttr(default=0.0)
     _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
 
     @override
@@ -122,9 +124,12 @@ class MoveTo(ActionPrimitive):
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         goal, is_car = goal_pose(model, self.place), robot.spec.drive.kind == "ackermann"
+        if self.detour and not is_car:
+            yield from measure_place(robot, model, self.place, partial(self._drive, robot, model), self.found)
+            goal = goal_pose(model, self.place)
         place, need = self._place_and_need(robot, model)
         self._monitor = make_monitor(robot, model)
-        if place.docks:
+        if place.docks or model.is_redrawn():
             robot.base.may_stand_at(goal)
         if self.detour and not is_car:
             self._local = LocalReplanning(robot, model, self.place)
@@ -147,9 +152,17 @@ class MoveTo(ActionPrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Check that the base is at the place within its tolerance, along every direction."""
-        self._check_determined(robot, *self._place_and_need(robot, model))
+        check_determined(robot, self.place, *self._place_and_need(robot, model))
         return True
         yield
+
+    def _drive(self, robot: Robot, model: ModelView, place: Place) -> Periods:
+        """Drive to a place on the way to the named one."""
+        self._monitor = make_monitor(robot, model)
+        self._local = LocalReplanning(robot, model, self.place, place)
+        tracker, _ = yield from self._planned(robot, model, place.pose)
+        yield from self._follow(robot, model, tracker)
+        self._local.keep()
 
     def _place_and_need(self, robot: Robot, model: ModelView) -> tuple[Place, PoseNeed]:
         """Return the place, and the required accuracy of this base's pose there."""
@@ -180,24 +193,6 @@ class MoveTo(ActionPrimitive):
         )
         yield from reach_pose(robot, place.pose, closer)
         yield from settle(robot)
-
-    def _check_determined(self, robot: Robot, place: Place, need: PoseNeed) -> None:
-        """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
-        off, shift = difference(robot.pose, place.pose), robot.localization.map_shift
-        if place.docks:  # its front was measured, not the map
-            off, shift = (0.0, 0.0, 0.0), NO_SHIFT
-        found = undetermined(robot.localization.repeatability, need, off, shift)
-        if found is None:
-            return
-        size, limit = found.shown
-        measured = Measured(robot.localization.source, "3 sigma of the pose", size, limit, found.unit)
-        raise Discrepancy(
-            f"not determined: at {self.place} {found.words}",
-            True,
-            measured,
-            NOT_DETERMINED,
-            cause=causes.UNDETERMINED,
-        )
 
     def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
         """Return the arm's motion during the drive."""
@@ -236,7 +231,7 @@ class MoveTo(ActionPrimitive):
 
     def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
         arm = self._arm(robot, model, lambda: tracker.remaining)
-        progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.localization.odometry_pose
+        progress, since, rolled, last = 0.0, robot.time, 0.0, robot.localization.odometry_pose
         anew, looks = 0, LooksAtRest(robot.localization)
         while not tracker.finished(robot.pose):
             yield from self._replanned(robot, tracker)
@@ -259,9 +254,9 @@ class MoveTo(ActionPrimitive):
             next(arm, None)
             yield
             rolled += abs(robot.command.along) * robot.period
-            driven += robot.localization.odometry_pose.distance(last)
+            self._driven += robot.localization.odometry_pose.distance(last)
             last = robot.localization.odometry_pose
-            self.found(path_length_m=round(driven, 3))
+            self.found(path_length_m=round(self._driven, 3))
         yield from arm
 
     def _follow_again(self, robot: Robot, model: ModelView, goal: Pose2) -> Periods:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, partial
 from pathlib import Path
@@ -22,6 +22,7 @@ from handcart.files.yaml.yaml_document import Document
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
+from handcart.robotics.navigation.maps.moved_things import MovedThing
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .meant_contact import MeantContact
@@ -72,6 +73,16 @@ class Companion(Protocol):
         Raises:
             Discrepancy: the motion is impossible.
         """
+        ...
+
+
+class MovedKnowledge(Protocol):
+    """Places and map of a world model, which follow what was measured elsewhere."""
+
+    places: Mapping[str, Place]
+
+    def redraw_moved(self) -> GridMap:
+        """Draw the map anew with what sections measured; return it with what was sensed beside it."""
         ...
 
 
@@ -127,6 +138,26 @@ class Section:
         The localizer does not use what a lidar sees there.
         """
         return ()
+
+    def moved_things(self) -> Iterable[MovedThing]:
+        """Return the things of the map that were measured elsewhere: routes keep off where they are now."""
+        return ()
+
+    def measuring(
+        self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
+    ) -> Generator[None, None, bool] | None:
+        """Return a measurement of what a place was computed for; None if there is nothing to measure.
+
+        It runs while the base is at rest near the place, and moves the place with what was measured. Its
+        result says whether that was seen.
+
+        Args:
+            robot: the robot.
+            model: gets the place.
+            place: name of the place that the base is about to drive to.
+            report: receives metrics.
+        """
+        return None
 
     def discs(self) -> FloatArray:
         """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from dataclasses import field as dataclass_field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
@@ -19,6 +19,8 @@ from handcart.files.suggest import suggest
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.movable_areas import with_movable
+from handcart.robotics.navigation.maps.moved_things import beside, with_moved
+from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -26,6 +28,8 @@ from .meant_contact import MeantContact
 from .place import Place
 from .section import Companion, Section, types_of
 from .sections import name_of, sections
+
+MOVED_MARGIN_M = 0.08  # from the outline of a thing that was measured, within which a reading is of it
 
 
 class Declares(Protocol):
@@ -111,6 +115,7 @@ class WorldModel:
     )
 
     def __post_init__(self) -> None:
+        self._given_map = self.map
         self._noted = self._now()
 
     @property
@@ -146,8 +151,34 @@ class WorldModel:
         if areas and robot.range_sensor is not None:
             height = float(base_T_frame(robot.urdf_text(), robot.lidar_link)[2, 3])
             self.map = with_movable(self.map, areas, height)
+        self._given_map = self.map
         self._noted = self._now()
         return found
+
+    def redraw_moved(self) -> GridMap:
+        """Draw the map anew with what sections measured; return it with what was sensed beside it.
+
+        What was sensed near a thing that has moved was that thing.
+        """
+        things = [thing for section in self.sections.values() for thing in section.moved_things()]
+        self.map = with_moved(self._given_map, things)
+        for thing in things:
+            own = beside(self.sensed_cells[:, :2], thing.now, MOVED_MARGIN_M)
+            self.sensed_cells = self.sensed_cells[~own]
+        layer = ScanLayer(self.map)
+        layer.restore(self.sensed_cells)
+        return layer.merged()
+
+    def is_redrawn(self) -> bool:
+        """Return whether the map shows things elsewhere than the given one."""
+        return self.map is not self._given_map
+
+    def measuring(
+        self, robot: Robot, place: str, report: Callable[..., None]
+    ) -> Generator[None, None, bool] | None:
+        """Return a measurement of what a place was computed for; None if no domain has one."""
+        found = (section.measuring(robot, self, place, report) for section in self.sections.values())
+        return next((steps for steps in found if steps is not None), None)
 
     def clear_element(self) -> None:
         """Clear what was learned about one element when a `repeat` goes on to the next."""
@@ -247,6 +278,7 @@ class WorldModel:
         for name, learned in state["sections"].items():
             section = self._section(name, there[name])
             set_attributes(section, section.learned_types(), learned)
+        self.redraw_moved()
         self._noted = self._now()
 
     def taken_changes(self) -> dict[str, Any]:
@@ -300,6 +332,23 @@ class ModelView:
     def companion(self, robot: Robot, place: str) -> Companion | None:
         """Return the companion that a section offers for a drive to a place, or None."""
         found: Companion | None = self.__dict__["_model"].companion(robot, place)
+        return found
+
+    def redraw_moved(self) -> GridMap:
+        """Draw the map anew with what sections measured; return it with what was sensed beside it."""
+        grid: GridMap = self.__dict__["_model"].redraw_moved()
+        return grid
+
+    def is_redrawn(self) -> bool:
+        """Return whether the map shows things elsewhere than the given one."""
+        return bool(self.__dict__["_model"].is_redrawn())
+
+    def measuring(
+        self, robot: Robot, place: str, report: Callable[..., None]
+    ) -> Generator[None, None, bool] | None:
+        """Return the measurement that a section offers before a drive to a place, or None."""
+        found: Generator[None, None, bool] | None
+        found = self.__dict__["_model"].measuring(robot, place, report)
         return found
 
     def __getattr__(self, name: str) -> Any:

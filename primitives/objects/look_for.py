@@ -32,7 +32,6 @@ from handcart.primitives.objects.looking.object_look import (
 from handcart.primitives.objects.looking.tag_readings import Located, locate
 from handcart.primitives.objects.looking.view_plan import Direction, directions, places_and_weights
 from handcart.primitives.objects.site.object_site import base_T_map, kind_of, surface_of
-from handcart.primitives.objects.site.surface_measuring import measure_surface
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import apply
@@ -71,7 +70,7 @@ class LookFor(ActionPrimitive):
 
     needs: ClassVar = (Arm, AnyCamera)
     reads: ClassVar = ("objects", "detectors", "held_object")
-    writes: ClassVar = ("sightings", "surface_poses")
+    writes: ClassVar = ("sightings", "surface_poses", "places")
 
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
     _seen: Located | None = PrivateAttr(default=None)
@@ -100,7 +99,7 @@ class LookFor(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         kind_of(model, self.object)
         objects, name = model.of(Objects), self._surface(model)
-        yield from measure_surface(robot, model, name, self.found)
+        yield from model.of(Objects).measure(robot, model, name, self.found)
         yield from self._search(robot, model, name)
         yield from self._look.understand(robot, model, name)
         first = conclude(robot, model, self.object, name, self._look)

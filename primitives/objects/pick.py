@@ -42,7 +42,6 @@ from handcart.primitives.objects.site.object_site import (
     surface_of,
     surroundings,
 )
-from handcart.primitives.objects.site.surface_measuring import measure_surface
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
@@ -83,8 +82,8 @@ class Pick(ActionPrimitive):
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
-    reads: ClassVar = ("objects", "detectors", "places")
-    writes: ClassVar = ("sightings", "held_object", "surface_poses")
+    reads: ClassVar = ("objects", "detectors")
+    writes: ClassVar = ("sightings", "held_object", "surface_poses", "places")
     hand: ClassVar = TAKES_OBJECT
 
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)
@@ -112,7 +111,7 @@ class Pick(ActionPrimitive):
         if seen is None:
             return {}
         if self._start is None:
-            yield from measure_surface(robot, model, seen.surface, self.found)
+            yield from model.of(Objects).measure(robot, model, seen.surface, self.found)
         surface = surface_of(model, seen.surface)
         expected = base_T_map(robot) @ seen.pose.lift(surface.height_m)
         look = ObjectLook()

@@ -53,7 +53,6 @@ from handcart.primitives.objects.site.object_site import (
     surroundings,
 )
 from handcart.primitives.objects.site.roomy_motion import move_with_room, rooms
-from handcart.primitives.objects.site.surface_measuring import measure_surface
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import LETS_GO
@@ -98,7 +97,7 @@ class PlaceObject(ActionPrimitive):
         "objects",
         "detectors",
     )
-    writes: ClassVar = ("sightings", "held_object", "surface_poses")
+    writes: ClassVar = ("sightings", "held_object", "surface_poses", "places")
     hand: ClassVar = LETS_GO
 
     _before: HeldObject | None = PrivateAttr(default=None)
@@ -134,7 +133,7 @@ class PlaceObject(ActionPrimitive):
         assert held is not None  # the precondition
         self._before, self._known = held, objects.sightings
         kind = kind_of(model, held.object)
-        yield from measure_surface(robot, model, self.surface, self.found)
+        yield from model.of(Objects).measure(robot, model, self.surface, self.found)
         plan = yield from self._planned(robot, model, kind, held)
         yield from move_with_room(robot, model, plan.above, held_box(kind, held.hand_T_object))
         yield from self._lower(robot, plan.base_T_hand)

@@ -15,6 +15,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
+from handcart.robotics.numerics.arrays import FloatArray
 
 Positive = Annotated[float, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
@@ -115,17 +116,25 @@ class ObjectSurface(LevelPose):
         """Return the names in contacts of what an object on it touches; `name` is its own."""
         return (name, *FLOOR_NAMES) if self.height_m <= 0.0 else (name,)
 
+    @property
+    def _half(self) -> FloatArray:
+        """Half of its extent (2,) with its walls, in [m]."""
+        return np.array(self.size_m) / 2 + (WALL_M if self.walls else 0.0)
+
+    @property
+    def outline(self) -> FloatArray:
+        """Corners (4, 2) on the map, with its walls, counter-clockwise, in [m]."""
+        return self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * self._half)
+
     def movable_area(self) -> MovableArea | None:
         """Return where on the map it may be now; None for the floor, and if it is fixed."""
         if self.fixed or (self.height_m <= 0.0 and not self.walls):
             return None
-        half = np.array(self.size_m) / 2
-        if self.walls:
-            half += WALL_M
-        outline = self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half)
-        by_turn = float(np.hypot(*half)) * math.sin(MAX_SIGMAS_MOVED * PLACED_SIGMA_RAD)
+        by_turn = float(np.hypot(*self._half)) * math.sin(MAX_SIGMAS_MOVED * PLACED_SIGMA_RAD)
         margin = math.hypot(MAX_SIGMAS_MOVED * PLACED_SIGMA_M, by_turn)
-        return MovableArea(outline, margin, high=self.height_m + (self.wall_m or self.clearance_m or 0.0))
+        return MovableArea(
+            self.outline, margin, high=self.height_m + (self.wall_m or self.clearance_m or 0.0)
+        )
 
     def margin(self, x: float, y: float) -> float:
         """Return how far a point of the map is inside of its edge, in [m]; negative outside."""

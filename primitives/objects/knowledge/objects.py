@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -14,18 +14,21 @@ from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import read_document
 from handcart.primitives.detectors.detector import BrokenDetector, Detector, make_detector
 from handcart.primitives.knowledge.place import Place
-from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.primitives.knowledge.section import MovedKnowledge, NamedFiles, Section
 from handcart.primitives.objects.files.object_findings import gripper_findings
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
+from handcart.robotics.navigation.maps.moved_things import MovedThing
 
-from .surface_places import NoStandingPlace, standing_place
+from .surface_places import NoStandingPlace, followed_place, has_moved, standing_place
+from .surface_scan import is_in_scan, scan_surface
 
 if TYPE_CHECKING:
     from handcart.backends.description.robot_file import RobotFile
+    from handcart.backends.robot.robot import Robot
     from handcart.files.errors import Finding
     from handcart.robotics.navigation.maps.grid_map import GridMap
 
@@ -132,6 +135,77 @@ class Objects(Section):
     def movable_areas(self) -> Iterator[MovableArea]:
         areas = (surface.movable_area() for surface in self.objects.surfaces.values())
         return (area for area in areas if area is not None)
+
+    @override
+    def moved_things(self) -> Iterator[MovedThing]:
+        for name, surface in self.objects.surfaces.items():
+            now = self.surface(name)
+            if has_moved(surface, now):
+                yield MovedThing(surface.outline, now.outline)
+
+    @override
+    def measuring(
+        self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
+    ) -> Generator[None, None, bool] | None:
+        """Return the measurement of a surface that wasn't measured yet; its computed place moves with it."""
+        surface = self.objects.surfaces.get(place)
+        measured = any(pose.surface == place for pose in self.surface_poses)
+        if surface is None or place not in self.stands or surface.fixed or measured:
+            return None
+        if not is_in_scan(robot, surface):
+            return None
+        return self.measure(robot, model, place, report)
+
+    def measure(
+        self, robot: Robot, model: MovedKnowledge, name: str, report: Callable[..., None]
+    ) -> Generator[None, None, bool]:
+        """Measure the pose of a surface by lidar and note it; return whether it was seen.
+
+        One that the lidar does not see keeps the pose of its file. Distance and turn are much better known
+        afterwards than by the base's pose on the map. Its computed place moves with it.
+
+        Args:
+            robot: robot before the surface.
+            model: its map and places are changed if the surface has moved.
+            name: name of the surface.
+            report: receives the metrics `surface_off_mm` and `surface_off_deg`.
+        """
+        surface = self.objects.surfaces.get(name)
+        if surface is None or not is_in_scan(robot, surface):
+            return False
+        before = self.surface(name)
+        found = yield from scan_surface(robot, surface)
+        others = tuple(pose for pose in self.surface_poses if pose.surface != name)
+        if found is None:
+            self.surface_poses = others
+        else:
+            pose, covariance = found
+            noted = SurfacePose(name, pose, tuple(tuple(row) for row in covariance.tolist()))
+            self.surface_poses = (*others, noted)
+            report(
+                surface_off_mm=round(1e3 * pose.distance(surface.floor), 1),
+                surface_off_deg=round(math.degrees(pose.turn(surface.floor)), 2),
+            )
+        if has_moved(before, self.surface(name)):
+            yield from self._move_place(robot, model, name)
+        return found is not None
+
+    def _move_place(self, robot: Robot, model: MovedKnowledge, name: str) -> Generator[None, None, None]:
+        """Draw a surface where it is now, and move its computed place with it if there is room."""
+        grid, stand = model.redraw_moved(), self.stands.get(name)
+        if stand is None:
+            return
+        others = tuple(place for key, place in model.places.items() if key != name)
+        place = yield from robot.compute(
+            followed_place,
+            robot.spec,
+            grid,
+            self.objects.surfaces[name],
+            self.surface(name),
+            stand,
+            others,
+        )
+        model.places = {**model.places, name: place}
 
     def seen(self, name: str) -> ObjectSighting | None:
         """Return where an object was last seen; None if it wasn't."""

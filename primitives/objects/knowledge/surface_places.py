@@ -35,6 +35,8 @@ INWARD_M = 0.15  # from the edge to where work is expected, if nothing is said
 LIFT_M = 0.10  # over a grasp that must be reached too
 HIGHEST_TIP_M = 0.04  # of the finger tips over the surface in a grasp
 VIEW_DISTANCE_M = 0.35
+MIN_MOVED_M, MIN_TURNED_RAD = 0.02, math.radians(1.0)  # as a base may be off its place
+MOVED_BACK_M = (0.0, 0.02, 0.04, 0.06)  # from a place that moved with its surface: cells are coarse
 MAX_CANDIDATES = 40
 MAX_COMPARED = 5  # places from which everything is reached, that are compared by headings
 IK_RESTARTS = 4
@@ -94,7 +96,7 @@ def standing_place(
                     break
         if fit:
             best = min(fit, key=lambda pair: pair[0])[1]
-            return Place(x_m=best.x, y_m=best.y, heading_deg=math.degrees(best.theta))
+            return _place_at(best)
         if (tall <= HIGHEST_TIP_M).all():
             break
     count = max(1, len(work))
@@ -102,6 +104,47 @@ def standing_place(
         f"the arm doesn't reach all work on the surface {name!r} from one place: {missing} of {count} points"
         " (objects and spots) are out of reach; allowed: points within reach, or a `place` by hand"
     )
+
+
+def has_moved(before: ObjectSurface, now: ObjectSurface) -> bool:
+    """Return whether a surface is so far from an earlier pose that a base before it has to move too."""
+    if before.fixed:
+        return False
+    off, turned = before.floor.distance(now.floor), before.floor.turn(now.floor)
+    return off > MIN_MOVED_M or turned > MIN_TURNED_RAD
+
+
+def followed_place(
+    robot: RobotFile,
+    grid: GridMap,
+    before: ObjectSurface,
+    now: ObjectSurface,
+    stand: Place,
+    places: Sequence[Place],
+) -> Place:
+    """Return the place of the base for a surface that was measured elsewhere than its file says.
+
+    It is the old one moved with the surface, or a little further away; where the base has no room there, the
+    old one is kept.
+
+    Args:
+        robot: robot with an arm.
+        grid: the map with the surface where it is now, and with what was sensed.
+        before: the surface where its file says.
+        now: the surface where it is.
+        stand: computed place before the surface where it was.
+        places: other known places; a route must lead from one of them.
+    """
+    if not has_moved(before, now):
+        return stand
+    moved = now.floor.compose(stand.pose.relative_to(before.floor))
+    backs = [moved.compose(Pose2(-away, 0.0, 0.0)) for away in MOVED_BACK_M]
+    free = _free(robot, grid, backs, places)
+    return _place_at(free[0]) if free else stand
+
+
+def _place_at(base: Pose2) -> Place:
+    return Place(x_m=base.x, y_m=base.y, heading_deg=math.degrees(base.theta))
 
 
 def _work(file: ObjectsFile, name: str) -> FloatArray:

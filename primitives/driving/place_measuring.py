@@ -1,0 +1,49 @@
+"""Measurement of what a place was computed for, before the base drives up to it: it may have been moved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.geometry.pose2 import Pose2
+
+MEASURING_DISTANCE_M = 0.35  # before the place: more than what it belongs to may have come towards it
+
+
+def measure_place(
+    robot: Robot,
+    model: ModelView,
+    name: str,
+    drive: Callable[[Place], Periods],
+    report: Callable[..., None],
+) -> Periods:
+    """Stop before a place from where what it was computed for is seen, and measure that; the place follows.
+
+    Nothing happens where nothing may have moved, it was measured before, or a detour was planned. A base
+    without room before the place, or nearer to the place, measures where it is.
+
+    Args:
+        robot: the robot.
+        model: knows the place.
+        name: name of the place.
+        drive: drives to a place before it.
+        report: receives metrics of the measurement.
+    """
+    has_detour = model.detour is not None and model.detour.goal == name
+    measuring = None if has_detour else model.measuring(robot, name, report)
+    if measuring is None:
+        return
+    place = model.places[name]
+    before = place.pose.compose(Pose2(-MEASURING_DISTANCE_M, 0.0, 0.0))
+    if robot.pose.distance(place.pose) > MEASURING_DISTANCE_M:
+        try:
+            yield from drive(place.model_copy(update={"x_m": before.x, "y_m": before.y}))
+        except Discrepancy as no_room:
+            if no_room.cause is not causes.NO_ROUTE:
+                raise
+    yield from measuring
