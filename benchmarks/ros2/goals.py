@@ -178,7 +178,7 @@ def swing_arm(pipe: Connection) -> None:
             arm, gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
             assert arm is not None and gripper is not None
             begun, step = arm.command(), SPEED_RAD_S * backend.period
-            watch = LoopWatch(backend.period)
+            watch = LoopWatch(backend.period, FIRST_PERIODS + 1)
             for period in range(1200):
                 way = period % 40 if period % 80 < 40 else 40 - period % 40
                 arm.move(begun + step * way * np.eye(len(begun))[0])
@@ -187,7 +187,6 @@ def swing_arm(pipe: Connection) -> None:
                 backend.step()
                 if period == FIRST_PERIODS:
                     pipe.send("drives")
-                    watch = LoopWatch(backend.period)
                 watch.note()
     except (RobotFault, HandcartError) as error:
         words = str(error)

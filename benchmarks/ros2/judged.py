@@ -120,17 +120,27 @@ class LoopWatch:
     shared: Any = None
     """Shared numbers of the parent, as of `Lateness`; None outside of a `Process`."""
 
-    def __init__(self, period_s: float, queue: QueueClock | None = None) -> None:
-        """Begin with a first period of `period_s` seconds; `queue` is the clock of the calling thread."""
+    def __init__(self, period_s: float, skipped: int = 0, queue: QueueClock | None = None) -> None:
+        """Begin with a first period.
+
+        Args:
+            period_s: duration of a period in [s].
+            skipped: number of first periods that do not count: in these, functions are loaded and compiled.
+            queue: clock of the calling thread; None: that of Linux.
+        """
         self._queue = queue or QueueClock()
         self._period_s, self._ended, self._waited = period_s, time.monotonic(), self._queue.read_s()
         self._found: list[Lateness] = []
+        self._skipped = skipped
 
     def note(self) -> None:
         """Note that a period has ended."""
         now, waited = time.monotonic(), self._queue.read_s()
         late = split_lateness(now - self._ended - self._period_s, waited - self._waited)
         self._ended, self._waited = now, waited
+        if self._skipped > 0:
+            self._skipped -= 1
+            return
         self._found.append(late)
         if self.shared is not None:
             self.shared[:] = most_late((Lateness(*self.shared), late))

@@ -196,7 +196,7 @@ def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[R
     moved: list[tuple[float, bool]] = []
     due = time.monotonic()
     pipe.send("ready")
-    watch = LoopWatch(robot.period_s)
+    watch = LoopWatch(robot.period_s, FIRST_PERIODS)
     while True:
         bench.step()
         watch.note()
@@ -219,7 +219,7 @@ def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.
         with RosBackend(cart(1000.0, first_message_s)) as backend:
             base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
             assert base is not None and lidar is not None
-            watch = LoopWatch(backend.period)
+            watch = LoopWatch(backend.period, FIRST_PERIODS + 1)
             try:
                 for period in range(round(seconds / backend.period)):
                     base.drive(DRIVE_SPEED_M_S, DRIVE_TURN_RAD_S)
@@ -228,7 +228,6 @@ def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.
                     base.wheel_travel()
                     if period == FIRST_PERIODS:
                         pipe.send("drives")
-                        watch = LoopWatch(backend.period)
                     watch.note()
             finally:
                 watch.note()

@@ -82,7 +82,7 @@ def test_a_system_without_the_counter_gives_no_split(
         (tmp_path / "schedstat").write_text(content, encoding="utf-8")
     shared = [0.0, 0.0, 1.0]
     monkeypatch.setattr(LoopWatch, "shared", shared)
-    watch = LoopWatch(0.001, QueueClock(tmp_path / "schedstat"))
+    watch = LoopWatch(0.001, queue=QueueClock(tmp_path / "schedstat"))
     time.sleep(0.002)
     watch.note()
     assert shared[0] == 0.0
@@ -95,7 +95,7 @@ def test_a_period_is_split_by_the_wait_within_it(tmp_path: Path, monkeypatch: py
     file.write_text("9 5000000000 1\n", encoding="utf-8")
     shared = [0.0, 0.0, 1.0]
     monkeypatch.setattr(LoopWatch, "shared", shared)
-    watch = LoopWatch(0.001, QueueClock(file))
+    watch = LoopWatch(0.001, queue=QueueClock(file))
     for waited_ns, machine, own in ((6_000_000_000, 0.02, 0.0), (6_000_000_000, 0.02, 0.02)):
         file.write_text(f"9 {waited_ns} 1\n", encoding="utf-8")
         time.sleep(0.021)
@@ -106,6 +106,18 @@ def test_a_period_is_split_by_the_wait_within_it(tmp_path: Path, monkeypatch: py
     figures = watch.figures()
     assert figures["machine_p99_ms"] >= 20.0
     assert figures["own_p99_ms"] >= 20.0
+
+
+def test_first_periods_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    shared = [0.0, 0.0, 1.0]
+    monkeypatch.setattr(LoopWatch, "shared", shared)
+    watch = LoopWatch(0.001, skipped=1)
+    time.sleep(0.03)
+    watch.note()
+    assert shared[:2] == [0.0, 0.0]
+    time.sleep(0.03)
+    watch.note()
+    assert sum(shared[:2]) >= 0.02
 
 
 @pytest.mark.slow
