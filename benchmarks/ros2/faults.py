@@ -52,7 +52,8 @@ def main() -> None:
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--count", type=int, default=20, help="trials of each fault")
     words.add_argument("--topics", nargs="+", default=["odom", "scan"])
-    words.add_argument("--kinds", nargs="+", default=[*FAULT_KINDS, *OTHER_FAULTS])
+    kinds = [*FAULT_KINDS, *OTHER_FAULTS]
+    words.add_argument("--kinds", nargs="+", choices=kinds, default=kinds, metavar="KIND")
     asked = words.parse_args()
     missed, trial = 0, 0
     for kind in asked.kinds:

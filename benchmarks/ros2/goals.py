@@ -73,7 +73,8 @@ def main() -> None:
     """Print a row for the kills, and one for each fault."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--count", type=int, default=10, help="trials of each kind")
-    words.add_argument("--kinds", nargs="+", default=["killed", *ACTION_KINDS, RIVAL])
+    kinds = ["killed", *ACTION_KINDS, RIVAL]
+    words.add_argument("--kinds", nargs="+", choices=kinds, default=kinds, metavar="KIND")
     words.add_argument("--seed", type=int, default=0, help="of the instants")
     asked = words.parse_args()
     if importlib.util.find_spec("control_msgs") is None:
