@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from datetime import time
 from pathlib import Path
 
 from handcart.backends.loading.robot_loading import load_robot
@@ -15,7 +14,7 @@ from handcart.networks.coordination.day_clock import RehearsedDay
 from handcart.networks.events.events import Ended, Event
 from handcart.networks.operator.permits import Permits
 from handcart.networks.past_runs.past_run import PastRun
-from handcart.networks.runs.day_of_run import rehearsed_of
+from handcart.networks.runs.day_of_run import began_at
 from handcart.networks.runs.run_header import robot_fingerprint
 from handcart.networks.task.preparing import beginning_at, load_model, make_robot
 from handcart.networks.task.task_file import Task, load_task
@@ -76,7 +75,7 @@ def replay_sensors(run: PastRun) -> SensorReplay:
     coordinator = None
     try:
         robot = make_robot(task, backend, spec, model)
-        clock = RehearsedDay(robot, rehearsed_of(run.header) or time.min)
+        clock = RehearsedDay(robot, began_at(run.header))
         permits = Permits("always")
         coordinator = Coordinator(task.network, robot, model, None, [hear], permits, clock=clock)
         for _ in coordinator.run():

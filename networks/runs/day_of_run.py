@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from datetime import time
+from datetime import datetime, time
 from typing import Any
 
 from handcart.files.errors import InputError
@@ -44,6 +44,15 @@ def day_clock(prepared: Prepared, options: RunOptions, past: Past | None) -> Day
         return LocalDay()
     begins = rehearsed_time(prepared, options) if past is None else rehearsed_of(past.contents.records[0])
     return RehearsedDay(prepared.robot, begins or time.min)
+
+
+def began_at(header: Mapping[str, Any]) -> time:
+    """Return the time of day at which a past run began: as rehearsed, or of a real one in this time zone."""
+    kept = rehearsed_of(header)
+    if kept is not None:
+        return kept
+    unix_s = header.get("wall", {}).get("unix_s")
+    return time.min if unix_s is None else datetime.fromtimestamp(float(unix_s)).time()
 
 
 def rehearsed_of(header: Mapping[str, Any]) -> time | None:

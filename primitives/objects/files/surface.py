@@ -85,7 +85,7 @@ class ObjectSurface(LevelPose):
 
         Args:
             name: name of the bodies.
-            room: by which each face of a wall is thickened, in [m].
+            room: by which a wall's inner and its outer face are moved outwards, in [m].
         """
         result = []
         length, width = self.size_m

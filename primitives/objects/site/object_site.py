@@ -37,7 +37,7 @@ def surroundings(robot: Robot, model: ModelView, without: str = "", room: float 
         robot: robot at the surfaces.
         model: knows surfaces and objects.
         without: name of the object that is left out.
-        room: by which each face of the surfaces' walls is thickened, in [m].
+        room: by which the inner and outer faces of the surfaces' walls are moved outwards, in [m].
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
     boxes: list[Solid] = [

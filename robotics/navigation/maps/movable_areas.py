@@ -53,13 +53,16 @@ def _meets(area: MovableArea, height: float) -> bool:
 
 def _near(grid: GridMap, area: MovableArea) -> BoolArray:
     """Return (h, w) the cells of which any part may be within an area's margin."""
-    away = np.ones(grid.occupied.shape, dtype=np.uint8)
+    around = math.ceil(area.margin / grid.resolution) + 2  # cells: a thing beyond the map may reach into it
+    rows, columns = grid.occupied.shape
+    away = np.ones((rows + 2 * around, columns + 2 * around), dtype=np.uint8)
     corner = (grid.origin_x, grid.origin_y)
-    drawn = ((area.outline - corner) / grid.resolution - 0.5) * 2.0**SUBCELL_BITS
+    drawn = ((area.outline - corner) / grid.resolution - 0.5 + around) * 2.0**SUBCELL_BITS
     corners = [np.rint(drawn).astype(np.int32)]
     cv2.fillPoly(away, corners, 0.0, shift=SUBCELL_BITS)
     cv2.polylines(away, corners, True, 0.0, shift=SUBCELL_BITS)
     if away.all():
-        return np.zeros(away.shape, dtype=np.bool_)
+        return np.zeros((rows, columns), dtype=np.bool_)
     cells = cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.asarray(cells * grid.resolution <= area.margin + grid.resolution)
+    near = cells * grid.resolution <= area.margin + grid.resolution
+    return np.asarray(near[around : around + rows, around : around + columns])

@@ -20,6 +20,7 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import standing
 from handcart.networks.past_runs.journaled_network import network_of
+from handcart.networks.runs.day_of_run import began_at
 from handcart.networks.runs.run_header import network_fields
 from handcart.networks.task.task_file import Task
 from tests.networks.conftest import Stand
@@ -214,3 +215,11 @@ def test_a_clock_that_is_set_starts_nothing(load: Load, stand: Stand) -> None:
 def test_wrong_times_of_day_are_rejected(load: Load, key: str, words: str) -> None:
     with pytest.raises(FileError, match=words):
         load(f"{HEAD}{key}\n{CIRCLE}")
+
+
+@pytest.mark.usefixtures("berlin")
+def test_a_past_real_run_began_by_this_machines_clock() -> None:
+    began = datetime(2026, 7, 1, 8, 30).timestamp()
+    assert began_at({"wall": {"unix_s": began}}) == time(8, 30)
+    assert began_at({"wall": {"unix_s": began}, "begins_at": "09:00:00"}) == time(9, 0)
+    assert began_at({}) == time.min

@@ -32,6 +32,11 @@ def test_areas_that_the_lidar_does_not_meet_are_ignored() -> None:
     for height in (0.2, 0.72, 0.98):
         assert with_movable(GRID, [drawer, bin_], height).movable is not None
     assert with_movable(with_movable(GRID, [bin_], 0.1), [], 0.1).movable is None
+    beyond = with_movable(
+        GRID, [MovableArea(TABLE + np.array([2.6, 0.0]), 0.2)]
+    ).movable  # it begins 0.1 m off the map
+    assert beyond is not None
+    assert GRID.to_point(np.argwhere(beyond))[:, 0].min() == pytest.approx(3.1 - 0.2, abs=0.08)
     away = with_movable(GRID, [MovableArea(TABLE + 90.0, 0.1)]).movable
     assert away is not None and not away.any()
 
