@@ -46,9 +46,10 @@ def measured(family: str, seed: int, steps: float, limit_s: float) -> Row:
     begin = time.process_time()
     best = BestPolicy(task.network, task.chances, "expected_cost", PERSON_S, Effort(steps))
     found = best.decision(State(task.network.start, ()))
-    rule = rule_figures(best.process, Forecaster(task.network, task.chances, Effort(steps)))
+    forecaster = Forecaster(task.network, task.chances, Effort(steps))
+    rule = rule_figures(best.process, forecaster)
     price = best_figures(best.process, best.policy(), "best").price_s[1]
-    price = min(price, rule.price_s[1]) if best.is_rule_better() else price
+    price = min(price, rule.price_s[1]) if best.is_rule_better(forecaster) else price
     cpu = time.process_time() - begin
     plain = plain_network(task)
     least = best_cost(plain, PERSON_S, 0.1 * VALUE_TOLERANCE, limit_s)

@@ -75,21 +75,25 @@ class BestPolicy:
         other._is_rule_better = None
         return other
 
-    def is_rule_better(self) -> bool:
+    def is_rule_better(self, forecaster: Forecaster | None = None) -> bool:
         """Return whether the rule costs less than what was found within the budget.
 
         Only a search that was not finished can find less than the rule.
+
+        Args:
+            forecaster: forecaster of the same network and probabilities; None: a new one.
         """
         if self._is_rule_better is None:
-            self._is_rule_better = self._rule_costs_less()
+            self._is_rule_better = self._rule_costs_less(forecaster)
         return self._is_rule_better
 
-    def _rule_costs_less(self) -> bool:
+    def _rule_costs_less(self, forecaster: Forecaster | None) -> bool:
         found = self.decision(State(self.network.start, ()))
         if found.cost - found.low <= MAX_GAP * found.cost:
             return False
-        effort = Effort(2.0 * budget_of(self.network))
-        forecaster = Forecaster(self.network, self._process.chances, effort)
+        if forecaster is None:
+            effort = Effort(2.0 * budget_of(self.network))
+            forecaster = Forecaster(self.network, self._process.chances, effort)
         forecast = forecaster.forecast()
         # Runs of the rule that were not followed to their end count as short of the goal, and as long again.
         left = forecast.unknown * (self._process.stop_price(self.network.start) + forecast.cost_s)

@@ -91,8 +91,9 @@ def comparison(
     first = best.decision(State(network.start, ()))
     policy = best.policy()
     process = Process(network, chances, network.person_s)
-    rule = rule_figures(process, forecaster or Forecaster(network, chances))
-    if best.is_rule_better():
+    forecaster = forecaster or Forecaster(network, chances)
+    rule = rule_figures(process, forecaster)
+    if best.is_rule_better(forecaster):
         return PolicyComparison(rule, rule._replace(name=name), (), frozenset(), first.low, True)
     rows = ChainRows(policy, chances)
     visits = _visits(rows, policy)
