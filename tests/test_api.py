@@ -92,6 +92,7 @@ def test_a_campaign_takes_what_the_command_takes(tmp_path: Path) -> None:
         handcart.campaign(task, level="physics")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_result_shows_itself_in_a_notebook(tmp_path: Path) -> None:
     task = ROOT / "tasks" / "drive_map" / "task.yaml"
     result = handcart.run(task, robot="cart", set={"tour": ["desk"]}, runs=tmp_path)
@@ -103,6 +104,7 @@ def test_a_result_shows_itself_in_a_notebook(tmp_path: Path) -> None:
     assert shown.count("<tr>") == 2
 
 
+@pytest.mark.slow
 def test_what_needs_an_operator_is_not_done_unasked(tmp_path: Path) -> None:
     for source in (ROOT / "tasks" / "drive_map").iterdir():
         (tmp_path / source.name).write_bytes(source.read_bytes())

@@ -25,6 +25,7 @@ def findings(folder: str) -> Calibration:
     return load(Path(folder) / "calibration.yaml", Calibration)
 
 
+@pytest.mark.slow
 def test_the_camera_of_a_new_robot(tmp_path: Path) -> None:
     """Its mount and focal length are off, as the seed draws them; how its base leans isn't known yet."""
     settings = {"robot": "toyama/uncalibrated", "views": "24"}

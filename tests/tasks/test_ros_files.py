@@ -105,6 +105,7 @@ def test_a_wrong_mask_is_told(task: Path, old: str, new: str, words: str) -> Non
     assert words in str(error.value)
 
 
+@pytest.mark.slow
 def test_the_base_goes_around_the_zone_and_slowly_where_it_has_to(task: Path) -> None:
     """Measured by the ground truth, with the simulated errors."""
     with prepare(task) as prepared:

@@ -126,6 +126,7 @@ def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Sai
     assert said.out.startswith("Fail: the hand is empty; it must hold something")
 
 
+@pytest.mark.slow
 def test_do_takes_what_a_task_tells(handcart: Callable[..., Said]) -> None:
     field = ROOT / "tasks" / "deploy_field"
     said = handcart("do", "DEPLOY", "target=1", "--knowledge", field / "task.yaml", "--start", "")

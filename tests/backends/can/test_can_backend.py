@@ -177,6 +177,7 @@ def test_counts_that_do_not_fit_are_told(make: Make, cart: RobotFile) -> None:
         make(robot=robot)
 
 
+@pytest.mark.slow
 def test_a_world_that_is_put_back_goes_on_as_it_would_have(make: Make) -> None:
     robot = load_robot("librarian")
 

@@ -85,6 +85,7 @@ def test_the_same_with_a_joint(make: Make, robot: RobotFile, name: str) -> None:
     assert_stopped(backend, fault, {JOINT_1} if name == "silent" else ())
 
 
+@pytest.mark.slow
 def test_two_periods_of_lateness_are_tolerated_and_more_are_not(make: Make, robot: RobotFile) -> None:
     """B8: commands that act one or two periods late."""
     for late in (1, 2):
@@ -186,6 +187,7 @@ def test_a_single_jump_is_not_taken_over(make: Make, robot: RobotFile) -> None:
     assert before + 0.02 < backend.get(Base).wheel_travel().left < before + 0.06
 
 
+@pytest.mark.slow
 def test_a_lost_answer_is_tolerated(make: Make, robot: RobotFile) -> None:
     """S5 S6: up to 5 of 100; what comes late belongs to an earlier SYNC."""
     backend = make(robot=robot, room=False)

@@ -112,6 +112,7 @@ def test_a_fault_that_a_frame_shows_is_not_waited_out(robot: RobotFile, bench: B
             backend.step()
 
 
+@pytest.mark.slow
 def test_holding_joints_keep_their_torque_between_programs(robot: RobotFile) -> None:
     arm = load_robot("librarian")
     assert arm.can is not None

@@ -84,6 +84,7 @@ def test_what_is_too_heavy_slips_from_the_hand(hand: Hand, mass: float, slips: b
     assert bool(0.05 < slid < 1.0) is slips
 
 
+@pytest.mark.slow
 def test_a_base_that_turns_does_not_hop_and_what_stands_on_it_stays(make: Make) -> None:
     backend = make()
     body, engine = backend._body, backend._engine

@@ -158,6 +158,7 @@ def test_an_arm_on_a_slope_comes_to_rest(physics: type[PhysicsBackend]) -> None:
         assert float(np.ptp(stood[-40:], axis=0).max()) < 1e-4
 
 
+@pytest.mark.slow
 def test_the_ground_is_as_rough_as_the_world_says(physics: type[PhysicsBackend]) -> None:
     """Beams from above meet it where its heights are."""
     world = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

@@ -43,6 +43,7 @@ def test_wheels_are_known_by_their_names() -> None:
         driven_wheels(["left_wheel"]).check()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn_rate", [0.5, -0.5])
 def test_it_turns_on_the_spot_as_its_file_has_it(backend: Any, turn_rate: float) -> None:
     drive(backend, 0.0, turn_rate)
@@ -53,6 +54,7 @@ def test_it_turns_on_the_spot_as_its_file_has_it(backend: Any, turn_rate: float)
     assert travel.right - travel.left == pytest.approx(theta * 0.6, rel=0.1)
 
 
+@pytest.mark.slow
 def test_it_drives_straight(backend: PhysicsBackend) -> None:
     drive(backend, 0.2, 0.0)
     assert backend.scene.base.x == pytest.approx(0.4, abs=0.01)

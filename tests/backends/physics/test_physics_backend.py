@@ -51,6 +51,7 @@ def test_all_books_stand_where_the_world_file_puts_them(
     assert backend.scene.contacts == []
 
 
+@pytest.mark.slow
 def test_wheels_drive_the_base_and_tell_how_far(make: Make) -> None:
     backend = make()
     base, start = parts(backend)[0], backend.scene.base
@@ -64,6 +65,7 @@ def test_wheels_drive_the_base_and_tell_how_far(make: Make) -> None:
     assert (travel.left + travel.right) / 2 == pytest.approx(0.2, abs=0.002)
 
 
+@pytest.mark.slow
 def test_a_base_that_is_stopped_stands(make: Make) -> None:
     backend = make()
     for _ in range(10):
@@ -137,6 +139,7 @@ def test_positive_turn_rate_turns_left(make: Make) -> None:
     assert start.inverse().compose(backend.scene.base).theta == pytest.approx(0.3, abs=0.03)
 
 
+@pytest.mark.slow
 def test_base_command_not_renewed_ends_and_the_base_stops(make: Make) -> None:
     backend = make()
     base = parts(backend)[0]
@@ -167,6 +170,7 @@ def test_the_hand_is_where_kinematics_say(hand: Hand) -> None:
     assert np.abs(measured - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_arm_reaches_commanded_joints_within_its_repeatability(hand: Hand, spec: RobotFile) -> None:
     goal = hand.arm.command() + np.array([0.3, -0.2, 0.1, 0.2, 0.1, -0.2])
     hand.joints(goal)
@@ -175,6 +179,7 @@ def test_arm_reaches_commanded_joints_within_its_repeatability(hand: Hand, spec:
     assert off < 6e-3 * spec.errors.joint_repeatability_mrad + 1e-3
 
 
+@pytest.mark.slow
 def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand: Hand) -> None:
     book = hand.backend.scene.of(BookProps).books[117]
     hand.take_book()
@@ -191,6 +196,7 @@ def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand: Hand) -> None:
     assert book.pose[2, 3] - before < 0.02
 
 
+@pytest.mark.slow
 def test_closed_fingers_that_push_a_book_do_not_hold_it(hand: Hand) -> None:
     book = hand.backend.scene.of(BookProps).tray_book()
     assert book is not None
@@ -203,6 +209,7 @@ def test_closed_fingers_that_push_a_book_do_not_hold_it(hand: Hand) -> None:
     assert hand.backend.scene.held is None
 
 
+@pytest.mark.slow
 def test_weak_fingers_let_the_book_slip(
     make: Make, spec: RobotFile, hand_of: Callable[[PhysicsBackend], Hand]
 ) -> None:
@@ -246,6 +253,7 @@ def test_constraint_grasp_holds_and_survives_a_restored_state(
     assert physics.pinned is None
 
 
+@pytest.mark.slow
 def test_a_constraint_grasp_opens(
     make: Make, spec: RobotFile, hand_of: Callable[[PhysicsBackend], Hand]
 ) -> None:

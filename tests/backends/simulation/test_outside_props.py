@@ -111,6 +111,7 @@ def weight(backend: Any) -> float:
     return float(np.mean(readings))
 
 
+@pytest.mark.slow
 def test_it_is_gripped_weighed_and_let_go(make: Callable[[], Any], plants: Any) -> None:
     backend = make()
     pot = backend.scene.of(plants.PotProps).pots["basil"]

@@ -18,6 +18,7 @@ def test_what_check_calls_reachable_is_reached_without_contact(seed: int) -> Non
     )
 
 
+@pytest.mark.slow
 def test_what_check_refuses_is_not_driven_to() -> None:
     result = try_world(2, nearer=True)
     assert result.contacts == []

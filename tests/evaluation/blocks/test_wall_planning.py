@@ -28,6 +28,7 @@ def test_a_wall_too_high_for_the_arm_names_the_block_and_why(tmp_path: Path) -> 
         plan_wall(loaded, load_robot("toyama/h1"), load_map(CHART)[0])
 
 
+@pytest.mark.slow
 def test_unreachable_wall_names_the_block_and_the_cause(tmp_path: Path) -> None:
     grid = load_map(CHART)[0]
     columns = grid.to_point(

@@ -78,6 +78,7 @@ def test_numbers_stand_in_the_files_while_the_context_lasts(tmp_path: Path) -> N
     assert load_task(task).file.actions[0].cost_s == 20.0
 
 
+@pytest.mark.slow
 def test_a_campaign_keeps_what_varied_with_each_trial(handcart: Callable[..., Said], tmp_path: Path) -> None:
     variation(tmp_path, "vary:\n  - {file: task, key: actions.2.cost_s, uniform: [100, 200]}\n")
     command = ["campaign", walk(tmp_path), "--level", "network", "--trials", 12]

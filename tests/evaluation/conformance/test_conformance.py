@@ -79,6 +79,7 @@ def test_scans_and_wheels_of_an_honest_backend_agree() -> None:
     assert not finding.skipped
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIARS_OF_NAVIGATION)
 def test_a_liar_about_scans_or_wheels_is_caught(name: str) -> None:
     caught = try_mutant(name, KitBench("kinematic", robot="cart"))

@@ -104,6 +104,7 @@ def test_the_librarian_is_without_fault(librarian: RobotReport) -> None:
     assert (librarian.camera.across_deg, librarian.camera.px_per_mm) == (43.6, 2.67)
 
 
+@pytest.mark.slow
 def test_its_reach_is_where_its_work_is(librarian: RobotReport) -> None:
     reach = librarian.reach
     assert reach is not None

@@ -141,6 +141,7 @@ def chances_of(net: ActionNetwork, chances: Sequence[Chance]) -> list[Chance | N
     return [None if a.binding is None else c for a, c in zip(net.actions, chances, strict=False)]
 
 
+@pytest.mark.slow
 @given(NETWORKS, CHANCES)
 @LOOSE
 def test_figures_are_those_of_every_run_that_there_can_be(rows: list[Row], chances: list[Chance]) -> None:
@@ -156,6 +157,7 @@ def test_figures_are_those_of_every_run_that_there_can_be(rows: list[Row], chanc
     assert found.cost_sigma_s == pytest.approx(true.sigma, abs=1e-5)
 
 
+@pytest.mark.slow
 @given(NETWORKS)
 @LOOSE
 def test_worst_cases_are_those_of_every_run_that_there_can_be(rows: list[Row]) -> None:

@@ -61,6 +61,7 @@ def test_least_cost_equals_that_of_an_independent_solver(task: Drawn) -> None:
     assert found.cost - found.low <= 1e-3 * found.cost
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), [("back", 48), ("anywhere", 1)])
 def test_least_cost_is_found_where_many_fails_count(family: str, seed: int) -> None:
     """Networks that a search one state at a time left with a gap of up to 5e-3."""

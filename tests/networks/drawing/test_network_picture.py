@@ -55,6 +55,7 @@ def along(link: DrawnLink) -> np.ndarray:
     return np.concatenate(points)
 
 
+@pytest.mark.slow
 def test_no_two_texts_overlap_and_none_is_clipped(picture: NetworkPicture) -> None:
     assert faults_of(figure_of(picture)) == []
 

@@ -91,6 +91,7 @@ def world_without(path: Path, landmark: bool) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("landmark", [True, False], ids=["nothing there", "another mark there"])
 def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path: Path, landmark: bool) -> None:
     with at_the_wall(world_without(tmp_path / "world.yaml", landmark)) as rig:

@@ -121,6 +121,7 @@ def test_each_method_puts_a_block_where_it_goes(method: Any) -> None:
         assert abs(seen_x_mm) < 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("askew", [0.0, 0.02])
 @pytest.mark.parametrize("seed", [1, 3])
 def test_a_lean_that_the_model_has_wrong_is_felt(seed: int, askew: float, tmp_path: Path) -> None:

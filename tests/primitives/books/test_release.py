@@ -125,6 +125,7 @@ def test_refused_command_after_opening_is_a_success_if_it_is_read(
     assert np.allclose(robot.arm.command(), robot.spec.posture("home"))
 
 
+@pytest.mark.slow
 def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
     books = rig.model.of(Books)
@@ -135,6 +136,7 @@ def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable
     assert "the effect is not seen" in outcome.reason
 
 
+@pytest.mark.slow
 def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
     books = rig.model.of(Books)

@@ -107,6 +107,7 @@ def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Ca
     assert rig.model.of(Books).slot is None
 
 
+@pytest.mark.slow
 def test_where_no_label_is_read_the_slot_is_not_seen(
     docked: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,6 +125,7 @@ def in_slot(front_mm: float, grey: int = 120) -> str:
     return f"    objects: [{thing}]\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("light", [0.0, 1.0])
 def test_darkness_tells_no_slot(docked: Callable[..., Rig], light: float) -> None:
     rig = docked(3, shelf=f"    light: {light}\n")
@@ -148,6 +150,7 @@ ABOVE = """\
 """
 
 
+@pytest.mark.slow
 def test_another_row_above_is_not_this_one(docked: Callable[..., Rig]) -> None:
     """Its slot would be the right one by its labels."""
     rig = docked(0, shelf=ABOVE)
@@ -173,6 +176,7 @@ def test_what_stands_in_the_slot_as_far_forward_as_a_spine_is_no_slot(
     assert "there is no free slot" in outcome.reason
 
 
+@pytest.mark.slow
 def test_where_a_neighbour_leans_into_the_slot_is_a_fail(docked: Callable[..., Rig]) -> None:
     rig = docked(0)
     books = rig.scene.of(BookProps)

@@ -189,6 +189,7 @@ def test_a_giveup_comes_when_the_robot_stands(make_rig: Callable[..., Rig]) -> N
     assert rig.robot.time - before > (10 + Coasting.periods + REST_PERIODS) * rig.robot.period
 
 
+@pytest.mark.slow
 def test_no_success_for_a_robot_that_never_stands(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     layered(rig, Coasting).periods = 10_000

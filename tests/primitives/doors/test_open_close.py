@@ -33,6 +33,7 @@ def test_open_drawer_is_as_open_as_asked_and_closes_again(tmp_path: Path) -> Non
         assert opening(rig, "drawer") == pytest.approx(0.0, abs=0.002)
 
 
+@pytest.mark.slow
 def test_open_door_finds_its_hinge(tmp_path: Path) -> None:
     with rig_at("cupboard", tmp_path) as rig:
         outcome = rig.do(OpenDoor(door="cupboard", angle_deg=20.0))

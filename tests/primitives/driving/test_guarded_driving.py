@@ -93,6 +93,7 @@ def test_a_place_too_near_to_a_wall_is_refused_for_good(make_rig: Callable[..., 
     assert rig.robot.time < 2.0  # it never set out
 
 
+@pytest.mark.slow
 def test_a_place_as_near_as_can_be_is_reached_without_contact(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=5)
     places: Any = rig.model.places

@@ -49,6 +49,7 @@ class DriveOn(ActionPrimitive):
         raise Discrepancy("that is all")
 
 
+@pytest.mark.slow
 def test_missing_and_wrong_beams_do_not_end_a_drive(make_rig: Callable[..., Rig]) -> None:
     """5 % each of the scan are zeros, NaN, -inf and the robot's own body; it docks at the shelf as well."""
     rig = make_rig(lidar=HALF, errors=FAULTS, seed=1)

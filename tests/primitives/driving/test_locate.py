@@ -78,6 +78,7 @@ def test_move_to_refuses_by_name_until_the_pose_is_known(twins: Rig) -> None:
     assert truth_of(twins).distance(twins.model.places["right_room"].pose) < 0.04
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unmapped", [False, True])
 def test_a_symmetric_room_is_ambiguous_and_restored(unmapped: bool, tmp_path: Path) -> None:
     """Also with a box that is on no map and so gives no information."""
@@ -98,6 +99,7 @@ def test_a_symmetric_room_is_ambiguous_and_restored(unmapped: bool, tmp_path: Pa
         assert not rig.robot.localization.is_located
 
 
+@pytest.mark.slow
 def test_a_known_pose_resolves_a_symmetric_room(tmp_path: Path) -> None:
     """Nothing moves, and the pose stays known."""
     files = symmetric_room(tmp_path)
@@ -172,6 +174,7 @@ def test_a_robot_lifted_at_rest_refuses_until_it_is_located(tmp_path: Path) -> N
         assert truth_of(rig).distance(rig.model.places["left_room"].pose) < 0.04
 
 
+@pytest.mark.slow
 def test_stuck_wheels_end_the_search(twins: Rig) -> None:
     """The base is driven and stays where it is."""
     drive = twins.robot.base._base.drive

@@ -21,6 +21,7 @@ from tests.primitives.conftest import Rig
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, heading_deg: 20, size_m: [0.5, 0.4, 0.6]{more}}}\n"
 
 
+@pytest.mark.slow
 def test_it_docks_square_before_a_shelf(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=3)
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)

@@ -50,6 +50,7 @@ def unheaded(tmp_path: Path) -> Callable[..., Any]:
     return make
 
 
+@pytest.mark.slow
 def test_before_the_heading_shows_a_way_is_as_certain_as_it_is_long(unheaded: Callable[..., Any]) -> None:
     """Its uncertainty is that of wheels and gyros, not that of a fix."""
     with unheaded() as rig:
@@ -65,6 +66,7 @@ def test_before_the_heading_shows_a_way_is_as_certain_as_it_is_long(unheaded: Ca
         assert where.sigma[0] == pytest.approx(worst_sigmas(where.displacement.covariance)[0])
 
 
+@pytest.mark.slow
 def test_it_drives_ahead_until_the_heading_shows(unheaded: Callable[..., Any]) -> None:
     with unheaded() as rig:
         where = rig.robot.localization

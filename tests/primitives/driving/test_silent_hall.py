@@ -57,6 +57,7 @@ def hall(tmp_path: Path) -> Callable[..., Rig]:
     return make
 
 
+@pytest.mark.slow
 def test_hall_wider_than_the_lidar_sees_is_crossed(hall: Callable[..., Rig]) -> None:
     with hall(reach=5.0) as rig:
         least, look = [360], rig.robot.range_sensor.scan
@@ -76,6 +77,7 @@ def test_hall_wider_than_the_lidar_sees_is_crossed(hall: Callable[..., Rig]) -> 
     assert truth.base.distance(goal) < 0.04
 
 
+@pytest.mark.slow
 def test_place_where_nothing_is_seen_is_not_determined(hall: Callable[..., Rig]) -> None:
     with hall(reach=3.0) as rig:
         outcome = rig.do(MoveTo(place="middle"))

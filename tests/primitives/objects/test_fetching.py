@@ -34,6 +34,7 @@ def look_and_pick(rig: Rig, **parameters: Any) -> None:
         assert isinstance(outcome, Success), outcome
 
 
+@pytest.mark.slow
 def test_object_off_its_believed_place_is_found() -> None:
     rig = at_table_a(seed=3)
     assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
@@ -44,6 +45,7 @@ def test_object_off_its_believed_place_is_found() -> None:
     assert 0.001 < math.sqrt(seen.covariance[0][0]) < 0.01
 
 
+@pytest.mark.slow
 def test_object_seen_less_exactly_than_needed_fails() -> None:
     rig = at_table_a(seed=3)
     outcome = rig.do(LookFor(object="parcel_1", tolerance_mm=2.0))
@@ -167,6 +169,7 @@ def test_object_that_slips_needs_a_person() -> None:
     assert isinstance(outcome, GiveUp), outcome
 
 
+@pytest.mark.slow
 def test_pick_without_a_sighting_is_not_begun() -> None:
     outcome = at_table_a().do(Pick(object="parcel_1"))
     assert isinstance(outcome, Fail)

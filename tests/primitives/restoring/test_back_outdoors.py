@@ -120,6 +120,7 @@ def test_fails_in_a_row_are_measured_from_where_the_first_began(rig: Rig) -> Non
     assert abs(measured - in_all) < abs(measured - by_this)
 
 
+@pytest.mark.slow
 def test_short_ways_that_are_not_driven_back_do_not_add_up(rig: Rig) -> None:
     begun = base(rig)
     for _ in range(8):
@@ -138,6 +139,7 @@ def test_a_pose_that_jumps_as_more_is_learned_is_no_motion(rig: Rig, jump: float
     assert residuals(stood, replace(now, odometry_pose=felt), rig.robot.spec).moved.keys() == {"base_mm"}
 
 
+@pytest.mark.slow
 def test_what_is_unsure_is_told_along_the_worst_direction(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """3 sigma of 0.2 m exceed the need, so the return is not confirmed."""
     unsure = Belief(np.zeros(3), np.diag([0.01, 0.2, 0.0]) ** 2)

@@ -117,6 +117,7 @@ def test_a_page_of_very_many_trials_stays_small(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_long_trial_list_omits_those_that_succeeded(tmp_path: Path) -> None:
     folder = CampaignFolder.made(tmp_path / "out", {**ASKED, "trials": 10_100})
     plain = {"outcome": "Success", "reason": "", "sim_time_s": 1.0, "actions": 1, "fails": 0, "metrics": {}}

@@ -77,6 +77,7 @@ def test_never_permits_nothing(handcart: Callable[..., Said], tour: Path, tmp_pa
     assert "permission was refused" in said.out
 
 
+@pytest.mark.slow
 def test_an_action_that_takes_too_long_restores_and_fails(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:

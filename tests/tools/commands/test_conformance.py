@@ -33,6 +33,7 @@ def test_status_0_only_if_all_holds(
     assert json.loads(said.out)["checks"][0]["ok"] is not bool(wrong)
 
 
+@pytest.mark.slow
 def test_progress_off_a_terminal_is_printed_rarely(
     handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -60,6 +61,7 @@ def test_one_primitive_for_real(handcart: Callable[..., Said]) -> None:
     assert said.out.endswith("9 faults, 0 violations\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [

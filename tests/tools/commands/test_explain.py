@@ -125,6 +125,7 @@ def test_a_run_that_succeeded(handcart: Callable[..., Said], tour: Path, tmp_pat
     assert "dock_mm" in alone.out
 
 
+@pytest.mark.slow
 def test_a_torn_journal_is_told_as_far_as_it_goes(
     handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:
@@ -190,6 +191,7 @@ def test_an_action_that_is_not_there(handcart: Callable[..., Said], runs: Callab
     assert "has no action 9; allowed: 1 to 4" in said.err
 
 
+@pytest.mark.slow
 def test_a_picture_that_can_not_be_written(
     handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:

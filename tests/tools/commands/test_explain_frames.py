@@ -47,6 +47,7 @@ def run(tour: Path, tmp_path: Path) -> Callable[..., Path]:
     return go
 
 
+@pytest.mark.slow
 def test_frames_around_a_drives_fault(handcart: Callable[..., Said], run: Callable[..., Path]) -> None:
     folder = run("fault", 3.0)
     said = handcart("explain", folder)

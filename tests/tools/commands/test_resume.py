@@ -235,6 +235,7 @@ def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(
     assert "holds no checkpoint" in handcart("resume", folder).err
 
 
+@pytest.mark.slow
 def test_a_run_begun_elsewhere_is_gone_on_with(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:

@@ -37,6 +37,7 @@ def test_a_command_reaches_its_run_with_who_gave_it(console: Served, live: LiveR
     assert live.heard == [{"do": "permit", "action": 0, "ask": 1, "nonce": "n", "by": "Ada"}]
 
 
+@pytest.mark.slow
 def test_u8_who_doesn_t_command_only_stops(console: Served, live: LiveRun) -> None:
     other = replace(console, tab="tab-2")
     refused = other.command(do="pause")
@@ -210,6 +211,7 @@ def test_u13_a_robot_that_was_moved_by_hand_is_shown_before_and_after(served: Se
     assert (moved["residuals"], moved["unknown"]) == ({"base_mm": 31.5}, ["the tray"])
 
 
+@pytest.mark.slow
 def test_u9_stop_goes_through_while_everybody_asks(console: Served, live: LiveRun) -> None:
     """50 that listen and ask for all there is; how long it takes: `python -m benchmarks.console`."""
     over = threading.Event()

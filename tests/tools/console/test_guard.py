@@ -245,6 +245,7 @@ def test_u11_a_stop_arrives_beside_a_hostile_crowd(
     assert live.stops
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few")
 def test_u11_a_page_with_the_token_is_kept_in_a_crowd(served: Served) -> None:
     line = http.client.HTTPConnection("127.0.0.1", served.server.port, timeout=20)

@@ -83,6 +83,7 @@ def test_map_walls_lie_at_the_true_walls(mapped: Path) -> None:
     assert np.quantile(away, 0.95) < 0.05
 
 
+@pytest.mark.slow
 def test_trajectory_is_true_within_its_covariance(mapped: Path) -> None:
     rows = np.loadtxt(mapped / "trajectory.csv", delimiter=",", skiprows=1)
     truth, start = small_drive().truth, Pose2(*small_drive().truth[0])

@@ -15,6 +15,7 @@ from ..conftest import Make
 from ..faulty import move
 
 
+@pytest.mark.slow
 def test_state_brings_travel_commands_and_time_back(make: Make, robot: RobotFile) -> None:
     left = make(robot=robot)
     for number in range(12):

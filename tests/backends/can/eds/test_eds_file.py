@@ -140,6 +140,7 @@ def test_what_a_drive_needs(tmp_path: Path) -> None:
     assert missing_objects(read_eds(OWN, 5), {0x6040: "controlword", 0x6041: "statusword"}, "drive.eds") == []
 
 
+@pytest.mark.slow
 def test_damaged_files_are_refused_in_words(tmp_path: Path) -> None:
     """T14: 200 files, each with a few bytes changed: read, or refused with a place; never a traceback."""
     rng, whole = random.Random(8), OWN.read_bytes()

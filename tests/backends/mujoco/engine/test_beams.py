@@ -94,6 +94,7 @@ def outdoors() -> Iterator[Any]:
     backend.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.15, 0.5, 1.5])
 @pytest.mark.parametrize("tilt", [0.0, 0.1, -0.4])
 def test_beams_end_at_rough_ground_where_mujoco_has_them_end(

@@ -45,6 +45,7 @@ def middle(lit: BoolArray) -> FloatArray:
     return np.asarray(np.argwhere(lit).mean(axis=0)[::-1])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("gl")
 def test_two_renderers_see_the_same_places(make: Make) -> None:
     painted, drawn = drawn_twice(make(), looking(EYE, AT))
@@ -58,6 +59,7 @@ def test_two_renderers_see_the_same_places(make: Make) -> None:
     assert np.abs(inks[0] - inks[1]).max() < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("gl")
 def test_what_moves_moves_in_the_picture_as_well(make: Make) -> None:
     backend, pose = make(), looking(EYE, AT)

@@ -145,6 +145,7 @@ def outdoors(
     return OutdoorLocalization(Stub(wheels, gyros, *parts), odometry, filtering), wheels, gyros
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("broken", [False, True])
 def test_gyros_that_read_the_same_are_lost_after_15_cm(broken: bool) -> None:
     found, wheels, gyros = outdoors()

@@ -50,6 +50,7 @@ def validities(readings: list[float], **keys: object) -> list[Validity]:
     return [Validity(value) for value in read_scan(raw, limits, Footprint(FOOTPRINT)).validity]
 
 
+@pytest.mark.slow
 @given(SPECS, st.lists(READINGS, min_size=36, max_size=36))
 def test_any_reading_becomes_a_range_or_none(limits: RangeSpec, readings: list[float]) -> None:
     raw = Scan(limits.angles(), np.array(readings), MOUNT)

@@ -68,6 +68,7 @@ def test_the_check_finds_them_right(robot: Path, world: Callable[[str], Path]) -
     assert found.wrong == []
 
 
+@pytest.mark.slow
 def test_a_robot_knows_where_it_is_by_them_and_its_log_tells_it_again(
     robot: Path, world: Callable[[str], Path], tmp_path: Path
 ) -> None:

@@ -64,6 +64,7 @@ def true_figures(task: Task) -> tuple[float, float]:
     return float(np.concatenate([block.success for block in blocks]).mean()), float(times.mean())
 
 
+@pytest.mark.slow
 def test_what_depends_on_earlier_fails_is_predicted(
     task: Task, recorded: Callable[[int], Iterator[Trial]]
 ) -> None:
@@ -133,6 +134,7 @@ def test_what_no_action_s_own_past_tells_is_refused() -> None:
                 learned.check()
 
 
+@pytest.mark.slow
 def test_what_was_never_started_ends_a_walk(task: Task, recorded: Callable[[int], Iterator[Trial]]) -> None:
     shorter = (
         replace(trial, actions=[end for end in trial.actions if "#2" not in end.action])

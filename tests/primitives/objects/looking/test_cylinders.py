@@ -39,6 +39,7 @@ def rig_with_can(folder: Path, backend: str, grasps: str, seed: int) -> Rig:
     return rig_with(objects, world, seed=seed, backend=backend)
 
 
+@pytest.mark.slow
 def test_can_is_taken_and_weighed(tmp_path: Path) -> None:
     rig = rig_with_can(tmp_path, "kinematic", '["+z"]', seed=2)
     pick = Pick(object="parcel_1", stow=False)

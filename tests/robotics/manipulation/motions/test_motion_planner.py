@@ -89,6 +89,7 @@ def test_effort_is_bounded(arm: ArmModel) -> None:
     assert plan_motion(arm, collision, LEFT, RIGHT) is not None
 
 
+@pytest.mark.slow
 def test_same_seed_same_path_in_any_process(arm: ArmModel) -> None:
     root = Path(__file__).resolve().parents[4]
     urdf = root / "backends" / "robots" / "librarian" / "librarian.urdf"

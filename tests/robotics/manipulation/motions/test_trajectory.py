@@ -38,6 +38,7 @@ def _off_path(points: np.ndarray, path: np.ndarray) -> float:
     return float(np.max(np.min(np.linalg.norm(points[:, None] - nearest, axis=2), axis=1)))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(
     seed=st.integers(0, 10**6),
@@ -113,6 +114,7 @@ def test_rounded_path_stays_within_the_deviation() -> None:
     assert 0.01 < off <= 0.02 + 1e-9
 
 
+@pytest.mark.slow
 def test_plots_of_the_library_are_not_loaded() -> None:
     code = "import sys, handcart.robotics.manipulation.motions.path_speed; print('matplotlib' in sys.modules)"
     shown = subprocess.run(

@@ -105,6 +105,7 @@ def test_a_thin_walls_back_is_not_taken_for_its_front(scan: Callable[..., np.nda
         assert match.pose.distance(truth) < 0.03
 
 
+@pytest.mark.slow
 def test_no_points_leave_the_prior(library_field: LikelihoodField) -> None:
     prior = np.diag([0.04, 0.09, 0.01])
     match = match_scan(library_field, np.empty((0, 2)), Pose2(5, 3, 1), prior)
