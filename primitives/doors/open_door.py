@@ -50,16 +50,17 @@ class OpenDoor(MoveDoor):
     @override
     def span(self, model: ModelView, joint: DoorJoint, seen: Transform) -> tuple[float, float]:
         begin = self.expected_opening(model)
-        return begin, begin + self._wanted(joint)
+        return begin, begin + self.wanted(joint)
 
-    def _wanted(self, joint: DoorJoint) -> float:
+    def wanted(self, joint: DoorJoint) -> float:
+        """Return the asked angle or way, in [rad] or [m], by how a joint moves."""
         return self.travel_mm / 1e3 if joint.hinge is None else math.radians(self.angle_deg)
 
     @override
     def move_handle(
         self, robot: Robot, model: ModelView, joint: DoorJoint, span: tuple[float, float], grip: FloatArray
     ) -> Generator[None, None, tuple[Pull, DoorState]]:
-        way = joint.travel(self._wanted(joint))
+        way = joint.travel(self.wanted(joint))
 
         def is_there(path: PathFit, bar: FloatArray) -> bool:
             if joint.hinge is not None and path.is_curved:
