@@ -25,16 +25,16 @@ from .slots import ThingSlot
 from .thing_table import CarriedEntry
 
 OFF_MM, OFF_DEG = 10.0, 5.0
-"""Standard deviations of where a person sets things down: they stand in rows."""
+"""Standard deviations of position and heading with which a person sets things in rows, in [mm] and [deg]."""
 BELIEF_DEG = 10.0
-"""Standard deviation of a heading that the robot reckons with."""
+"""Standard deviation that the robot assumes for a thing's heading, in [deg]."""
 LIDAR_HEIGHT_M = 0.2
 RESOLUTION_M = 0.02
 LEGS_M = 0.005  # by which a surface is thinner than high if a lidar can't measure its sides
 MIN_TOP_MM = 22.0
 """Narrowest upper side with a tag; below it the tags are on two upright sides."""
 QUIET = 1.45
-"""Side of a tag with its white margin, over the side of its black square."""
+"""Ratio of a tag's side with its white margin to the side of its black square."""
 MAX_TAG_MM = 40.0
 
 
@@ -234,7 +234,7 @@ def _write_grid(folder: Path, name: str, grid: GridMap) -> None:
 
 
 def _at(pose: Pose2) -> dict[str, float]:
-    """Return the keys of a pose."""
+    """Return a pose as a mapping with the keys `x_m`, `y_m` and `heading_deg`."""
     heading = round(math.degrees(pose.theta), 3) + 0.0
     return {"x_m": round(pose.x, 4) + 0.0, "y_m": round(pose.y, 4) + 0.0, "heading_deg": heading}
 

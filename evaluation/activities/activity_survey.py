@@ -26,10 +26,10 @@ FOOT_M = 0.006  # of a foot over its surface
 
 
 class ActivitySurvey(Survey):
-    """Judge the end of a run by the activity's definition, and by the surfaces that things belong on.
+    """Survey of the end of a run by the activity's definition, and by the surfaces that things belong on.
 
     The two verdicts are independent: ours compares the true place of each moved thing with the surfaces that
-    the task names; theirs evaluates the goal by relations between bodies.
+    the task names; that of BEHAVIOR-1K evaluates the goal by relations between bodies.
     """
 
     name = "activities"
@@ -94,7 +94,7 @@ class ActivitySurvey(Survey):
         return [solid.box for solid in self.run.world.solids if solid.box.name in parts]
 
     def _verdict(self) -> Verdict | str:
-        """Return their verdict, or why there is none."""
+        """Return the verdict of BEHAVIOR-1K's evaluator, or the reason why it gives none."""
         file = _file(self.run)
         assert file is not None  # it applies
         try:

@@ -70,7 +70,7 @@ def task_text(definition: Definition, room: Room, robot: str) -> str:
 
 
 def _steps(room: Room) -> list[dict[str, str]]:
-    """Return the words of each move, those from one surface to another together."""
+    """Return name, situation before, source and target of each move, sorted by source and target."""
     order = sorted(
         room.at_end, key=lambda term: (room.at_first[term].level.name, room.at_end[term].level.name)
     )

@@ -30,10 +30,10 @@ def judge_goal(definition: Definition, things: Mapping[str, TrueThing]) -> Verdi
 
     Args:
         definition: the activity.
-        things: what each term of the definition truly is.
+        things: true state of each thing, by its term in the definition.
 
     Raises:
-        UnsupportedPredicateError: a predicate of another kind.
+        UnsupportedPredicateError: the definition has a predicate that is not supported.
     """
     from bddl.activity import evaluate_goal_conditions, get_goal_conditions, get_natural_goal_conditions
 

@@ -18,7 +18,7 @@ BOTTOM_M = 0.01
 HALVED_M = 0.38
 """Greatest width of the bottom of a box that the arm serves from one place, between its walls."""
 OVERLAP_M = 0.004
-"""Of the halves of a bottom: a thing may be right in its middle."""
+"""Overlap of the two halves of a box's bottom, in [m], so that a thing may be in its middle."""
 SEGMENT_M = 0.62
 """Greatest width of a surface that the arm serves from one place."""
 
@@ -28,11 +28,11 @@ class FurniturePart(NamedTuple):
 
     name: str
     x: float
-    """Of its middle in the frame of the piece, in [m]; -y is the front."""
+    """x of the part's middle in the frame of the piece, in [m]; the front is at -y."""
     y: float
     size: tuple[float, float, float]
     above: float = 0.0
-    """Height of its underside, in [m]."""
+    """Height of the part's underside above the floor, in [m]."""
 
 
 class FurnitureLevel(NamedTuple):
@@ -42,7 +42,7 @@ class FurnitureLevel(NamedTuple):
     relation: str
     """Relation of the things there to the piece: `ontop`, `inside`, or `front` for next to it."""
     x: float
-    """Of its middle in the frame of the piece, in [m]."""
+    """x of the surface's middle in the frame of the piece, in [m]."""
     y: float
     size: tuple[float, float]
     height: float
@@ -50,9 +50,9 @@ class FurnitureLevel(NamedTuple):
     walls: tuple[str, ...]
     """Sides with a wall up to the clearance."""
     thickness: float
-    """Of what carries it; as its height where it is solid down to the floor."""
+    """Thickness of the board under the surface, in [m]; as `height` if it is solid down to the floor."""
     wall_height: float | None = None
-    """Of its walls; None where they reach up to the clearance."""
+    """Height of the walls, in [m]; None if they reach up to the clearance."""
 
 
 @dataclass(frozen=True)
@@ -63,18 +63,18 @@ class Piece:
     term: str
     entry: FurnitureEntry
     pose: Pose2
-    """Of the middle of its foot; its -y side is its front."""
+    """Pose of the middle of the piece's foot in the room; the -y side of the piece is its front."""
     base: float = 0.0
-    """Height of its foot, in [m]."""
+    """Height of the piece's foot above the floor, in [m]."""
     reserved: float = 0.0
     """Width at the +x end of a table for furniture on it, in [m]."""
     front: tuple[float, float] | None = None
-    """Width and depth of the area of the floor before it for what is next to it, in [m]; None for none."""
+    """Width and depth of the floor in front of the piece for things next to it, in [m], or None."""
     fronts: int = 1
-    """Number of parts of that area."""
+    """Number of parts of the area `front`."""
 
     def parts(self) -> Iterator[FurniturePart]:
-        """Yield its solid boxes; one that carries things has the name of that surface."""
+        """Yield the solid boxes of the piece; a box that carries things has the name of its surface."""
         width, depth, height = self.entry.size_m
         for level in self.levels():
             if level.thickness > 0.0:
@@ -99,7 +99,7 @@ class Piece:
             yield FurniturePart(f"{self.name}_back", 0.0, back, (inner, WALL_M, self._opening), self._board)
 
     def levels(self) -> Iterator[FurnitureLevel]:
-        """Yield its surfaces, divided into parts that the arm serves from one place each."""
+        """Yield the surfaces of the piece, divided into parts that the arm serves from one place each."""
         width, depth, height = self.entry.size_m
         if self.front is not None:
             yield from self._before()
@@ -132,7 +132,7 @@ class Piece:
             yield FurnitureLevel(label, "inside", x, 0.0, size, bottom, None, sides, BOTTOM_M, rim)
 
     def _before(self) -> Iterator[FurnitureLevel]:
-        """Yield the areas of the floor before it."""
+        """Yield the areas of the floor in front of the piece."""
         assert self.front is not None
         (width, depth), count = self.front, self.fronts
         y, height = -(self.entry.size_m[1] + depth) / 2, self.entry.size_m[2]

@@ -22,7 +22,7 @@ class GoalOption:
         Args:
             definition: the activity.
             initial: where things are at first.
-            supports: what each piece of furniture is on, by their terms.
+            supports: term of the support of each piece of furniture, by term of the piece.
         """
         self._definition, self._initial, self._supports = definition, tuple(initial), supports
         self._places: dict[str, ThingRelation] = {}
@@ -50,7 +50,7 @@ class GoalOption:
                     self._report(literal, f"{found.thing} would have to be in two places")
 
     def moves(self) -> list[ThingRelation]:
-        """Return the move of each thing that is elsewhere at first; adds to `wrong`."""
+        """Return the move of each thing that is elsewhere at first; add impossible conditions to `wrong`."""
         for thing, (other, literal) in self._beside.items():
             self._settle(thing, other, literal)
         for literal, barred in self._barred:

@@ -16,13 +16,13 @@ SHOWN_REASONS = 40
 
 
 class ListedActivity(NamedTuple):
-    """An activity, and what making it came to."""
+    """An activity, with the number of its moves, or with the reasons why its files cannot be made."""
 
     name: str
     moves: int
     """Number of things to move; 0 if it can't be made."""
     reasons: tuple[str, ...]
-    """Everything that it needs and our worlds or the robot do not have."""
+    """Requirements of the activity that our worlds or the robot do not meet."""
 
 
 def list_activities(robot: str, scale: bool = False) -> Iterator[ListedActivity]:
@@ -30,7 +30,7 @@ def list_activities(robot: str, scale: bool = False) -> Iterator[ListedActivity]
 
     Args:
         robot: name or file of the robot.
-        scale: True to make narrower what its fingers can't take.
+        scale: True to make things narrower that are too wide for the robot's fingers.
     """
     for name in activity_names():
         try:

@@ -23,7 +23,7 @@ from .thing_table import CarriedEntry
 
 @dataclass(frozen=True)
 class MadeActivity:
-    """What was written."""
+    """An activity whose files were written."""
 
     definition: Definition
     room: Room
@@ -50,7 +50,7 @@ def make(
         instance: number of its definition.
         folder: folder to write into.
         robot: name or file of the robot.
-        scale: True to make narrower what its fingers can't take; otherwise that is refused.
+        scale: True to make things narrower that are too wide for the robot's fingers, False to reject them.
 
     Raises:
         NoBddl: the package with the definitions is missing.
@@ -65,7 +65,7 @@ def make(
 def plan_activity(
     name: str, instance: int, robot: str, scale: bool
 ) -> tuple[Definition, Room, Mapping[str, float]]:
-    """Return an activity's definition, its room, and the factors of what is made narrower; see `make`."""
+    """Return an activity's definition, its room, and the width factors of narrower things; see `make`."""
     definition = load_definition(name, instance)
     relations = relations_of(definition)
     sizes, scaled = _sizes(definition, relations, _widest_mm(robot), scale)

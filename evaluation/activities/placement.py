@@ -30,10 +30,10 @@ Extent = tuple[float, float, float, float]
 
 
 class PlacedPieces(NamedTuple):
-    """Furniture in its room."""
+    """Pieces of furniture at their places in a room."""
 
     width: float
-    """Of the room, along x, in [m]; along y it is `DEPTH_M`."""
+    """Width of the room along x, in [m]; its depth along y is `DEPTH_M`."""
     pieces: tuple[Piece, ...]
     floors: Mapping[str, Extent]
     """Parts of the floor, by term, if things are on two floors."""
@@ -41,7 +41,7 @@ class PlacedPieces(NamedTuple):
 
 @dataclass(frozen=True)
 class _Sizes:
-    """Room that the pieces of an activity need."""
+    """Space that the pieces of an activity need."""
 
     definition: Definition
     relations: ActivityRelations
@@ -85,7 +85,7 @@ class _Sizes:
         return max(size[0], self.fronts(term) * each_part), depth + FRONT_EDGE_M
 
     def fronts(self, term: str) -> int:
-        """Return the number of parts of that area."""
+        """Return the number of parts of the area before a piece."""
         count = sum(move.beside == term for move in self.relations.moves)
         return max(1, math.ceil(count / FRONT_THINGS))
 

@@ -17,13 +17,13 @@ from .thing_table import thing_table
 
 @dataclass(frozen=True)
 class ActivityRelations:
-    """An activity as it is and as it shall be."""
+    """Initial state of an activity, and the moves that lead to its goal."""
 
     initial: tuple[ThingRelation, ...]
     moves: tuple[ThingRelation, ...]
-    """One for each thing that has to be moved, by where it goes."""
+    """Final relation of each thing that has to be moved."""
     supports: Mapping[str, str]
-    """What each piece of furniture is on, by their terms, if the definition states it."""
+    """Term of the support of each piece of furniture, by term of the piece, if the definition states it."""
 
     def terms(self) -> list[str]:
         """Return all furniture and floors that something is on, in or next to, in a fixed order."""
@@ -50,7 +50,7 @@ def relations_of(definition: Definition) -> ActivityRelations:
     """Return the relations of a definition.
 
     Raises:
-        FileError: with everything in it that our worlds or robots do not have.
+        FileError: the activity needs things that our worlds or robots do not have; lists all of them.
     """
     found = list(_unknown_things(definition))
     initial: list[ThingRelation] = []
@@ -83,10 +83,11 @@ def _unknown_things(definition: Definition) -> Iterator[Finding]:
 def _moves(
     definition: Definition, initial: Iterable[ThingRelation], supports: Mapping[str, str]
 ) -> tuple[ThingRelation, ...]:
-    """Return the moves of the way to the goal with the fewest of them.
+    """Return the shortest list of moves that leads to the goal.
 
     Raises:
-        FileError: no way consists of such relations alone; with the problems of the nearest one.
+        FileError: nothing has to be moved, or each list of conditions has some that moves cannot reach; with
+            the problems of the list that has the fewest.
     """
     best: list[ThingRelation] | None = None
     problems: list[Finding] = []

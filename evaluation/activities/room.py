@@ -22,7 +22,7 @@ class Room:
     """Furniture along two walls, with a slot for each thing at first and at the end."""
 
     width: float
-    """Along x, in [m]; along y it is `DEPTH_M`."""
+    """Width of the room along x, in [m]; its depth along y is `DEPTH_M`."""
     pieces: tuple[Piece, ...]
     names: Mapping[str, str]
     """Names of things and furniture in our files, by term."""
@@ -30,15 +30,15 @@ class Room:
     """Sizes of carried things, by term."""
     at_first: Mapping[str, ThingSlot]
     at_end: Mapping[str, ThingSlot]
-    """Of the things that have to be moved."""
+    """Final slots of the things that have to be moved, by term."""
     beside: Mapping[str, str]
-    """Term of what a moved thing has to be next to."""
+    """Term of the thing or furniture that a moved thing has to be next to, by term of the moved thing."""
     floors: Mapping[str, Extent]
     """Parts of the floor, by term, if things are on two floors: a line divides the room."""
 
     @property
     def home(self) -> Pose2:
-        """Place of the base at first."""
+        """Start pose of the base."""
         return Pose2(self.width / 2, DEPTH_M / 2, 0.0)
 
 

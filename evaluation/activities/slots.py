@@ -29,11 +29,11 @@ class ThingSlot(NamedTuple):
 
     level: FurnitureLevel
     pose: Pose2
-    """In the room; the heading is that of the thing."""
+    """Pose in the room; its heading is the heading of the thing."""
 
 
 class FoundSlots(NamedTuple):
-    """Slots on a piece, or why it has too few."""
+    """Slots on a piece, and the reasons why it has too few."""
 
     slots: dict[ThingRelation, ThingSlot]
     findings: list[Finding]
@@ -51,8 +51,8 @@ def slots_on(
     Args:
         definition: the activity.
         piece: the furniture.
-        kind: relation of its levels that are used.
-        here: what is there, at first or at the end.
+        kind: relation of the levels to use, such as `ontop`.
+        here: relations of the things at the piece, at first or at the end.
         sizes: sizes of the things, by term.
     """
     slots: dict[ThingRelation, ThingSlot] = {}
@@ -100,7 +100,7 @@ def next_gap(one: CarriedEntry, other_size: Sequence[float]) -> float:
 
 
 def before_gap(thing: CarriedEntry, size: Sequence[float]) -> float:
-    """Return the gap between a thing and a piece of furniture of some size that it is before, all in [m]."""
+    """Return the gap between a thing and the piece of furniture of this size behind it, all in [m]."""
     return min(MAX_BEFORE_M, next_gap(thing, size))
 
 
@@ -131,7 +131,7 @@ def _gap_between(each: ThingRelation, sizes: Mapping[str, CarriedEntry]) -> floa
 
 
 def _grouped(relations: Sequence[ThingRelation]) -> list[list[ThingRelation]]:
-    """Return the relations, those of things that are next to each other together."""
+    """Return the relations in groups; things that have to be next to each other are in one group."""
     groups: list[list[ThingRelation]] = []
     things = {relation.thing for relation in relations}
     for relation in sorted(relations, key=lambda thing_relation: thing_relation.beside in things):
@@ -146,7 +146,7 @@ def _grouped(relations: Sequence[ThingRelation]) -> list[list[ThingRelation]]:
 
 
 def _shared(groups: Sequence[list[ThingRelation]], count: int) -> list[list[list[ThingRelation]]]:
-    """Return the groups in parts of about the same length, in their order."""
+    """Divide the groups, in their order, into `count` parts with about the same number of groups."""
     ends = [round(len(groups) * number / max(count, 1)) for number in range(count + 1)]
     return [list(groups[low:high]) for low, high in pairwise(ends)]
 
@@ -178,7 +178,7 @@ def _in_row(
 
 
 def _inward(piece: Piece, level: FurnitureLevel, thing: CarriedEntry) -> float:
-    """Return y of a thing's middle from the level's middle, in [m]."""
+    """Return y of a thing's middle relative to the level's middle, in [m]."""
     depth = thing.size_mm[1] / 1e3
     if level.relation == "front":
         return (level.size[1] - depth) / 2 - before_gap(thing, piece.entry.size_m)

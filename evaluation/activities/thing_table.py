@@ -20,7 +20,7 @@ class CarriedEntry(FileModel):
 
     shape: Literal["box", "cylinder"] = "box"
     size_mm: tuple[Positive, Positive, Positive]
-    """Along its x, y and z (upwards); y is its depth on a shelf."""
+    """Size along the thing's x, y and z (upwards); y is its depth on a shelf."""
     mass_kg: Positive
     source: str
     """Origin of the size."""

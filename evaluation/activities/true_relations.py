@@ -50,7 +50,7 @@ class TrueThing:
         return np.asarray((low + high) / 2)
 
     def is_hit(self, start: FloatArray, direction: FloatArray) -> bool:
-        """Return whether a ray of `RAY_M` from a point (3,) along a unit vector (3,) meets it."""
+        """Return whether a ray of `RAY_M` from a point (3,) along a unit vector (3,) meets the thing."""
         return any(_meets(solid, start, direction) for solid in self.solids)
 
 

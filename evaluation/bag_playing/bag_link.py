@@ -22,7 +22,7 @@ READ_KINDS = (*READING_KINDS, "std_msgs/String", "tf2_msgs/TFMessage")
 
 
 class BagLink(Link):
-    """Connection to the topics of a bag; commands go nowhere, and nothing says whether they would be taken.
+    """Connection to the topics of a bag; commands are discarded, and their acceptance is unknown.
 
     Its clock is that of the recording, and passes with `pass_time`.
     """
@@ -32,7 +32,7 @@ class BagLink(Link):
 
         Args:
             path: a folder of rosbag2, or a .mcap, .db3 or .bag file.
-            namespace: of the topics that are asked for by a relative name.
+            namespace: namespace of topics that are requested by a relative name.
 
         Raises:
             InputError: the extra `bags` is not installed.
@@ -149,7 +149,7 @@ class BagLink(Link):
 
     @override
     def close(self) -> None:
-        """Forget all that is listened to."""
+        """Drop all subscriptions."""
         self._takes = {}
 
     def _full(self, topic: str) -> str:
@@ -157,7 +157,7 @@ class BagLink(Link):
 
 
 class _NoController(GoalSender):
-    """End of an action that a bag doesn't have."""
+    """Goal sender of an action whose server a bag does not have."""
 
     def __init__(self, kind: str) -> None:
         """Take the type of the action."""

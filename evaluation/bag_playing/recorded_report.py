@@ -1,4 +1,4 @@
-"""A robot's file held against what a bag recorded."""
+"""Comparison of a robot's file with the topics of a recorded bag."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handcart.backends.ros2.air_check.air_report import AirReport, listen
 from .bag_link import BagLink
 
 PASS_S = 0.01
-"""[s] of the recording between two looks for messages."""
+"""Time of the recording between two checks for messages, in [s]."""
 
 
 def recorded_report(robot: RobotFile, spec: RosSpec, path: Path, seconds: float) -> AirReport:
@@ -22,7 +22,7 @@ def recorded_report(robot: RobotFile, spec: RosSpec, path: Path, seconds: float)
         robot: the robot's file.
         spec: its section `ros2`.
         path: the bag.
-        seconds: time in [s] of the recording that is listened to, at most.
+        seconds: longest time of the recording to listen to, in [s].
 
     Raises:
         InputError: the extra `bags` is not installed.

@@ -15,10 +15,10 @@ class BlockError(NamedTuple):
     z: float
     turn_mrad: float
     processed_x: float
-    """Without the effects of the base's turning and leaning since the fixation (eq. 12)."""
+    """Error along x without the effects of the base's turn and tilt since the fixation (eq. 12)."""
     processed_y: float
     read_x: float
-    """On the paper's scale of 0.5 mm."""
+    """Error along x as read on the paper's scale with steps of 0.5 mm."""
     read_y: float
     yaw_mrad: float
     """Turn of the base from the fixation to the release of the block."""

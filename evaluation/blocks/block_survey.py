@@ -42,7 +42,7 @@ class BlockNotes:
     """Observations that a resumed run could not repeat."""
 
     reference: tuple[float, tuple[float, float]] | None
-    """Heading and lean."""
+    """Heading and tilt of the base at the fixation, as `BaseAttitude`; None before the first one."""
     gripped: dict[str, tuple[float, float, float]]
     released: dict[str, tuple[float, float, float]]
     moved: dict[str, tuple[float, float]]
@@ -74,7 +74,7 @@ class BlockSurvey(Survey):
         """Shift (3,) of each block when it was gripped off a table, in the base frame, in [m]."""
         self._released: dict[str, FloatArray] = {}
         self._moved: dict[str, tuple[float, float]] = {}
-        """Turn and lean about x since the fixation when it was let go, in [rad]."""
+        """Turn and lean of the base about x from the fixation to the release of each block, in [rad]."""
 
     @override
     def look(self, robot: Robot) -> None:

@@ -40,17 +40,17 @@ compile_early(screw_table, SCREW_TABLE_TYPES, __name__)
 
 
 class StopReach:
-    """One robot at blocks of one size."""
+    """Reach of one robot at blocks of one size."""
 
     def __init__(self, spec: RobotFile, block: tuple[float, float, float]) -> None:
         """Prepare a robot.
 
         Args:
-            spec: of the robot.
+            spec: the robot's file.
             block: length, width, height in [m].
 
         Raises:
-            Discrepancy: it lacks arm, gripper or camera, or its arm can't do it anywhere.
+            Discrepancy: the robot lacks arm, gripper or camera, or its arm can do this work nowhere.
         """
         if spec.gripper is None or spec.hand_camera is None:
             lacking = "gripper" if spec.gripper is None else "camera"
@@ -107,7 +107,7 @@ class StopReach:
         return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:
-        """Over a landmark, turned as the base is."""
+        """Return the hand (2 points) with the camera above a landmark, turned by the heading of the base."""
         return self._looking(mark.floor, mark.height_m, heading)
 
     def _looking(self, floor: Pose2, height: float, heading: float) -> ToolPath:

@@ -72,7 +72,7 @@ def _draw(grid: GridMap, file: Path) -> None:
 
 
 def _copy_map(chart: Path, folder: Path) -> None:
-    """With the picture that it names beside it."""
+    """Copy the map's file, and the picture that it names, into a folder."""
     from handcart.files.yaml.yaml_document import read_document
 
     if chart.parent.resolve() == folder.resolve() and chart.name == "map.yaml":

@@ -37,15 +37,15 @@ class NamedStop(NamedTuple):
     pose: Pose2
     """map_T_base."""
     landmark: str
-    """That it is looked at from there."""
+    """Landmark that the robot looks at from the stop."""
     numbers: range
     """Numbers of the blocks, from 1 in the order of laying."""
     score: float
-    """The mean of its blocks, 0 to 1."""
+    """Mean score of the stop's blocks, 0 to 1."""
     least: int
-    """The block that is worth least."""
+    """Number of the block with the lowest score."""
     clearance: float
-    """Distance from its middle to the nearest obstacle, in [m]."""
+    """Distance from the base's middle to the nearest obstacle, in [m]."""
 
     def words(self) -> str:
         """Describe the stop in one line."""
@@ -98,7 +98,7 @@ def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPl
 
     Args:
         loaded: the drawing.
-        spec: of the robot.
+        spec: the robot's file.
         grid: the map.
 
     Raises:
@@ -148,7 +148,7 @@ class _Planning(NamedTuple):
     ways: Ways
 
     def stops(self, places: Sequence[LevelPose], name: str, held: bool) -> tuple[NamedStop, ...]:
-        """Named stops for blocks at places, in their order; raises `Untrackable`."""
+        """Return named stops for blocks at places, in their order; raises `Untrackable`."""
         around = self._around(places, held)
 
         def touches(base: FloatArray, number: int) -> str:

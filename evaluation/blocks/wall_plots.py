@@ -18,12 +18,12 @@ def draw_wall(plan: WallPlan, radius: float, target: Path) -> None:
     """Draw the floor from above with the stops, and the front of the wall with the numbers of the blocks.
 
     Args:
-        plan: of the wall.
-        radius: of the base's footprint, in [m].
-        target: a file.
+        plan: plan of the wall.
+        radius: radius of the base's footprint, in [m].
+        target: file to write.
 
     Raises:
-        OSError: it can't be written.
+        OSError: the file cannot be written.
     """
     from matplotlib.figure import Figure
 

@@ -29,11 +29,11 @@ class GraspRow:
     board_m: float
     """Height of the surface under the book."""
     ahead_m: Span
-    """Range of x of the finger tips in the base frame, straight ahead (`aside_at_m` is their y)."""
+    """Range of x of the finger tips in the base frame, with their y at `line_m`."""
     line_m: float
-    """y of that line."""
+    """y of the finger tips in the base frame for the range `ahead_m`."""
     aside_m: Span
-    """Range of y of the finger tips, `BEFORE_SHELF` ahead."""
+    """Range of y of the finger tips in the base frame, with their x at `BEFORE_SHELF`."""
 
 
 def book_facts(robot: RobotFile, reach: HandReach | None) -> DomainFacts:

@@ -86,7 +86,7 @@ def make_library(
         tag: tag of the book to return.
         books: number of books to return, each to another shelf.
         blocked: box on the way to the shelf: with another route, or in the only doorway.
-        unfriendly: factors that make it hard, of `FACTORS`, or `all`.
+        unfriendly: factors that make it hard, names in `UNFRIENDLY_FACTORS` or `all`.
         level: difficulty, from 0 (none) to 1.
     """
     factors = _factors(unfriendly)

@@ -21,7 +21,7 @@ class ShelvedBooks(NamedTuple):
 
     slot_correct: bool
     proud_mm: float
-    """Distance by which its spine protrudes beyond the line of its neighbours' spines."""
+    """Distance by which the book's spine protrudes beyond the line of its neighbours' spines."""
     tilt_deg: float
     pushed_mm: float
     """Largest distance by which any other book of the shelf was pushed back."""

@@ -65,7 +65,7 @@ def _tag_errors(bench: KitBench, seed: int) -> FloatArray:
 
 
 def _tag_corners(height: float) -> FloatArray:
-    """Return (4, 3) in the book's frame, in [m]."""
+    """Return the corners (4, 3) of the tag in the book's frame, in [m]."""
     middle = height - TAG_FROM_HEAD
     signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
     return np.array([[0.0, y * HALF_TAG, middle + z * HALF_TAG] for y, z in signs])

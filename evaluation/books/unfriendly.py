@@ -47,7 +47,7 @@ def make_unfriendly(
     Args:
         row: the usual row.
         wanted: accessions of the lent books that are to be returned.
-        factors: names in `FACTORS`.
+        factors: names in `UNFRIENDLY_FACTORS`.
         level: difficulty, from 0 (none) to 1.
         rng: random generator.
     """
@@ -188,7 +188,7 @@ def _gaps(row: ShelfRow) -> list[float]:
 
 
 def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
-    """Return each slot wider than its book by so much."""
+    """Return the row with each slot wider than its book by the book's play, in [mm]."""
     gaps = iter([round(float(book.thickness_mm + plays[book.accession]), 2) for book in m.row.lent])
     standing = tuple(next(gaps) if _is_slot(item) else item for item in m.row.standing)
     return replace(m, row=replace(m.row, standing=standing))

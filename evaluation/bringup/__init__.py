@@ -1,1 +1,1 @@
-"""Bringing a real robot up, rung by rung."""
+"""Bring-up of a real robot, step by step."""

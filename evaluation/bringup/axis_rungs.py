@@ -1,4 +1,4 @@
-"""The rungs that move one axis at a time."""
+"""Steps that move one axis at a time."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Move(NamedTuple):
     """Test motion of an axis."""
 
     way: float
-    """[m] or [rad]"""
+    """Travel of the axis, in [m] or [rad]."""
     seen: str
     """Expected visible motion."""
     unit: str
@@ -48,7 +48,7 @@ class Move(NamedTuple):
 
 
 def move_of(jogger: Jogger, axis: str) -> Move:
-    """Return a small one, away from the nearer end."""
+    """Return a small test motion of an axis, away from its nearer limit."""
     if axis.endswith("wheel"):
         return Move(0.1, "the wheel rolled the robot forward on its side", "mm", 1e3)
     lower, upper = jogger.limits(axis)
@@ -108,7 +108,7 @@ class AxesRung(Rung[Site]):
 
 
 def _held(site: Site, jogger: Jogger, axis: str, way: float, back: bool = False) -> Jogged:
-    """Move by that while the key is held; raises `RungFailed` where it was let go."""
+    """Jog an axis by `way`, in [m] or [rad], while a key is held; raises `RungFailed` if it stops short."""
     with site.operator.hold(f"{axis}: hold the space bar; letting go stops it") as held:
         done = jogger.jog(axis, way, held)
     if done.ended != "there" and not (back and done.ended == "limit"):
@@ -125,7 +125,7 @@ def _truth(backend: CanBackend, axis: str) -> float:
 
 
 class LimitsRung(Rung[Site]):
-    """Joints stop at the limits of the robot's file."""
+    """Step that checks that joints stop at the limits of the robot's file."""
 
     name = "limits"
     summary = "each joint is jogged to those of its limits that it reaches freely, and stops there"

@@ -1,4 +1,4 @@
-"""The rungs that speak with the bus and move nothing."""
+"""Steps that use the bus and move nothing."""
 
 from __future__ import annotations
 

@@ -24,11 +24,11 @@ from .operator import Held
 CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 KEY_LEASE_S = 0.3
-"""[s] for which a key that was seen pressed counts as held (row U6)."""
+"""Time for which a pressed key counts as held without a repeat, in [s] (row U6)."""
 HAND_SPEED = 0.25
-"""[m/s] that nothing of the robot runs faster than until it is signed off."""
+"""Maximum speed of every part of the robot until it is signed off, in [m/s]."""
 TOP_TURN = math.radians(30.0)
-"""[rad/s] that no joint turns faster than, however near the hand is to its axis."""
+"""Maximum speed of a joint, in [rad/s], however near the hand is to its axis."""
 _SETTLE = 2.0  # [s] in which an axis comes to rest
 _STILL = 1e-4  # [m], [rad] in a period
 _CREEP = 0.005  # [m/s], [rad/s] with which it arrives
@@ -41,7 +41,7 @@ class KeyLease:
         """Begin; the key has 300 ms from now.
 
         Args:
-            pressed: whether the key came again since it was asked last.
+            pressed: returns whether the key was repeated since the last call.
             clock: gives the time in [s].
         """
         self._pressed, self._clock = pressed, clock
@@ -148,7 +148,7 @@ class Jogger:
         return float(self._model.lower[number]), float(self._model.upper[number])
 
     def top_speed(self, axis: str) -> float:
-        """Highest speed of an axis at which no part of the robot moves faster than 250 mm/s, in [m/s] or
+        """Return the highest speed of an axis at which no part of the robot exceeds 250 mm/s, in [m/s] or
         [rad/s].
         """
         kind, number = _parts(axis)
@@ -175,7 +175,7 @@ class Jogger:
         return max(math.sqrt(2 * rate * max(room, 0.0)), _CREEP)
 
     def settle(self) -> float:
-        """Let periods pass until nothing moves any more; how long that took, in [s]."""
+        """Let periods pass until nothing moves any more; return the elapsed time, in [s]."""
         before, passed = self._positions(), 0.0
         while passed < _SETTLE:
             self.backend.step()
@@ -187,7 +187,7 @@ class Jogger:
         return passed
 
     def _command(self, axis: str, speed: float) -> bool:
-        """Command a period's motion, up to the limit; whether there is any."""
+        """Command a period's motion within the limits; return whether that moves the axis."""
         kind, number = _parts(axis)
         if kind == "wheel":
             turn = speed / self.robot.drive.tread_m
@@ -236,7 +236,7 @@ def slides(robot: RobotFile, axis: str) -> bool:
 
 
 def _parts(axis: str) -> tuple[str, int]:
-    """`left wheel`: wheel, 0; `joint 3`: joint, 2; `gripper`: gripper, 0."""
+    """Split an axis' name into kind and index from 0, such as `joint 3` into `joint` and 2."""
     if axis.endswith("wheel"):
         return "wheel", 0 if axis.startswith("left") else 1
     if axis.startswith("joint"):

@@ -21,7 +21,7 @@ class RungRecord(FileModel):
     rung: str
     passed: bool
     reason: str = ""
-    """Why it was not."""
+    """Reason why the step did not pass; empty if it passed."""
     robot: str
     """Name of the robot as it was given."""
     fingerprint: str

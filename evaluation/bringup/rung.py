@@ -1,4 +1,4 @@
-"""A rung of the ladder by which a robot is brought up."""
+"""Step of the procedure by which a robot is brought up."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Rung(ABC, Generic[SiteT]):
     """Step that verifies one property of a robot; it has passed when `climb` returns."""
 
     name: ClassVar[str]
-    """Name of its record."""
+    """Name of the step, and of its record."""
     summary: ClassVar[str]
     """Verified property, in one line."""
     moves: ClassVar[bool] = True

@@ -31,7 +31,7 @@ class RobotSite(ABC):
     """Robot or bench on which the steps run, however it is connected."""
 
     name: str
-    """The robot, as it was named."""
+    """Name of the robot as the user gave it."""
     robot: RobotFile
     operator: Operator
     folder: Path
@@ -45,7 +45,7 @@ class RobotSite(ABC):
     camera_on_bench: bool = False
     """True to calibrate the camera on a bench as well."""
     answers: dict[str, bool | float] = field(default_factory=dict)
-    """Given in the current rung."""
+    """Answers given in the current step, by key of the question."""
 
     @property
     @abstractmethod
@@ -69,7 +69,7 @@ class RobotSite(ABC):
         return said
 
     def number(self, key: str, question: str, truth: float) -> float:
-        """Ask for something measured, which is `truth` on a bench."""
+        """Ask for a measured value, in the unit of the question; on a bench the answer is `truth`."""
         said = self.answers[key] = self.operator.number(key, question, lambda: truth)
         return said
 

@@ -1,4 +1,4 @@
-"""The rungs that show that the robot stops."""
+"""Steps that check that the robot stops."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .rung import Facts, Rung, RungFailed
 from .site import Site
 
 BUTTON_TIMEOUT_S = 60.0
-"""[s] in which a person presses a button."""
+"""Time in which a person has to press a button, in [s]."""
 _BENCH_PATIENCE = 100  # periods
 _WATCH = 2.0  # [s] after the emergency stop is released
 STOP_TRIALS = 5
@@ -77,7 +77,7 @@ def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
 
 
 class StopTestRung(Rung[Site]):
-    """Measures the stopping distance of the base for each kind of stop."""
+    """Step that measures the stopping distance of the base for each kind of stop."""
 
     name = "stop_test"
     summary = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"
@@ -110,7 +110,7 @@ class StopTestRung(Rung[Site]):
 
     @staticmethod
     def _allowed(site: Site, how: str) -> float:
-        """[m]: v (delay) + v²/2a, and two periods until it is seen."""
+        """Return the allowed stopping distance v t + v²/2a, in [m]; the delay t includes two periods."""
         drive, period = site.robot.drive, site.robot.period_s
         delay = 2 * period + (site.spec.heartbeat_timeout_ms / 1e3 if how == "heartbeat" else 0.0)
         return HAND_SPEED * delay + HAND_SPEED**2 / (2 * drive.acceleration_m_s2)
@@ -135,7 +135,7 @@ def _stop_once(site: Site, stop: Stop, number: int) -> float:
 
 
 def _rolled(backend: CanBackend) -> float:
-    """Mean of both wheels by what the drives answer when they are asked, in [m]."""
+    """Return the mean travel of both wheels in [m], as the drives answer to SDO requests."""
     wheels = (backend.axes.left, backend.axes.right)
     return float(np.mean([axis.units.position(int(axis.sdo[0x6064].raw)) for axis in wheels]))
 

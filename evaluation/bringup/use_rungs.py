@@ -1,4 +1,4 @@
-"""The rungs that calibrate the robot, and put it to use."""
+"""Steps that calibrate the robot, and put it to use."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _SETTLE = 1.0  # [s]
 
 
 class CalibrationRung(Rung[Site]):
-    """Calibrates odometry and lidar; the result is a change to review."""
+    """Step that calibrates odometry and lidar; the result is a change to review."""
 
     name = "calibrate"
     summary = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"
@@ -127,7 +127,7 @@ def _measure_ranges(site: RobotSite, backend: Backend, found: dict[str, Calibrat
 def _drive(
     site: Site, backend: CanBackend, speed: float, turn: float, there: Callable[[float, float], bool]
 ) -> tuple[float, float]:
-    """Drive until it is there, and stop; how far the wheels rolled, left and right, in [m]."""
+    """Drive until `there` accepts the wheels' travel, and stop; return the travel, left and right, in [m]."""
     base = backend.get(Base)  # type: ignore[type-abstract]
     assert base is not None
     begun = base.wheel_travel()
@@ -149,7 +149,7 @@ def _drive(
 
 
 def _true_pose(backend: CanBackend) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """x, y, heading on a bench, (3,) in [m] and [rad]; zero for a real robot."""
+    """Return the true pose (3,) on a bench, x, y in [m] and heading in [rad]; zero for a real robot."""
     truth = backend.ground_truth()
     return np.zeros(3) if truth is None else np.array([*truth.base])
 
@@ -159,7 +159,7 @@ def _wrapped(angle: float) -> float:
 
 
 class RangesRung(Rung[RobotSite]):
-    """Measures the lidar's spread, and compares one range with a tape."""
+    """Step that measures the lidar's spread, and compares one range with a tape."""
 
     name = "range_sensor"
     summary = "the lidar's spread, and one range by tape; `handcart adopt` shows what that changes"
@@ -179,7 +179,7 @@ class RangesRung(Rung[RobotSite]):
 
 
 def _write(site: RobotSite, found: dict[str, Calibrated]) -> Path:
-    """Write what a calibration found beside the records; return the file."""
+    """Write the values that a calibration found next to the records; return the file."""
     file = site.folder / CALIBRATION_FILE
     kind = site.backend_name + (f" --bench {site.bench}" if site.bench else "")
     calibration = Calibration(
@@ -190,7 +190,7 @@ def _write(site: RobotSite, found: dict[str, Calibrated]) -> Path:
 
 
 class CameraRung(Rung[RobotSite]):
-    """The camera and its place on the hand are calibrated by a board."""
+    """Step that calibrates the camera and its place on the hand by a board."""
 
     name = "camera"
     summary = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
@@ -213,7 +213,7 @@ class CameraRung(Rung[RobotSite]):
 
 
 class PrimitiveRung(Rung[RobotSite]):
-    """The first primitive of the task, alone."""
+    """Step that runs the first primitive of the task alone."""
 
     name = "primitive"
     summary = "the first primitive of the task ends in Success"

@@ -41,7 +41,7 @@ class LaserSurvey:
     """Person who reads two spots whenever the arm rests, ahead and to the left, and counts its swings."""
 
     def __init__(self, scene: Any, scale: float = RULER_STEP_M) -> None:
-        """`scene` is a simulated world's; `scale` that of the ruler, in [m]."""
+        """Prepare a survey in a simulated `scene`; `scale` is the graduation of the ruler, in [m]."""
         self._scene, self._scale = scene, scale
         self._command, self._stood = np.empty(0), 0
         self._first: tuple[Transform, FloatArray] | None = None

@@ -48,7 +48,7 @@ class KitSetting:
     parts: Sequence[str] = ()
     """Selection from `KIT_PARTS`; empty: all parts, in quick mode without whole tasks."""
     primitives: Sequence[str] = ()
-    """Faults go into these alone; none: into all."""
+    """Names of the primitives into which faults are injected; empty for all."""
     instants: int | None = None
     """Number of fault instants in each primitive's run; None: the mode's default."""
     seeds: int | None = None
@@ -56,7 +56,7 @@ class KitSetting:
     only_tasks: Sequence[str] = ()
     """Folder names of the whole tasks to run; empty: all tasks that the robot can do."""
     own_tasks: Sequence[Path] = ()
-    """Task files to test in, in place of those that domains declare; empty: those."""
+    """Task files to test with; empty for the tasks that domains declare."""
     simulated: str | None = None
     """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
@@ -72,7 +72,7 @@ class KitSetting:
         return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 
     def batches(self) -> list[Batch]:
-        """Faults in each primitive of a task that the robot is tried in, and in REACH."""
+        """Return the faults to inject into REACH, and into each primitive of the tasks."""
         full, quick = QUICK_INSTANTS.get(self.simulated or self.backend, OTHER_INSTANTS)
         count = self.instants or (quick if self.quick else full)
         shares = math.ceil(count / MAX_INSTANTS_PER_JOB)
@@ -84,12 +84,12 @@ class KitSetting:
         ]
 
     def tried(self) -> list[str]:
-        """Names of the primitives in which faults can be injected."""
+        """Return the names of the primitives into which faults can be injected."""
         return sorted({name for _, _, name in self._actions})
 
     @cached_property
     def _actions(self) -> list[tuple[Rehearsal | Solo, int, str]]:
-        """REACH, then of each rehearsal what no earlier one has."""
+        """Action REACH, then the actions of each rehearsal whose primitives no earlier one has."""
         result: list[tuple[Rehearsal | Solo, int, str]] = [(Solo(self.bench, Reach()), 0, Reach.label())]
         for rehearsal in self.rehearsals:
             tried = {name for _, _, name in result}
@@ -99,7 +99,7 @@ class KitSetting:
 
     @cached_property
     def rehearsals(self) -> tuple[Rehearsal, ...]:
-        """The tasks that the robot is tried in, each cut short as its domain says."""
+        """Rehearsals of `tasks`, each shortened by the settings that its domain declares."""
         short = declared()
         return tuple(
             Rehearsal(
@@ -113,7 +113,7 @@ class KitSetting:
 
     @cached_property
     def tasks(self) -> tuple[Path, ...]:
-        """The tasks that the robot is tried in: the user's own, or shipped ones."""
+        """Task files to test the robot with, the user's own or shipped ones."""
         if self.own_tasks:
             return tuple(Path(task).resolve() for task in self.own_tasks)
         return repertoire(self.robot, self._chosen, self.simulated or self.backend)
@@ -160,7 +160,7 @@ def default_robot(own_tasks: Sequence[Path]) -> str:
 
 @dataclass(frozen=True)
 class OneCheck:
-    """A check by its name."""
+    """Job that runs a check, given by its name."""
 
     name: str
     bench: KitBench
@@ -169,7 +169,7 @@ class OneCheck:
         return f"check {self.name}"
 
     def __call__(self) -> CheckResult:
-        """Make it in a copy of the process: one that hangs or dies is a finding too."""
+        """Run the check in a copy of the process; a hang or a crash is recorded as a violation."""
         check = checks()[self.name]
         try:
             return forked(lambda: check(self.bench), CheckResult, MAX_JOB_CPU_S)
@@ -181,7 +181,7 @@ class OneCheck:
 
 @dataclass(frozen=True)
 class OneMutant:
-    """A liar by its name."""
+    """Job that tries a mutant, given by its name."""
 
     name: str
     bench: KitBench
@@ -190,7 +190,7 @@ class OneMutant:
         return f"liar {self.name}"
 
     def __call__(self) -> Caught:
-        """Plant it and look, in a copy of the process."""
+        """Plant the mutant, and return whether the kit finds it, in a copy of the process."""
         return forked(lambda: try_mutant(self.name, self.bench), Caught, MAX_JOB_CPU_S)
 
 
@@ -229,7 +229,7 @@ def run_kit(
 
 
 def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Result]]:
-    """Results of the jobs that have just ended, by number; empty where for a while none has."""
+    """Yield the results of the jobs that have just ended, by number; empty if none has for a while."""
     with ProcessPoolExecutor(processes, get_context("spawn"), _begins) as pool:
         running = {pool.submit(_done, job): number for number, job in enumerate(jobs)}
         try:

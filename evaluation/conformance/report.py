@@ -32,7 +32,7 @@ Result = CheckResult | Caught | Broken | list[FaultTrial] | Ran
 
 @dataclass(frozen=True)
 class KitReport:
-    """All that was found on one backend."""
+    """Results of all parts of the kit on one backend."""
 
     backend: str
     robot: str
@@ -76,7 +76,7 @@ class KitReport:
 
     @property
     def violations(self) -> list[FaultTrial]:
-        """Trials after which something wasn't true."""
+        """Trials whose attempt ended with a false claim."""
         return [trial for trial in self.trials if trial.ending.wrong]
 
     @property
@@ -86,18 +86,18 @@ class KitReport:
 
     @property
     def wrong_causes(self) -> list[FaultTrial]:
-        """Faults of `judged_causes` that led to another cause."""
+        """Trials of `judged_causes` that named another cause."""
         return [trial for trial in self.judged_causes if not trial.names_its_cause]
 
     @property
     def causes_hold(self) -> bool:
-        """True if injected faults lead to their causes; too few show nothing."""
+        """True if enough of the judged trials name a cause of their fault, or if too few were judged."""
         judged = len(self.judged_causes)
         return judged < MIN_JUDGED_CAUSES or len(self.wrong_causes) <= (1.0 - MIN_CAUSE_SHARE) * judged
 
     @property
     def planted(self) -> list[Caught]:
-        """Liars that could be planted on this robot."""
+        """Mutants that could be planted on this robot."""
         return [mutant for mutant in self.mutants if not mutant.skipped]
 
     @property

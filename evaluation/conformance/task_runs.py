@@ -1,4 +1,4 @@
-"""Whole shipped tasks: that they end on a backend as on the one that all are compared with."""
+"""Runs of whole shipped tasks on a backend, compared with those on a reference backend."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class OneRun:
         return f"{self.task.parent.name} on {self.backend} {how}"
 
     def __call__(self) -> Ran:
-        """Run it."""
+        """Run the task once, and return how it ended."""
         with tempfile.TemporaryDirectory() as folder:
             summary, _ = run_task(
                 self.task,

@@ -1,4 +1,4 @@
-"""True openings and hinges of doors, and how far from them a primitive's findings are."""
+"""True openings and hinges of doors, and the errors of the hinges that primitives found."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class HingeErrors(NamedTuple):
     """Errors of a measured hinge."""
 
     place_mm: float
-    """Of the axis at the height of the handle, relative to the base."""
+    """Distance between true and found axis at the height of the handle, in the base frame."""
     axis_deg: float
     radius_mm: float
 
@@ -35,7 +35,7 @@ def true_opening(survey: Survey, name: str) -> float:
 
 
 def hinge_errors(survey: Survey, primitive: ActionPrimitive, joint: DoorJoint) -> HingeErrors | None:
-    """Return the errors of the hinge that a primitive found; None if it found none, or there is none."""
+    """Return the errors of the hinge that a primitive found; None if it found none, or the door slides."""
     facts = primitive.facts
     if joint.hinge is None or "hinge_x_m" not in facts:
         return None

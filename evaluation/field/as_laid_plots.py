@@ -80,7 +80,7 @@ def _set_course_scale(axes: Axes, is_straight: bool) -> None:
 
 
 def _same_scale(*axes: Axes) -> None:
-    """Give all axes the limits that the widest needs, symmetric about zero."""
+    """Give all axes the limits of the widest one, symmetric about zero."""
     most = max(abs(end) for axis in axes for end in (*axis.get_xlim(), *axis.get_ylim()))
     for axis in axes:
         axis.set(xlim=(-most, most), ylim=(-most, most))
@@ -95,12 +95,12 @@ def _tall(survey: Laying) -> float:
 
 
 def _thinned(points: Sequence[Place] | Sequence[FloatArray]) -> FloatArray:
-    """Return (2, n) not more than can be seen."""
+    """Return points (2, n), thinned to at most `MAX_DRAWN_POINTS`."""
     return np.array(points[:: 1 + len(points) // MAX_DRAWN_POINTS]).T
 
 
 def _track(axes: Axes, survey: Laying) -> None:
-    """Figure 3: fixes, particles, odometry and what becomes of them."""
+    """Draw fixes, particles, odometry, estimate and truth, as in figure 3."""
     axes.set_title("where the robot was, and where it took itself to be", loc="left")
     if survey.tracks["fixes"]:
         axes.plot(*_thinned(survey.tracks["fixes"]), ".", color=FIX, ms=2.5, label="GPS", zorder=0)
@@ -115,7 +115,7 @@ def _track(axes: Axes, survey: Laying) -> None:
 
 
 def _hand(axes: Axes, survey: Laying) -> None:
-    """Figures 7 and 8: the hand's trajectory by the total station, and what it let go."""
+    """Draw the hand's trajectory by the total station, and the released sensors, as in figures 7 and 8."""
     axes.set_title("hand and sensors by the total station", loc="left")
     sights = survey.station.sights if survey.station is not None else []
     if sights:
@@ -145,7 +145,7 @@ def _key(axes: Axes) -> None:
 
 
 def _errors(axes: Axes, survey: Laying) -> None:
-    """Figures 9 and 10: errors about their mean, beside how widely the paper's were spread."""
+    """Draw errors about their mean, and the standard deviations of the paper's, as in figures 9 and 10."""
     errors = np.array(
         [placement.error_mm for placement in survey.placements() if placement.error_mm is not None]
     )

@@ -44,7 +44,7 @@ class FieldNote:
     """Block and measured place of each sensor."""
     tracks: dict[str, list[Place]]
     sights: list[tuple[float, float, float, float]]
-    """Time in [s], place in [m]."""
+    """Time in [s] and position in [m] of each reading of the total station."""
 
 
 class FieldSurvey(Survey):
@@ -197,7 +197,7 @@ class FieldSurvey(Survey):
         return nees(off, np.array([placement.believed.spread + own * np.eye(2) for placement in seen]))
 
     def _measured(self) -> Place | None:
-        """Mean of the readings of the last second."""
+        """Return the mean of the readings of the last second; None without a reading."""
         sights = self.station.sights if self.station is not None else []
         last = [sight.place for sight in sights[-10:] if sight.time > self._scene.time - LOOKS_BACK]
         if not last:

@@ -21,7 +21,7 @@ class Placement(NamedTuple):
     measured: tuple[float, float] | None
     """Measurement by the total station, in [m]; None if the reflector was out of sight."""
     lies: tuple[float, float]
-    """The ground truth, in [m]."""
+    """True position of the sensor, in [m]."""
 
     @property
     def error_mm(self) -> tuple[float, float] | None:

@@ -20,7 +20,7 @@ class Sight(NamedTuple):
     """Reading of a total station: time and position of the reflector."""
 
     time: float
-    """[s]"""
+    """Time of the reading, in [s]."""
     place: FloatArray
     """Position (3,) of the reflector in the field's frame, in [m]."""
 
@@ -76,12 +76,12 @@ class TotalStation:
 
 
 class _Boxes(NamedTuple):
-    """Boxes that may be in between."""
+    """Boxes that may be between the total station and the reflector."""
 
     poses: FloatArray
-    """(n, 4, 4)."""
+    """Poses (n, 4, 4) of the boxes."""
     halves: FloatArray
-    """(n, 3) of their sizes, in [m]."""
+    """Half sizes (n, 3) of the boxes, in [m]."""
 
     @classmethod
     def of(cls, boxes: Sequence[Box]) -> _Boxes:

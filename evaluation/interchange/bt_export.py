@@ -18,7 +18,7 @@ from .task_parts import TaskParts, attempts_of, failures, further_keys, most_att
 from .xml_tree import XmlElement
 
 TASK_PORT, ROW_PORT = "_handcart_task", "_handcart"
-"""Attributes with what a tree does not express; BehaviorTree.CPP passes those with an underscore over."""
+"""Attributes for what a tree cannot express; BehaviorTree.CPP ignores names that begin with an underscore."""
 CAUSE_PORT, RESULT_PORT = "cause", "result"
 _CONDITION = re.compile(r"situation == '((?:[^'])*)'")
 _CHOSEN = re.compile(r"\((cause|result) == '([^']*)'\) \? '([^']*)' : ")
@@ -83,7 +83,7 @@ def _action(number: int, row: Any) -> Iterator[str]:
 
 
 def _forms(row: Any) -> dict[str, Any]:
-    """Return what `then`, `on_fail` and `attempts` hold besides what the tree does."""
+    """Return the parts of `then`, `on_fail` and `attempts` that the tree does not express."""
     forms: dict[str, Any] = {"attempts": attempts_of(row)}
     if "then" in row:
         forms["then"] = [{key: value for key, value in item.items() if key != "to"} for item in row["then"]]
@@ -124,7 +124,7 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
     """Return the task that a tree was written from.
 
     Raises:
-        LookupError, TypeError, ValueError: the tree was changed so that it is not one any more.
+        LookupError, TypeError, ValueError: the tree was changed so that it is not a task any more.
     """
     top = _top(root)
     assert top is not None

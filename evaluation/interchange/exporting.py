@@ -25,7 +25,7 @@ class NotExpressed(InputError):
 
 
 def exported(task: Task, kind: str) -> tuple[str, tuple[str, ...]]:
-    """Return a task as text in a format, and what that keeps but does not carry out.
+    """Return a task as text in a format, and the parts that the text keeps but does not execute.
 
     Args:
         task: the task.

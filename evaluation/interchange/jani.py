@@ -149,7 +149,7 @@ def _own(model: Any, described: str) -> TaskParts:
 
 
 class _Foreign:
-    """A model of others: one automaton whose locations are the states."""
+    """Model of another program with one automaton, whose locations are the states."""
 
     def __init__(self, model: Mapping[str, Any], title: str) -> None:
         self._model = model

@@ -19,7 +19,7 @@ class LostConstruct(NamedTuple):
     """Replacement in the task."""
 
     def finding(self, file: str) -> Finding:
-        """Return it with its place in a file."""
+        """Return a finding about the construct, at its place in a file."""
         return Finding(file, self.line, self.column, f"{self.construct} is not expressed; {self.meaning}")
 
 

@@ -167,7 +167,7 @@ class _Planning:
     def _condition(
         self, expression: Expression, bound: Mapping[str, str], changed: set[str]
     ) -> dict[str, bool]:
-        """Return the atoms that have to be true or false; "" is False where it never holds."""
+        """Return the atoms that have to be true or false; `{"": False}` if the condition never holds."""
         if expression.head == "and":
             found: dict[str, bool] = {}
             for part in expression.parts[1:]:

@@ -15,7 +15,7 @@ from py_trees import behaviour, common, composites
 from .task_parts import TaskParts, failures, most_attempts, successes
 
 Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
-"""Carries a primitive out with its parameters; returns whether it succeeded, and its result or cause."""
+"""Function that executes a primitive with its parameters; returns its success, and its result or cause."""
 
 
 @dataclass

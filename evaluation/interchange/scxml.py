@@ -69,7 +69,7 @@ def parts_of_chart(root: XmlElement) -> TaskParts:
     """Return the task that a state chart was written from.
 
     Raises:
-        LookupError, TypeError, ValueError: the chart was changed so that it is not one any more.
+        LookupError, TypeError, ValueError: the chart was changed so that it is not a task any more.
     """
     head = json.loads(root.attributes[f"{XML_NAME}:task"])
     order = head.pop("order")

@@ -57,7 +57,7 @@ class TaskParts:
         return str(goal[-1] if isinstance(goal, list) else goal)
 
     def lost(self) -> Iterator[str]:
-        """Yield what other formats keep as a comment alone, and do not carry out."""
+        """Yield the parts of the task that other formats keep only as a comment, and do not execute."""
         words = {
             "policy": "the policy",
             "belief": "beliefs",
@@ -85,7 +85,7 @@ def attempts_of(row: Row) -> Any:
 
 
 def most_attempts(row: Row) -> int | None:
-    """Return the number of Fails after which an action is excluded; None: never, or shared."""
+    """Return the number of Fails after which an action is excluded; None if it never is, or shares them."""
     given = attempts_of(row)
     most = given.get("most", None if "budget" in given else 3) if isinstance(given, Mapping) else given
     return most if isinstance(most, int) else None

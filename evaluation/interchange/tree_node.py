@@ -1,4 +1,4 @@
-"""A node of a behaviour tree, whatever program it is of."""
+"""Node of a behaviour tree, independent of the program that wrote it."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> Ma
     """Compare a map with a simulated world.
 
     Args:
-        run: its world and its robot.
+        run: run with the simulated world and the robot.
         drawn: the map.
         radius_m: distance from the start within which the floor had to be mapped.
     """

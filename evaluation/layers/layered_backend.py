@@ -20,12 +20,12 @@ Kind = type[Capability]
 
 
 class LayeredBackend(Backend):
-    """Passes everything on to the backend inside. A subclass overrides what it changes.
+    """Backend that passes everything on to an inner backend; a subclass overrides what it changes.
 
-    Each capability gets a layer of its own kind, which asks this object. A method `arm_move(arm, joints)` of
-    a subclass is asked instead of `Arm.move(joints)`, `range_sensor_scan(sensor)` instead of
-    `RangeSensor.scan()` and so on; it gets the capability inside. Those of kinds that aren't among
-    `all_capabilities` are handed out as they are.
+    Each capability is wrapped in a layer of its own kind, which calls this object. A method
+    `arm_move(arm, joints)` of a subclass is called instead of `Arm.move(joints)`,
+    `range_sensor_scan(sensor)` instead of `RangeSensor.scan()` and so on; its first argument is the inner
+    capability. Capabilities of kinds that are not in `all_capabilities` are not wrapped.
     """
 
     def __init__(self, inner: Backend) -> None:
@@ -83,9 +83,10 @@ def provided_kind(part: Capability, kind: Kind) -> Kind:
 
 @cache
 def layered_kind(kind: Kind, provided: Kind) -> Callable[[Any, Any], Any]:
-    """Return the class of layers around a kind of capability: its abstract methods ask the whole.
+    """Return a class that wraps a kind of capability: its abstract methods call a layered backend.
 
-    The whole has `pass_on`, and what is inside has the properties and `sensor_name`.
+    An instance is made from the layered backend, which has `pass_on`, and from the inner capability, which
+    has the properties and `sensor_name`.
     """
     names = sorted(kind.__abstractmethods__ | {name for name in dir(kind) if _is_property(kind, name)})
     methods = {name: _passing(kind, name) for name in names}

@@ -25,24 +25,24 @@ CARMEN_SUFFIXES = (".log", ".clf", ".carmen", ".gz")
 MAX_BYTES = 1 << 29
 MAX_SHOWN_LINES = 10
 DEFAULT_REACH_M = 40.0
-"""Readings from here on say that nothing came back, in logs that state no reach: SICK's write 81.83."""
+"""Range from which on a reading counts as no echo in logs that state no reach; SICK's write 81.83."""
 MAX_BEAMS = 10_000
 CENTRED_MOUNT = Pose2(0.0, 0.0, 0.0)
 MAX_MOUNT_M = 2.0
-"""Distance of the lidar from the base's middle from which on a line states no mounting: the laser's pose is
-corrected there, and the robot's is not."""
+"""Distance between laser and robot pose in a line from which on they are not used as the mounting, because
+only the laser's pose was corrected."""
 AFTER_RANGES = 9
-"""Words of a FLASER line behind its ranges."""
+"""Number of words behind the ranges in a FLASER line."""
 
 
 class _Scans(NamedTuple):
     """Content of the lines of a log."""
 
     scans: list[tuple[FloatArray, float, float, float]]
-    """Ranges, start of the beams, width of the view in [rad], reach in [m]."""
+    """Ranges in [m], angle of the first beam and field of view in [rad], and reach in [m] of each scan."""
     times: list[float]
     poses: list[tuple[float, ...]]
-    """Odometry that the scan's line states."""
+    """Odometry pose that each scan's line states."""
     track: list[tuple[float, ...]]
     """x, y, heading and time of each ODOM line."""
     mounts: list[Pose2]
@@ -94,7 +94,10 @@ def _numbers(words: list[str]) -> list[float]:
 
 
 def _flaser(words: list[str], found: _Scans) -> str:
-    """FLASER count [range_reading]* x y theta odom_x odom_y odom_theta ipc_time host logger_time."""
+    """Parse a line of a scan, and return its fault; empty if it has none.
+
+    FLASER count [range_reading]* x y theta odom_x odom_y odom_theta ipc_time host logger_time.
+    """
     count = number_in(words[1]) if len(words) > 1 else math.nan
     if not 2.0 <= count <= MAX_BEAMS or count % 1.0:
         return f"no number of readings; allowed: 2 to {MAX_BEAMS}"
@@ -114,7 +117,9 @@ def _flaser(words: list[str], found: _Scans) -> str:
 
 
 def _robot_laser(words: list[str], found: _Scans) -> str:
-    """ROBOTLASER1 type start_angle field_of_view resolution reach accuracy remission count ranges ...
+    """Parse a line of a scan with remissions, and return its fault; empty if it has none.
+
+    ROBOTLASER1 type start_angle field_of_view resolution reach accuracy remission count ranges ...
 
     Behind the ranges: count of remissions, remissions, laser pose, robot pose, five limits, three times.
     """
@@ -138,7 +143,10 @@ def _robot_laser(words: list[str], found: _Scans) -> str:
 
 
 def _odom(words: list[str], found: _Scans) -> str:
-    """ODOM x y theta tv rv accel ipc_time host logger_time."""
+    """Parse a line of odometry, and return its fault; empty if it has none.
+
+    ODOM x y theta tv rv accel ipc_time host logger_time.
+    """
     values = _numbers([*words[1:4], *words[7:8]])
     if len(values) < 4 or not np.isfinite(values).all():
         return "a word is missing or no number; needed: x y theta tv rv accel time"

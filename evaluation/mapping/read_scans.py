@@ -22,7 +22,7 @@ def read_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
 
     Args:
         path: a run's folder, a ROS bag (file or folder), a CARMEN log, or a CSV file.
-        scan_topic: of a ROS bag (default: the topic with the most scans).
+        scan_topic: topic of the scans in a ROS bag (default: the topic with the most scans).
 
     Raises:
         InputError: the log cannot be used; see the readers.

@@ -33,9 +33,9 @@ def thing_of(survey: Survey, name: str) -> Thing | None:
 
 
 def true_surface(survey: Survey, name: str) -> ObjectSurface:
-    """Return a surface where the simulated world has the solid of its name and size, its spots with it.
+    """Return a surface with its spots, moved to the solid of its name and size in the simulated world.
 
-    As in the file of objects if the world has no such solid.
+    Without such a solid, return the surface as in the file of objects.
     """
     surface = survey.run.model.of(Objects).objects.surfaces[name]
     for solid in survey.run.world.solids:

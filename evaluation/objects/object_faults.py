@@ -35,7 +35,7 @@ def _fill(world: Any) -> None:
 
 
 def _pulls(spec: PullSpec) -> Callable[[Any], None]:
-    """Return a person's pull at what the hand holds."""
+    """Return a function that lets a person pull at the object in the hand."""
     return lambda world: world.of(ObjectProps).pull_now(spec)
 
 

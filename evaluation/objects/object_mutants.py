@@ -38,7 +38,7 @@ from handcart.robotics.geometry.transform import Transform
 SET_ASIDE_TASK = Path(__file__).parents[2] / "tasks" / "fetch_and_carry" / "set_aside.yaml"
 HAND_OVER_TASK, HAND_OVER_NUMBER = SET_ASIDE_TASK.with_name("hand_over.yaml"), 5
 LOOK_FOR_NUMBER, PICK_NUMBER, PLACE_NUMBER = 2, 3, 5
-"""Numbers of the actions of that task."""
+"""Numbers of the actions LOOK_FOR, PICK and PLACE in the task `SET_ASIDE_TASK`."""
 WRONG_HEADING_RAD = 0.2
 
 

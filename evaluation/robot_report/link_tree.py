@@ -17,10 +17,14 @@ class LinkTree:
     """Links and joints of a sound URDF.
 
     Attributes:
-        child, parent: by joint, its links. above: by link, the joint that carries it.
-        links: names in the file's order. root: the link that carries all.
-        moving: by name, facts of the joints that move. led: those that follow another.
-        pose: by link, root_T_link (4, 4). axis: by joint, its unit vector (3,) in the child link.
+        child, parent: name of the child or parent link, by name of the joint.
+        above: name of the joint that carries a link, by name of the link.
+        links: names of the links in the file's order.
+        root: name of the link that carries all others.
+        moving: facts of the movable joints, by name.
+        led: leader, factor and offset of the joints that mimic another one, by name.
+        pose: root_T_link (4, 4), by name of the link.
+        axis: unit vector (3,) of the axis in the child link, by name of the joint.
     """
 
     def __init__(self, urdf_text: str) -> None:

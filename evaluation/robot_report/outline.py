@@ -58,7 +58,7 @@ class Outline:
     fingers: tuple[str, str] | None
     """The two prismatic joints mounted on the link that the arm's last joint moves."""
     turning_fingers: tuple[str, ...]
-    """Revolute joints mounted there, of fingers or of a hand, if there are not two prismatic ones."""
+    """Revolute joints of fingers or a hand mounted on the same link, if it has not two prismatic ones."""
     sensors: Mapping[str, SensorFrame]
     """Best candidate for each sensor frame, by its name in a robot's file."""
     chains: Sequence[tuple[str, ...]]

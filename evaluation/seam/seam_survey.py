@@ -200,7 +200,7 @@ def _again(noted: StretchNotes, dof: int) -> SeamStretch:
 
 
 _PART = {"points": (3,), "rotations": (3, 3), "tangents": (3,), "turns": (3,), "lengths": ()}
-"""Shapes of what a `ToolPath` has for each of its points."""
+"""Shapes of the fields of a `ToolPath`, for one of its points."""
 
 
 def distances(points: FloatArray, path: FloatArray) -> FloatArray:

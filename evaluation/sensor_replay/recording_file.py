@@ -1,4 +1,4 @@
-"""File of recorded readings: blocks of periods, each packed and compressed; a torn tail is skipped."""
+"""File of recorded readings: blocks of periods, each packed and compressed; an incomplete end is skipped."""
 
 from __future__ import annotations
 

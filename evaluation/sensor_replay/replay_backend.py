@@ -22,7 +22,7 @@ from .recording_file import NoRecording, read_blocks
 from .sensor_recorder import COMMAND, KNOWN_ERRORS, READING, WHOLE_ROBOT
 
 Call = list[Any]
-"""A recorded call: what, number of the part, method, arguments, result, exception."""
+"""A recorded call, as kind of call, number of the capability, method, arguments, result and exception."""
 ERRORS_BY_NAME = {known_error.__name__: known_error for known_error in KNOWN_ERRORS}
 END_OF_RECORDING = "the recording ends"
 

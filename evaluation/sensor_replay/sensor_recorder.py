@@ -113,7 +113,7 @@ class SensorRecorder(LayeredBackend):
 
     @contextmanager
     def _losing(self) -> Iterator[None]:
-        """Yield a disk that takes no more ends the recording."""
+        """Return a context in which a failed write, such as on a full disk, ends the recording."""
         try:
             yield
         except OSError as error:
@@ -138,14 +138,14 @@ class SensorRecorder(LayeredBackend):
 
 
 def _copy(value: Any) -> Any:
-    """Return plain data that later changes of an array do not reach."""
+    """Return plain data with copies of its arrays, so that later changes do not affect it."""
     if isinstance(value, list):
         return [_copy(item) for item in value]
     return value.copy() if isinstance(value, np.ndarray) else value
 
 
 def _properties(part: Capability, kind: Kind | None) -> dict[str, Any]:
-    """Return what a capability says of itself, such as a camera's model; empty where it refuses to."""
+    """Return the properties of a capability, such as a camera's model, as far as it has values for them."""
     found = {}
     for name in dir(kind) if kind else ():
         if not name.startswith("_") and isinstance(getattr(kind, name), property):

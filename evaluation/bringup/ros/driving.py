@@ -24,11 +24,11 @@ class Motion(NamedTuple):
     """Motion of the base, in its frame."""
 
     forward: float
-    """[m]"""
+    """Motion forward, in [m]."""
     sideways: float
-    """[m], positive to the left."""
+    """Motion sideways, in [m], positive to the left."""
     turn: float
-    """[rad], positive to the left."""
+    """Turn, in [rad], positive to the left."""
 
 
 def base_of(backend: RosBackend) -> Base:
@@ -82,9 +82,9 @@ def drive(site: RosSite, backend: RosBackend, held: Held, speeds: Motion, second
     """Drive with constant speeds while a key is held, stop, and wait until the base is at rest.
 
     Args:
-        site: where.
+        site: robot or bench.
         backend: the robot.
-        held: whether the key is still held.
+        held: returns whether the key is still held.
         speeds: in [m/s] and [rad/s].
         seconds: duration in [s].
 

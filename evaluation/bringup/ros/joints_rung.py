@@ -20,7 +20,7 @@ from .ros_site import RosSite
 from .unit_words import unit_hint
 
 TURN_RAD, SLIDE_M = math.radians(6.0), 0.02
-"""Test motion of a joint."""
+"""Test motion of a revolute and of a prismatic joint, in [rad] and [m]."""
 TURN_SPEED, SLIDE_SPEED = math.radians(6.0), 0.02
 """Speed of the test motion, in [rad/s] and [m/s]."""
 SETTLE_S = 1.5
@@ -30,10 +30,10 @@ MAX_ERROR = 0.25
 """Share by which the command, the reading and a person's measurement may differ."""
 SLACK_RAD, SLACK_M = math.radians(1.0), 0.003
 MAX_HAND_ERROR_M = 0.08
-"""Distance between the hand by its joints and as a person measures it with a tape."""
+"""Maximum distance between the hand's position by its joints and as a person measures it with a tape."""
 HAND_WORDS = ("forward (backward: negative)", "to the left (right: negative)", "up")
 VISIBLE_MM = 2.0
-"""Shift of the hand that a person sees."""
+"""Smallest shift of the hand that a person can see."""
 
 
 class JointTrial(NamedTuple):
@@ -157,15 +157,15 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
 
 
 class JointLag:
-    """Number of periods by which the reading of a joint passes a small motion later than its command."""
+    """Lag of a joint's reading behind its command, in periods, measured at a small motion."""
 
     def __init__(self, passed: float) -> None:
-        """Wait for a motion by `passed` in [rad] or [m], either way."""
+        """Prepare to detect a motion by `passed`, in [rad] or [m], in either direction."""
         self._passed, self._number = passed, 0
         self._commanded = self._read = math.nan
 
     def note(self, commanded: float, read: float) -> None:
-        """Take the motions since the beginning, once a period."""
+        """Record commanded and measured motion since the start, in [rad] or [m]; called once a period."""
         if math.isnan(self._commanded) and abs(commanded) >= self._passed:
             self._commanded = self._number
         if math.isnan(self._read) and abs(read) >= self._passed:
@@ -174,7 +174,7 @@ class JointLag:
 
     @property
     def periods(self) -> float:
-        """Return the number; NaN if one of both has never passed it."""
+        """Return the lag in periods; NaN if the reading has not moved by `passed` yet."""
         return max(0.0, self._read - self._commanded) if math.isfinite(self._read) else math.nan
 
 

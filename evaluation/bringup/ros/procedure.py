@@ -24,4 +24,4 @@ ROS_RUNGS: tuple[Rung[Any], ...] = (
     PrimitiveRung(),
     TaskRung(),
 )
-"""Before the base moves on, it has to stop by itself; before the arm does, each sign is seen."""
+"""Steps in order; the base's stop on silence is tested first, the joints' signs before the arm works."""

@@ -1,4 +1,4 @@
-"""Which way a lidar counts: while the base turns, what it sees turns the other way."""
+"""Check of a lidar's direction of counting: while the base turns, the scan turns the other way."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .ros_site import RosSite
 
 MIN_BEAMS = 20
 CLEARLY = 0.5
-"""Error of one direction, relative to that of the other, from which it is called the right one."""
+"""Maximum ratio of the errors of both directions at which the one with the smaller error is accepted."""
 MIN_ERROR = 0.02
 """Relative error of ranges below which both directions look alike."""
 
@@ -31,13 +31,14 @@ def check_side(site: RosSite, before: Scan | None, after: Scan | None, turn: flo
     """Check that what the lidar sees turns against the base.
 
     Args:
-        site: where.
+        site: robot or bench.
         before: the scan before the turn; None without a lidar.
         after: the scan after it.
         turn: angle by which the base turned on the spot, in [rad], positive to the left.
 
     Raises:
-        RungFailed: it turned with the base, or looks alike both ways: in a round room, or with few returns.
+        RungFailed: the scan turned with the base, or fits both directions, as in a round room or with few
+            returns.
     """
     if before is None or after is None:
         return

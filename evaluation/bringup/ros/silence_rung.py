@@ -80,5 +80,5 @@ class SilenceRung(Rung[RosSite]):
 
 
 def _last_above(speeds: list[float], limit: float) -> int:
-    """Return after how many periods no speed is above a limit any more."""
+    """Return the number of periods after which no speed exceeds a limit any more."""
     return max((number for number, speed in enumerate(speeds, 1) if speed > limit), default=0)

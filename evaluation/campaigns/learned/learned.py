@@ -30,7 +30,7 @@ class NothingLearned(InputError):
 
 @dataclass(frozen=True)
 class Learned:
-    """Data of campaigns' trials for a task: their own, or one that connects the same actions differently."""
+    """Data of recorded trials for a task; it may connect the actions differently than the trials' task."""
 
     task: Task
     folders: tuple[Path, ...]

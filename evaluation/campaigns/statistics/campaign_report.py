@@ -24,7 +24,7 @@ class Spread:
     least: float
     median: float
     most_95: float
-    """95 % of the trials are at or below this."""
+    """Value that 95 % of the trials do not exceed."""
     most: float
     mean: float
     """Mean; the share of yes for yes-or-no metrics."""

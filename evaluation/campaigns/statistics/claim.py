@@ -50,8 +50,8 @@ class RateClaim:
         """Return whether the claim holds, or None while undecided.
 
         The claim holds if its limit is outside a confidence sequence: the rates whose bet against a uniform
-        mixture of all other rates has not gained a factor of 1 / ERROR (Robbins 1970). So the verdict may
-        be asked after each trial.
+        mixture of all other rates has not gained a factor of 1 / `MAX_ERROR_PROBABILITY` (Robbins 1970). So
+        the verdict may be asked for after each trial.
         """
         failures = count - successes
         bet = float(betaln(1 + successes, 1 + failures))

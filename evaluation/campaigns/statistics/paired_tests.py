@@ -45,8 +45,8 @@ def signed_rank(differences: FloatArray) -> float:
 def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[str, float]:
     """Return p-values adjusted for multiple tests, by Holm's weighted step-down method (1979, section 4).
 
-    Of campaigns that do not differ, at most a share of `ALPHA` has an adjusted p-value at or below
-    `ALPHA`.
+    Of campaigns that do not differ, at most a share of `SIGNIFICANCE_LEVEL` has an adjusted p-value at or
+    below this level.
     """
     left, out, least = dict(p_values), {}, 0.0
     while left:
@@ -68,9 +68,9 @@ def weights_of(first: str, others: list[str]) -> dict[str, float]:
 def e_value(only_one: int, only_other: int) -> float:
     """Return the capital gained by betting against equal success rates, starting with 1.
 
-    The bet may be evaluated after each pair: if the rates are equal, the probability that it ever reaches 1
-    / ALPHA is at most ALPHA (Ville 1939). The bet is the mixture over all rates by a uniform prior (Robbins
-    1970).
+    The bet may be evaluated after each pair: if the rates are equal, the probability that it ever reaches
+    1 / alpha is at most alpha (Ville 1939). The bet is the mixture over all rates by a uniform prior
+    (Robbins 1970).
     """
     count = only_one + only_other
     log = float(betaln(1 + only_one, 1 + only_other)) + count * math.log(2.0)
@@ -100,9 +100,10 @@ def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIG
 
 
 def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | None:
-    """Return the smallest difference of success rates that the test finds with a probability of `POWER`.
+    """Return the smallest difference of success rates that the test finds with the probability `TEST_POWER`.
 
-    The worse campaign is assumed to succeed alone as often as in the data. None if so few pairs show none.
+    The worse campaign is assumed to succeed alone as often as in the data. None if so few pairs cannot
+    show any difference.
     """
     lost = min(only_one, only_other) / pairs
     most = 1.0 - 2.0 * lost

@@ -8,7 +8,7 @@ from typing import Any
 
 
 def rerun(said: Mapping[str, Any], seed: int) -> str:
-    """Return the command, built from the arguments in a campaign's folder."""
+    """Return the command for a seed, built from the arguments `said` in a campaign's folder."""
     return shlex.join(_words(said, seed))
 
 

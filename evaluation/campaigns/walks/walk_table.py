@@ -14,7 +14,7 @@ from handcart.networks.graph.network import ActionNetwork
 from handcart.robotics.numerics.arrays import BoolArray, Int32Array
 
 GOAL, NO_WAY = -1, -2
-"""Values instead of a moment's number, at the end of a walk."""
+"""Values instead of a state's number, at the end of a walk."""
 
 
 class NotWalked(InputError):
@@ -22,7 +22,7 @@ class NotWalked(InputError):
 
 
 class Columns(NamedTuple):
-    """Columns with one row for each state; a row holds nothing of use until its state was reached."""
+    """Columns with one row for each state; a row is undefined until a walk has reached its state."""
 
     action: Int32Array
     fails: Int32Array
@@ -71,7 +71,7 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Int32Array) -> Int32Array:
-        """Return the states (n,) that states lead to when their decisions are made.
+        """Make the decisions in states (n,); return their numbers, or the end of the walk.
 
         Args:
             states: (n,) numbers of states in the table.

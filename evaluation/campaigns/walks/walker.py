@@ -12,9 +12,9 @@ from .odds import EndCode, Odds, context_of
 from .walk_table import GOAL, NO_WAY, WalkTable
 
 GAVE_UP = -3
-"""Value instead of a moment's number: the walk ended with a GiveUp."""
+"""Value instead of a state's number if the walk ended with a GiveUp."""
 NO_ACTION = -1
-"""Value instead of an action's index: the walk was over, or skipped an element."""
+"""Value instead of an action's index if the walk was over, or skipped an element."""
 
 
 class Walked(NamedTuple):
@@ -52,7 +52,7 @@ class Stride(NamedTuple):
     after_fail: BoolArray
     """True if the last action that was not a skip has failed."""
     next: Int32Array
-    """The next moment, or `GOAL`, `NO_WAY` or `GAVE_UP`."""
+    """Number of the next state, or `GOAL`, `NO_WAY` or `GAVE_UP`."""
 
 
 class Walker:
@@ -64,7 +64,7 @@ class Walker:
 
     @property
     def start(self) -> int:
-        """The moment at which each walk starts; `GOAL` or `NO_WAY` if no walk is possible."""
+        """Number of the state in which each walk starts; `GOAL` or `NO_WAY` if no walk is possible."""
         return int(self._table.start)
 
     def walk(self, draws: np.random.Generator, count: int) -> Walked:

@@ -57,7 +57,7 @@ def declared(bench: KitBench, finding: CheckResult) -> None:
 
 
 def readings(bench: KitBench, finding: CheckResult) -> None:
-    """Shapes, units and ranges of readings at rest."""
+    """Check shapes, units and ranges of readings at rest."""
     spec = bench.spec()
     with bench.rig() as rig:
         backend = rig.backend
@@ -97,7 +97,7 @@ def _scan_readings(scan: Scan, lidar: Lidar, spec: RangeSpec, finding: CheckResu
 
 
 def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
-    """Forward is forward, left is left, in wheels, scans and truth, with speeds in [m/s] and [rad/s]."""
+    """Check that forward is forward and left is left, in wheels, scans and truth, in [m/s] and [rad/s]."""
     spec, tread = bench.spec(), bench.spec().drive.tread_m
     speed, turn_rate, car = 0.2, 0.5, spec.drive.kind == "ackermann"
     with bench.rig() as rig:
@@ -122,7 +122,7 @@ def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
 
 
 def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
-    """Left is left, and the base does not turn meanwhile, in wheels and truth."""
+    """Check that left is left, and that the base does not turn meanwhile, in wheels and truth."""
     if bench.spec().drive.kind != "holonomic":
         raise Skipped("the base cannot drive sideways")
     with bench.rig() as rig:

@@ -1,4 +1,4 @@
-"""One thing that must hold, and whether it does."""
+"""Check of a requirement, and its result."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class CheckResult:
             self.wrong.append(words)
 
     def at_most(self, what: str, size: float, most: float, unit: str = "") -> None:
-        """Check that a size, in `unit`, is at most `most`; NaN is not."""
+        """Check that a size, in `unit`, is at most `most`; NaN is a violation."""
         words = f"{what} {size:.3g}{unit and ' '}{unit}"
         self.measured.append(words)
         self.expect(size <= most, f"{words}; at most {most:.3g} is allowed")
@@ -51,7 +51,7 @@ class Check:
     look: Callable[[KitBench, CheckResult], None]
 
     def __call__(self, bench: KitBench) -> CheckResult:
-        """Look; an exception of the backend is a finding too."""
+        """Run the check on a bench; an exception of the backend is recorded as a violation."""
         finding = CheckResult(self.name, self.holds)
         try:
             with warnings.catch_warnings():

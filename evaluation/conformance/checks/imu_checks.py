@@ -50,7 +50,7 @@ def imu(bench: KitBench, finding: CheckResult) -> None:
 
 
 def _turns(bench: KitBench, finding: CheckResult, bias: float) -> None:
-    """Both ways, by the gyro about z less what it reads at rest; a car drives circles."""
+    """Check the gyro about z while turning both ways; `bias` is its reading at rest, in [rad/s]."""
     with bench.rig() as rig:
         unit, base, backend = needed(rig.backend, Imu), needed(rig.backend, Base), rig.backend
         for way, sign in (("left", 1.0), ("right", -1.0)):

@@ -48,7 +48,7 @@ class _Record(NamedTuple):
 
     ranges: FloatArray
     points: FloatArray
-    """(n, 2) in the base frame, in [m]."""
+    """Points (n, 2) of the scan in the base frame, in [m]."""
     left: float
     """Travel of the left wheel so far, in [m]."""
     right: float
@@ -90,7 +90,7 @@ def _driven(rig: Rig) -> list[_Record]:
 
 
 def _by_wheels(records: list[_Record], tread: float) -> FloatArray:
-    """(n, 3) poses by the wheels from the first record on; headings are not wrapped."""
+    """Return poses (n, 3) by the wheels, from the first record on; headings are not wrapped."""
     odometry, poses = Odometry(Pose2(0.0, 0.0, 0.0), tread), [np.zeros(3)]
     for before, now in pairwise(records):
         odometry.predict(now.left - before.left, now.right - before.right)
@@ -99,7 +99,7 @@ def _by_wheels(records: list[_Record], tread: float) -> FloatArray:
 
 
 def _by_scans(records: list[_Record], noise: float) -> FloatArray | None:
-    """(n, 3) poses by matching each scan with the first one; None where they can't be followed."""
+    """Return poses (n, 3) by matching each scan with the first one; None if a scan does not match."""
     first = records[0].points
     if len(first) < MIN_POINTS:
         raise Skipped("the lidar sees next to nothing in this world")
@@ -122,7 +122,7 @@ def _unwrapped(poses: FloatArray) -> FloatArray:
 
 
 def _count_repeated(records: list[_Record], finding: CheckResult) -> None:
-    """Count the scans that are missing, or that of the period before, while the wheels roll."""
+    """Check how many scans are missing, or repeat the previous scan, while the wheels roll."""
     repeated = rolling = 0
     for before, now in pairwise(records):
         if max(abs(now.left - before.left), abs(now.right - before.right)) > ROLLED_M:
@@ -132,7 +132,7 @@ def _count_repeated(records: list[_Record], finding: CheckResult) -> None:
 
 
 def _compare(wheels: FloatArray, seen: FloatArray, period: float, finding: CheckResult) -> None:
-    """Compare both motions: sense and size of the turns, delay, and the way ahead."""
+    """Compare both motions: sense and size of the turns, delay, and distance driven ahead."""
     times = period * np.arange(len(wheels))
     lags = np.arange(0.0, MAX_LAG_S, period / 4)
     fits = [_fitted(np.interp(times - lag, times, wheels[:, 2]), seen[:, 2]) for lag in lags]
@@ -149,14 +149,14 @@ def _compare(wheels: FloatArray, seen: FloatArray, period: float, finding: Check
 
 
 def _fitted(wheels: FloatArray, seen: FloatArray) -> tuple[float, float]:
-    """Return the sum of squares that is left of headings by scans, and their ratio to those by wheels."""
+    """Return the residual sum of squares of headings by scans, and their ratio to headings by wheels."""
     wheels, seen = wheels - wheels.mean(), seen - seen.mean()
     ratio = float(wheels @ seen) / max(float(wheels @ wheels), 1e-9)
     return float(((seen - ratio * wheels) ** 2).sum()), ratio
 
 
 def _ahead(poses: FloatArray) -> FloatArray:
-    """(3,) by which the way ahead is read from poses, by the heading of the second half."""
+    """Return the unit vector (3,) ahead, by the median heading of the second half of poses (n, 3)."""
     heading = float(np.median(poses[len(poses) // 2 :, 2]))
     return np.array([math.cos(heading), math.sin(heading), 0.0])
 

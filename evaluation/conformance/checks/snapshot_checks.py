@@ -1,4 +1,4 @@
-"""Checks of what is measured at the start of a primitive, and of coming back to it."""
+"""Checks of snapshots: the state measured at the start of a primitive, and the return to it."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def covers(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
-    """Drive, the estimates brought up to date."""
+    """Drive ahead, and wait until the estimates are up to date."""
     for _ in range(math.ceil(seconds / rig.robot.period)):
         rig.robot.base.drive(speed, 0.0)
         rig.robot.step()
@@ -86,7 +86,7 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drift(bench: KitBench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
-    """Many Fails in a row don't add up: the last ends where the first began."""
+    """Check that the errors of many Fails in a row do not add up: the last ends where the first began."""
     times = FAILS_QUICK if bench.quick else FAILS
     with bench.rig() as rig:
         first = rig.backend.ground_truth()

@@ -106,7 +106,7 @@ def wall_clock(bench: KitBench, finding: CheckResult) -> None:
 
 
 def _dawdle(backend: Backend, number: int) -> bool:
-    """Look, after a while."""
+    """Delay the period by 10 ms of wall time; return True, so that the period is observed."""
     time.sleep(0.01)
     return True
 
@@ -140,7 +140,7 @@ def _script(
 
 
 def _different(one: Record, other: Record) -> list[str]:
-    """Names of readings that differ, with the first period in which they do."""
+    """Return the names of readings that differ, with the first period in which they do."""
     first: dict[str, int] = {}
     for number, (a, b) in enumerate(zip(one, other, strict=True)):
         for name in a:
@@ -151,7 +151,7 @@ def _different(one: Record, other: Record) -> list[str]:
 
 @contextmanager
 def _other_clocks() -> Iterator[None]:
-    """Python's clocks leap by days at each look."""
+    """Let Python's clocks jump by days each time they are read."""
     count = iter(range(10**9))
 
     def leap() -> float:

@@ -41,7 +41,7 @@ class FaultTrial(NamedTuple):
 
     @property
     def title(self) -> str:
-        """The action's number and name."""
+        """Number and name of the action; its name alone for a primitive alone."""
         return f"{self.action}. {self.primitive}" if self.action else self.primitive
 
 
@@ -52,7 +52,7 @@ class Batch:
     rehearsal: Rehearsal | Solo
     action: int
     instants: int
-    """Over the whole run of the action."""
+    """Number of instants over the whole run of the action."""
     part: int = 0
     parts: int = 1
     kinds: tuple[FaultKind, ...] = PRIMITIVE_FAULTS

@@ -15,14 +15,14 @@ from handcart.tasks.domain import domains, imported
 NO_FAULT = "nothing"
 """The kind of a trial in which no fault is injected."""
 FOR_GOOD = 1_000_000
-"""Periods: longer than anything lasts."""
+"""Number of periods of a permanent fault, longer than any run."""
 
 
 class FaultKind(Enum):
     """Kinds of faults that the kit injects into a backend."""
 
     EXCEPTION = "exception"
-    """The backend raises when a sensor is read next, or commanded next."""
+    """The backend raises an exception when a sensor is read next, or at the next command."""
     REFUSED = "refused command"
     """The next command is refused."""
     STUCK = "stuck actuator"
@@ -40,7 +40,7 @@ class FaultKind(Enum):
     LIDAR = "lidar faults"
     """Some of a lidar's beams read zero, NaN, -infinity or the robot's own body, as drivers deliver it."""
     WORLD = "world"
-    """Something happens to what a domain's primitives work on: see `Domain.faults`."""
+    """An event changes the objects that a domain's primitives work on, see `Domain.faults`."""
 
 
 PRIMITIVE_FAULTS = tuple(kind for kind in FaultKind if kind is not FaultKind.WORLD)
@@ -53,12 +53,12 @@ HARMLESS_FAULTS = (
     FaultKind.TIME_OUT,
     FaultKind.LIDAR,
 )
-"""After these the robot is whole: it can be restored."""
+"""Kinds after which the robot still works, so that its state can be restored."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that begins now."""
+    """A fault that begins when it is injected."""
 
     kind: FaultKind
     sensor: str = ""
@@ -68,11 +68,11 @@ class Fault:
     periods: int = 1
     """Duration in periods."""
     speed: float = 0.0
-    """At which a standing base slides ahead, in [m/s]."""
+    """Speed at which a standing base slides ahead, in [m/s]."""
     turn_rate: float = 0.0
-    """At which a standing base slides round, in [rad/s]."""
+    """Rate at which a standing base slides around, in [rad/s]."""
     act: Callable[[Any], None] | None = None
-    """What happens in the world: called with the simulated one before each of its periods."""
+    """Function that changes the simulated world, called with it before each of its periods."""
     causes: tuple[CauseKind, ...] = ()
     """Causes that a Fail or GiveUp after it may name, for a fault of the world; empty: any."""
 

@@ -182,8 +182,8 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def _goes_on(self, arm: Arm, way: FloatArray, step: float) -> bool:
-        """Return a step of so much at most, less where a joint may not move as fast; whether that was all of
-        it.
+        """Move the arm by `way`, at most by `step` and less if a joint is too slow; return whether that was
+        all.
         """
         try:
             arm.move(arm.command() + np.clip(way, -step, step))
@@ -215,7 +215,7 @@ class FaultyBackend(LayeredBackend):
         return value
 
     def _call(self, sensor: str) -> None:
-        """Raise what the fault raises when the primitive reads that sensor; empty: commands something."""
+        """Raise the fault's exception if it concerns this sensor; an empty name stands for a command."""
         if not self.asked or self.bitten or self._fault is None:
             return
         if self._is(FaultKind.EXCEPTION) and self._fault.sensor == sensor:

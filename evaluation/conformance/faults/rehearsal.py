@@ -1,4 +1,4 @@
-"""A task run as it should go, up to the attempts in which something is to go wrong."""
+"""Runs of a task without faults, up to the attempts into which faults are injected."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Rehearsal:
     settings: Mapping[str, str] = field(default_factory=dict)
     """Values of the task's parameters, as with `handcart run --set`."""
     instead: Mapping[str, type[ActionPrimitive]] = field(default_factory=dict)
-    """Other classes for primitives, by name."""
+    """Classes that replace primitives, by name of the primitive."""
     simulated: str | None = None
     """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 

@@ -37,7 +37,7 @@ def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[P
 
 
 def left_out(robot: str, settings: Mapping[str, str], backend: str) -> dict[Path, tuple[str, ...]]:
-    """Return the tasks of `repertoire` whose worlds a backend refuses, with the keys of what it lacks."""
+    """Return the tasks of `repertoire` whose worlds a backend refuses, with the keys that it lacks."""
     found = {path: lacking(path, backend) for path in _fitting(robot, settings, backend)}
     return {path: keys for path, keys in found.items() if keys}
 

@@ -1,1 +1,1 @@
-"""Liars that the kit has to find."""
+"""Mutants that the kit has to find."""

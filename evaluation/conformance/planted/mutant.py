@@ -16,7 +16,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 FAULT_INSTANTS = 10
 """Number of fault instants in a mutant's run; the first violation ends it."""
 TRIAL_LIMIT_S = 60.0
-"""CPU time of a trial."""
+"""Limit of the CPU time of a trial, in [s]."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ def task_violations(
     """Return the violations of a faulty primitive in the first cancelled trial that has any.
 
     Args:
-        task: file of the task in which it takes a primitive's place.
-        name: name of that primitive in the file.
+        task: file of the task in which the mutant replaces a primitive.
+        name: name of the replaced primitive in the file.
         number: number of the tried action.
         kind: class of the faulty primitive.
         bench: bench whose backend runs the task.

@@ -1,4 +1,4 @@
-"""The planted liars, and whether the kit finds them: a kit that finds none proves nothing."""
+"""The planted mutants, and whether the kit finds them: a kit that finds none proves nothing."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from . import primitive_liars
 from .mutant import FAULT_INSTANTS, TRIAL_LIMIT_S, Mutant, first_violations
 
 HANG_LIMIT_S = 15.0
-"""CPU time of a trial of a mutant that hangs."""
+"""Limit of the CPU time of a trial of a mutant that hangs, in [s]."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Caught:
     by: str = ""
     """First violation found; empty if the mutant was missed."""
     skipped: str = ""
-    """Why it couldn't be planted on this robot."""
+    """Reason why the mutant could not be planted on this robot; empty if it was planted."""
 
 
 def try_mutant(name: str, bench: KitBench) -> Caught:

@@ -1,4 +1,4 @@
-"""Primitives that lie, each in one way: planted for the kit to find."""
+"""Mutant primitives, each with one fault that the kit has to find."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class NotRestored(Reach):
 
 
 class BaseAlone(Reach):
-    """Brings back the base, not arm and fingers."""
+    """Mutant primitive that restores the base, but not arm and fingers."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

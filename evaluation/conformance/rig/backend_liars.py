@@ -1,4 +1,4 @@
-"""Backends that lie, each in one way: planted for the kit to find."""
+"""Mutant backends, each with one fault that the kit has to find."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ class RollsDice(LayeredBackend):
 
 
 class HalfPixel(LayeredBackend):
-    """Pictures are half a pixel off, as where a pixel is counted from its edge."""
+    """Mutant backend whose pictures are half a pixel off, as if pixels were counted from their edges."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -193,7 +193,7 @@ class Undelayed(LayeredBackend):
 
 
 class TurnsOtherWay(LayeredBackend):
-    """The gyros' axes point down."""
+    """Mutant backend whose gyro axes point down."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -216,7 +216,7 @@ class FixInMillimetres(LayeredBackend):
 
 
 class DropsScans(LayeredBackend):
-    """Four of five scans get lost, and the last one is returned again."""
+    """Mutant backend that loses four of five scans, and returns the last scan again."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -231,7 +231,7 @@ class DropsScans(LayeredBackend):
             self._kept = None
 
     def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
-        """Return the last one that was not lost."""
+        """Return the last scan that was not lost."""
         if self._kept is None:
             self._kept = sensor.scan()
         return self._kept
@@ -253,7 +253,7 @@ class DelaysScans(LayeredBackend):
             self._queue = [*self._queue, sensor.scan()][-self._length :]
 
     def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
-        """Return the oldest one in the queue."""
+        """Return the oldest scan in the queue."""
         return self._queue[0] if self._queue else sensor.scan()
 
 
@@ -284,7 +284,7 @@ class StretchesTravel(LayeredBackend):
 
 
 class SwapsWheels(LayeredBackend):
-    """The left wheel's travel is reported as the right one's."""
+    """Mutant backend that exchanges the travel of the left and the right wheel."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

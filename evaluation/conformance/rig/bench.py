@@ -23,7 +23,7 @@ class KitBench:
     robot: str = "librarian"
     files: RigFiles = field(default_factory=RigFiles)
     liar: str | None = None
-    """A liar put around the backend, by its name in `backend_liars.LIARS`; None: the backend as it is."""
+    """Mutant wrapped around the backend, by its name in `BACKEND_LIARS`; None for the backend as it is."""
     quick: bool = True
     simulated: str | None = None
     """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
@@ -46,7 +46,7 @@ class KitBench:
 
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:
-    """Return the liar with that name around a backend."""
+    """Return the mutant backend with this name around a backend."""
     from .backend_liars import BACKEND_LIARS
 
     return BACKEND_LIARS[name](backend, spec)

@@ -1,4 +1,4 @@
-"""Small scripts that checks let a backend run through."""
+"""Short sequences of commands that checks run on a backend."""
 
 from __future__ import annotations
 

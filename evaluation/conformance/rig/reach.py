@@ -57,7 +57,7 @@ class Reach(ActionPrimitive):
             raise Discrepancy("it was only to be tried", cause=causes.CANCELLED)
 
     def _drive(self, robot: Robot) -> Periods:
-        """Speeding up and slowing down as the robot may."""
+        """Drive ahead by `ahead_m`, within the robot's limit of acceleration."""
         left, speed, rate = self.ahead_m, 0.0, robot.drive_limits.acceleration
         while left > NEGLIGIBLE_M:
             speed = min(SPEED, speed + rate * robot.period, max(CREEP, math.sqrt(rate * left)))

@@ -1,5 +1,5 @@
-"""Why a part of the kit isn't tried."""
+"""Exception for a part of the kit that cannot run on a robot."""
 
 
 class Skipped(Exception):
-    """The check can't be made on this robot."""
+    """The check cannot be made on this robot; the message gives the reason."""

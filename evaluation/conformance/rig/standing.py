@@ -17,7 +17,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .parts import part_of
 
 MAX_REST_MOTION = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
-"""Allowed apparent motion at rest, in [m], [rad] and [m]."""
+"""Allowed apparent motion at rest, of wheels in [m], joints in [rad] and the gripper's width in [m]."""
 
 
 @dataclass(frozen=True)

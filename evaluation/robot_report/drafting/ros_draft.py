@@ -16,12 +16,12 @@ from .ros_section import MESSAGE_KINDS, chosen, ros_section
 
 
 def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str:
-    """Return a draft with what is on the air: sensors as measured, the SRDF, its postures, the topics.
+    """Return a draft extended by published data: sensors as measured, the SRDF, its postures, the topics.
 
     Args:
         text: draft by the URDF alone.
-        air: what the robot tells of itself.
-        outline: of the URDF.
+        air: description that the robot publishes of itself.
+        outline: outline of the robot by its URDF.
         srdf: name of the SRDF's file; "" without one.
     """
     text = text.replace("from the URDF alone", "from the robot's URDF and topics", 1)

@@ -155,7 +155,7 @@ def _chosen_words(choice: Choice) -> str:
 
 
 def _judged_words(choice: Choice, judged: Judged) -> Iterator[str]:
-    """Yield the beliefs of the run, and whether they were enough to leave the rule."""
+    """Yield the policy that the run's outcomes favour, and the probabilities that they changed, in words."""
     found = f"better than the rule in {judged.better:.1%} of draws, by {judged.saved_s:.1f} s in the mean"
     if judged.follows != "rule":
         yield f"by the run's outcomes the policy {judged.follows} is {found}: it is followed"
@@ -170,13 +170,13 @@ def _judged_words(choice: Choice, judged: Judged) -> Iterator[str]:
 
 
 def _value_words(option: Option) -> str:
-    """Return what a run came to with an action, if the file has the probabilities."""
+    """Return P(goal) and mean time of a run with an action, in words; empty without probabilities."""
     value = option.value
     return "" if value is None else f"; P(goal) {value.goal:.4f}, {value.mean_s:.1f} s in the mean"
 
 
 def _change_words(option: Option, choice: Choice) -> str:
-    """Return what would have made the rule choose an action."""
+    """Return the cost below which the rule would have chosen an action, in words."""
     if choice.policy != "rule" or option.way is None or option.action.binding is None:
         return ""
     below = option.threshold_s(choice.way)

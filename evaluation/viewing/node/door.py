@@ -16,14 +16,14 @@ SERVICE_PREFIX = "handcart"
 SENDER_NAME = "ROS"
 COMMAND_WORDS = ("pause", "continue", "cancel", "restore", "permit", "refuse")
 STOP_TIMEOUT_S = 10.0
-"""[s] within which a run has to end after a stop."""
+"""Time within which a run has to end after a stop, in [s]."""
 ANSWER_TIMEOUT_S = 2.0
 EFFECT_TIMEOUT_S = 1.0
-"""[s] within which a pause, or the end of one, is seen in the status."""
+"""Time within which a pause, or its end, has to appear in the status, in [s]."""
 PAUSED_STATUS = "paused"
 STATUS_PERIOD_S = 0.02
 NEW_QUESTION_S = 1.0
-"""[s] for which a new question cannot be answered: a Trigger does not say which question is meant."""
+"""Time in [s] for which a new question cannot be answered, because a Trigger does not name its question."""
 
 
 class Door:

@@ -53,8 +53,8 @@ def marker_array(link: ServingLink, seen: SeenState, status: str, residuals: str
     Args:
         link: makes the messages.
         seen: the state.
-        status: shown above the robot.
-        residuals: of the last action that was undone, shown at its snapshot; "" for none.
+        status: text shown above the robot.
+        residuals: text with the residuals of the last undone action, shown at its snapshot; "" for none.
     """
     message = link.message(MARKERS_KIND)
     message.markers = list(_markers(link, seen, status, residuals))

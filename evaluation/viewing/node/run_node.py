@@ -33,7 +33,7 @@ PUBLISH_PERIOD_S = 0.2
 DIAGNOSTICS_PERIOD_S = 1.0
 MAX_SLEEP_S = 1.0
 LAST_WORDS_S = 0.5
-"""[s] for which the node stays after the run's end, so that its last messages and answers arrive."""
+"""Time for which the node stays after the run's end, in [s], so that last messages and answers arrive."""
 STEP_M = 0.03
 LOOK_PERIOD_S = 0.1
 STOP_SERVICE = f"{SERVICE_PREFIX}/stop"
@@ -49,7 +49,7 @@ MESSAGE_KINDS = {
 
 
 class SecondNode(InputError):
-    """Another run's node is on the air: a command could reach either."""
+    """Another run's node is on the air, so that a command could reach either run."""
 
 
 class RunNode(RunObserver):
@@ -70,7 +70,7 @@ class RunNode(RunObserver):
 
         Args:
             link: to ROS 2.
-            say: receives the node's own trouble, in words.
+            say: receives messages about problems of the node.
             now: gives a wall time in [s].
             sleep: waits so many seconds.
         """
@@ -229,11 +229,11 @@ def check_alone(
         link: to ROS 2.
         seconds: time in [s] for other nodes to be discovered.
         ghost_s: time in [s] for which a discovered node may stay: a killed program's leaves late.
-        say: receives that it is waited for.
+        say: receives a message if the function waits for another node to leave.
         sleep: waits so many seconds.
 
     Raises:
-        SecondNode: there is one.
+        SecondNode: another run's node is on the air.
     """
     if not _appears(link, round(seconds / LOOK_PERIOD_S), sleep):
         return

@@ -24,11 +24,11 @@ class SeenState:
     pose: Pose2
     """map_T_base."""
     covariance: FloatArray
-    """(3, 3) of the pose, in [m] and [rad]."""
+    """(3, 3) covariance of the pose, in [m] and [rad]."""
     planned: FloatArray = field(default_factory=NO_POINTS.copy)
     """(n, 2) path that the action plans to drive, in [m]."""
     driven: FloatArray = field(default_factory=NO_POINTS.copy)
-    """(n, 2) path that it believes to have driven in this action, in [m]."""
+    """(n, 2) path that the robot believes to have driven in this action, in [m]."""
     felt: FloatArray = field(default_factory=NO_POINTS.copy)
     """(n, 2) points where the base touched something, in [m]."""
     people: FloatArray = field(default_factory=lambda: np.empty((0, 7)))

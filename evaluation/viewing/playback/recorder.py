@@ -46,9 +46,9 @@ class PlaybackRecorder(RunObserver):
     """Observer that writes `playback/scenery.json` at the start of a run and `playback/00001.npz` ...
     during it.
 
-    A row holds measurements, estimates and, in simulation, the truth: see `Part`. The recorder reads
-    nothing that the run does not read anyway, so it does not change the run. A killed process loses the
-    last part. An error, for example a full disk, ends the recording and not the run.
+    A row holds measurements, estimates and, in simulation, the truth: see `RecordingPart`. The recorder
+    reads nothing that the run does not read anyway, so it does not change the run. A killed process loses
+    the last part. An error, for example a full disk, ends the recording and not the run.
     """
 
     def __init__(self) -> None:
@@ -228,7 +228,7 @@ class PlaybackRecorder(RunObserver):
         ) or f"{type(error).__name__}: {error}"
 
     def _arrays(self) -> dict[str, Any]:
-        """Return the arrays of a part, as `Part` defines them."""
+        """Return the arrays of a part, as `RecordingPart` defines them."""
         rows = {name: np.array(values) for name, values in self._rows.items()}
         truth = rows["truth"]
         known = np.isfinite(truth[:, 0, 0])

@@ -51,7 +51,7 @@ class Panel:
         """Create an empty panel.
 
         Args:
-            server: of the page.
+            server: server of the page.
             title: title of the task.
             ended: outcome of the run in a sentence, or that it is still going.
         """
