@@ -19,7 +19,7 @@ class CsvRow(NamedTuple):
 
     line: int
     cells: tuple[str, ...]
-    """Without spaces around them."""
+    """Texts of the cells, without spaces around them."""
     columns: tuple[int, ...]
 
 

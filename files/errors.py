@@ -19,7 +19,7 @@ class HandcartError(Exception):
     """Anything that handcart refuses or cannot do; never an expected end of a motion."""
 
     exit_status: ClassVar[int] = 5
-    """The status with which a command ends that is ended by this error."""
+    """Exit status of a command that this error ends."""
 
 
 class InputError(HandcartError, ValueError):

@@ -20,16 +20,17 @@ PICTURE_FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG", "TI
 """Accepted formats, by Pillow's name: those that map servers of ROS and mapping programs write."""
 MAX_BYTES = 1 << 26
 MAX_PIXELS = 25_000_000
-"""A map of 250 m by 250 m in cells of 5 cm. Pictures of 30,000 by 30,000 pixels fit in 109 kB."""
+"""Maximum number of pixels, those of a map of 250 m by 250 m in cells of 5 cm. A file of 109 kB may hold
+30,000 by 30,000 pixels."""
 
 
 class Grey(NamedTuple):
     """A picture without its colours."""
 
     level: ByteArray
-    """(h, w), row 0 on top; 0 is black."""
+    """Grey levels (h, w), row 0 on top; 0 is black."""
     opaque: BoolArray | None
-    """(h, w): where nothing shines through; None of a picture that can't be transparent."""
+    """Mask (h, w) of opaque pixels; None for a picture without transparency."""
 
 
 def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:

@@ -51,7 +51,7 @@ def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
     The meaning of such a name is ambiguous; a shipped one is never replaced silently.
 
     Raises:
-        BrokenPlugin: two have the name.
+        BrokenPlugin: several have this name.
     """
     points = [point for point in entry_points_of(group) if point.name == name]
     others = [f"{point.value}{package_of(point)}" for point in points if point.value != own.get(name)]
@@ -61,7 +61,7 @@ def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
 
 
 def package_of(point: EntryPoint) -> str:
-    """Return which package an entry point is of, to be put behind its name."""
+    """Return the words that name the package of an entry point, to be put after its name."""
     return f" of the package {point.dist.name}" if point.dist else ""
 
 

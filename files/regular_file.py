@@ -1,4 +1,4 @@
-"""Reading a regular file, whole, at most so large, without ever waiting."""
+"""Reading of a complete regular file with a limit on its size, without ever waiting."""
 
 import errno
 import os
@@ -11,7 +11,7 @@ from handcart.files.errors import FileError, Finding
 from handcart.files.suggest import did_you_mean
 
 MAX_LINE = 20_000
-"""[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
+"""Maximum length of a line, in characters. The YAML parser's time is quadratic, 8 s for a tag of 1 MiB."""
 ALLOWED_FILE = "a regular file that can be read"
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 """Byte order mark in UTF-8, which some programs write at the beginning of a text."""

@@ -14,12 +14,12 @@ _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
 def write_whole(path: Path, content: bytes | str, *, sync: bool = True, private: bool = False) -> None:
     """Write a file atomically: readers, and a crash at any time, find the old content or the new.
 
-    The new file keeps the old one's mode. A link there is replaced, never followed.
+    The new file keeps the old one's mode. A link at the path is replaced, never followed.
 
     Args:
-        path: its name.
-        content: its bytes, or its text, written as UTF-8.
-        sync: whether a power cut, too, leaves one of the two; that takes a moment.
+        path: path of the file.
+        content: bytes of the file, or its text, which is written as UTF-8.
+        sync: whether the old or the new content survives a power cut as well; that takes a moment.
         private: whether only its owner may read a new file.
 
     Raises:

@@ -36,7 +36,7 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
 
     Args:
         path: the file.
-        check: asked of each element.
+        check: called with each element; it yields the element's problems.
         max_bytes: larger files are not read.
 
     Raises:

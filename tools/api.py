@@ -106,9 +106,9 @@ def run(
 
     Args:
         task: its file, or the name of a task.
-        backend: another one than the task names.
+        backend: another backend than the task names.
         seed: seed of the simulated errors.
-        robot: another one than the task names: a shipped one's name, or the path of its file.
+        robot: another robot than the task names: name of a shipped robot, or path of a robot's file.
         set: parameters of the task.
         runs: folder in which the run's folder is made.
         errors: True if the simulated robot errs.
@@ -197,9 +197,9 @@ def campaign(
     Args:
         task: its file, or the name of a task.
         trials: number of trials.
-        first: the first one's seed.
-        jobs: parallel processes, from a script with more than one under `if __name__ == "__main__":`;
-            None: 2, on the network alone 1.
+        first: seed of the first trial.
+        jobs: number of parallel processes; with more than one, a script needs
+            `if __name__ == "__main__":`. None: 2, on the network alone 1.
         backend: as in `run`.
         robot: as in `run`.
         set: as in `run`.
@@ -212,17 +212,17 @@ def campaign(
         faults: file of injected faults (docs/how_to/campaigns.md).
         level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were
             observed in other campaigns.
-        learned_from: folders of those.
+        learned_from: folders of the campaigns that `fitted` uses.
         rare: outcome whose probability is estimated: each trial is a population of runs, for
             `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate`.
-        importance: quantity that its levels count.
+        importance: quantity that the levels of a population count.
         population: number of runs of a population.
         report: True to write `report.html` into the folder.
         runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has
             one.
 
     Raises:
-        KeyboardInterrupt: the user ended it.
+        KeyboardInterrupt: the user ended the campaign.
         InputError: an argument is not possible, in words; nothing has moved.
         HandcartError: a trial cannot be run, or kept; in words.
     """

@@ -181,7 +181,7 @@ def _run_watched(
 
 
 def _with_choices(settings: list[str], **choices: str | None) -> list[str]:
-    """Return settings with those that have options of their own."""
+    """Return settings extended by the values of parameters that have their own options."""
     return [*settings, *(f"{key}={value}" for key, value in choices.items() if value)]
 
 

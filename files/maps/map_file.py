@@ -59,7 +59,7 @@ class MapFile(FileModel):
     origin: tuple[Metres, Metres, float]
     """Lower-left corner in [m], and turn of the map in [rad]."""
     negate: Annotated[int, Field(ge=0, le=1)] | bool = 0
-    """1: dark means free."""
+    """1 if dark cells are free."""
     occupied_thresh: Share = 0.65
     """Occupancy above which a cell is occupied."""
     free_thresh: Share = 0.25

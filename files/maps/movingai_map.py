@@ -24,7 +24,7 @@ _MEANING = {
     "T": OCCUPIED_VALUE,
     "W": UNKNOWN_VALUE,
 }
-"""Ground, swamp; out of bounds, trees. Water is impassable but not a wall: it counts as unknown space."""
+"""Occupancy by terrain; @ and O are out of bounds. Water is impassable but not a wall, so it is unknown."""
 _HEADER = (("type", r"type\s+octile"), ("height", r"height\s+(\d{1,6})"), ("width", r"width\s+(\d{1,6})"))
 
 

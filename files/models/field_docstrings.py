@@ -1,4 +1,4 @@
-"""Docstrings below the fields of a model, read from its source when somebody asks."""
+"""Docstrings below the fields of a model, read from its source on request."""
 
 from __future__ import annotations
 

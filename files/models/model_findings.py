@@ -25,7 +25,7 @@ _BOUNDS = ("ge", "gt", "le", "lt", "multiple_of", "min_length", "max_length", "p
 def findings_of(
     error: ValidationError, adapter: TypeAdapter[Any], document: Document, at: KeyPath = ()
 ) -> list[Finding]:
-    """One finding for each thing wrong with the part of `document` at the path `at`."""
+    """Return a finding for each problem of the part of `document` at the path `at`."""
     walk = SchemaWalk(adapter.core_schema)
     raw = [item for item in error.errors(include_url=False) if not _counts_only_valid_items(item)]
     placed = [(walk.place(item["loc"]), item) for item in raw]
@@ -68,7 +68,7 @@ def _other_kind(path: KeyPath, errors: list[_Placed]) -> bool:
 
 
 def _is_other_kind(error: Any) -> bool:
-    """Return whether a value has not the kind; no list or mapping is meant to be one of some words."""
+    """Return whether an error means another kind of value, such as a list instead of one of several words."""
     structured = error["type"] in ("literal_error", "enum") and isinstance(error["input"], dict | list)
     return error["type"] in _OTHER_KIND or structured
 

@@ -28,8 +28,8 @@ def split_setting(text: str) -> tuple[str, str]:
 def setting_value(key: str, text: str) -> Node:
     """Parse `text` as the value of `key`.
 
-    An unquoted word is resolved by the rules for those; lists, mappings and quoted text are parsed as in a
-    file. Later findings about the node are reported as `--set KEY=VALUE: ...`.
+    An unquoted word is resolved by the rules for such words; lists, mappings and quoted text are parsed as
+    in a file. Later findings about the node are reported as `--set KEY=VALUE: ...`.
 
     Raises:
         FileError: the text is not a value.

@@ -126,10 +126,9 @@ def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> 
 
 @lru_cache(maxsize=KEPT_TREES)
 def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
-    """Return the tree by the fast parser; None where the exact one has to be asked.
+    """Return the tree by the fast parser; None if the text needs the exact parser.
 
-    Kept for the next one who reads the same text: the trials of a campaign read the same files. A tree
-    is never changed.
+    The result is cached, because the trials of a campaign read the same files. A tree is never changed.
     """
     events = fast_events(text)
     builder = TreeBuilder(file, max_nodes)

@@ -145,7 +145,7 @@ def _words(opened: OpenCampaign, found: CampaignReport, interrupted: bool) -> Ca
 
 
 def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
-    """Run what isn't there yet, with progress; whether it was interrupted."""
+    """Run the missing trials with a progress bar; return whether the user interrupted them."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -174,7 +174,7 @@ def _write_junit(path: Path, opened: OpenCampaign, report: CampaignReport) -> No
 
 
 def _write_page(opened: OpenCampaign, report: CampaignReport, runs: bool) -> None:
-    """Write the campaign's page; whatever keeps it from being written doesn't change how it ended."""
+    """Write the campaign's page; an error is printed, and does not change how the campaign ended."""
     from handcart.files.printable import printable
 
     try:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from handcart.networks.task.task_file import Task
 
 FILE_WEIGHT = 1000
-"""Attempts that a probability of the file counts for, if no trial has started its action."""
+"""Number of attempts that a probability of the file is worth, if no trial has started its action."""
 
 
 def learn(
@@ -99,7 +99,7 @@ def _share_row(name: str, share: LearnedShare) -> str:
 
 
 def _entry_counts(task: Task, found: Sequence[EntryCounts]) -> list[OutcomeCounts] | None:
-    """Return the counts of each action of the file; None if nothing is known of one."""
+    """Return the counts of each action of the file; None if one has no trials and no probability."""
     from handcart.networks.deciding.posterior import OutcomeCounts
 
     counts = []
@@ -178,7 +178,7 @@ def _write_chances(row: Any, entry: TaskEntry, each: EntryCounts) -> None:
 
 
 def _kept_shares(entry: TaskEntry, each: EntryCounts) -> dict[str, float]:
-    """Return probabilities of the causes with their shares in the file: the trials have none recorded."""
+    """Return probabilities of causes in the file's proportions, because the trials recorded no causes."""
     causes = entry.fail_entries
     known = [one.p for one in causes.values() if one.p is not None]
     before = 1.0 - (entry.p_success or 0.0) - entry.p_give_up
@@ -201,7 +201,7 @@ def _with_p(row: Any, p: float) -> Any:
 
 
 def _rounded(seconds: float, before: float) -> float:
-    """Return a time as it is written; the value of the file where nothing took any time."""
+    """Return a time, rounded for the file; the file's value if the trials took no time."""
     if math.isnan(seconds) or seconds < 0.05:
         return before
     return round(seconds, 1)

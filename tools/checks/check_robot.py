@@ -91,7 +91,7 @@ def robot_facts(
 
 
 def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> list[str]:
-    """Joints, links and meshes as tables: all of them, or the `chosen` joints and what the others come to."""
+    """Return joints, links and meshes as tables, or the `chosen` joints and a summary of the others."""
     if every:
         return lines_of(*(part for table in _tables(contents) for part in (table, "")))
     rows = [_joint(joint) for joint in contents.joints if joint.name in chosen]

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from handcart.networks.task.task_file import Task
 
 Watch = Callable[[float], None]
-"""Hears now and then how much is done, 0 to 1."""
+"""Function that is called from time to time with the finished share, 0 to 1."""
 MAX_PRINTED_LINES = 30
-"""Lines of one kind that are printed."""
+"""Maximum number of printed lines of one kind."""
 SHORT_HEADING = (
     "where a run may end short of the goal, with the fewest Fails (another way or more attempts would help):"
 )

@@ -17,11 +17,11 @@ def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
 
     Args:
         draft: the file to write.
-        urdf: which it names.
-        report: about that.
+        urdf: the URDF that the robot's file names.
+        report: report on the URDF.
 
     Raises:
-        InputError: it can't be written there, or can't name the URDF.
+        InputError: the file cannot be written, or cannot name the URDF.
     """
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.drafting.draft import OPTIONAL_SECTIONS, draft_text

@@ -38,7 +38,7 @@ class RobotRow(NamedTuple):
     """Why the robot cannot be read, such as a package that is not installed."""
 
     def line(self, wide: int) -> str:
-        """Return the row as text, with names of robots in a column of a width."""
+        """Return the row as text, with the robot's name in a column of `wide` characters."""
         rest = self.wrong or f"{', '.join(self.backends)}: {', '.join(self.primitives)}"
         return f"{self.robot:<{wide}}  {rest}"
 

@@ -26,15 +26,15 @@ class CheckOptions(NamedTuple):
 
     picture: Path | None = None
     every: bool = False
-    """Each joint, link and mesh of a robot."""
+    """True to list each joint, link and mesh of a robot."""
     allow: bool = False
     """True to write pairs that always touch into the robot's file."""
     draft: Path | None = None
-    """A robot's file to be written for a URDF."""
+    """Path of a robot's file to write for a URDF."""
     quick: bool = False
     """True to skip checks that take seconds."""
     backend: str | None = None
-    """A simulated backend to be built with a robot."""
+    """Name of a simulated backend to build with a robot."""
 
 
 def check(
@@ -127,7 +127,7 @@ def check_quietly(file: Path) -> dict[str, Any]:
 
 
 def _tell_grouped(error: FileError) -> None:
-    """End here with a line for each kind of fault, where many are alike."""
+    """Print a line for each kind of fault and exit, if the file has many faults."""
     from handcart.evaluation.robot_report.remark import grouped_findings
 
     lines = grouped_findings(error.findings)

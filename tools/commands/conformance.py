@@ -56,7 +56,7 @@ def conformance(
     jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
+    """Check what the backend declares, inject faults, and plant mutants; status 0 if all holds."""
     from handcart.evaluation.conformance.kit import KitSetting, default_robot, run_kit
     from handcart.tasks.task_names import task_path
 
@@ -99,7 +99,7 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 
 
 def _seldom(console: Console) -> Callable[[int, int], None]:
-    """Write a line at the beginning, at the end, and now and then in between."""
+    """Return a function that prints a line at the beginning, at the end, and from time to time in between."""
     start, last = time.monotonic(), -math.inf
 
     def tell(done: int, count: int) -> None:
@@ -113,7 +113,7 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
 
 
 def _chosen(parts: list[str], faults: Sequence[object], tasks: list[str]) -> tuple[str, ...]:
-    """Return the named parts, or those that contain what is named; raises `typer.BadParameter`."""
+    """Return the named parts, or the parts that the other options concern; raises `typer.BadParameter`."""
     from handcart.evaluation.conformance.kit import KIT_PARTS
     from handcart.files.suggest import suggest
 

@@ -34,7 +34,7 @@ def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE
 
 
 def _causes(kind: type[ActionPrimitive]) -> list[str]:
-    """Return its causes of Fails and GiveUps, each with its text, and the names of those of any primitive."""
+    """Return a primitive's own causes of Fails and GiveUps, with texts, and the names of common causes."""
     from handcart.primitives.contract.raised_causes import causes_of, framework_causes
 
     own = causes_of(kind)
@@ -61,7 +61,7 @@ def _parameters(kind: type[ActionPrimitive]) -> list[str]:
 
 
 def _tree(kind: type[ActionPrimitive]) -> str:
-    """Its behaviour tree, parameters left as they are by default; empty where none can be shown."""
+    """Return a primitive's behaviour tree, with default parameters, as text; empty if it cannot be shown."""
     from py_trees.display import ascii_tree
 
     from handcart.primitives.contract.tree_primitive import TreePrimitive

@@ -173,7 +173,7 @@ def _read(log: Path, nmea: Path | None, reference: str | None, stamps: str, colu
 
 
 def _write_track(path: Path, replayed: Replayed) -> None:
-    """One row a second: pose, and the covariance's upper half."""
+    """Write a row for each estimate, with the pose and the upper half of its covariance."""
     from handcart.tools.terminal.writing import write_text
 
     lines = ["time_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_m,yh_m,hh_rad2,heading_known"]

@@ -10,11 +10,11 @@ from aiohttp import web
 from .guard import Handler
 
 MOST_KNOWN = 200
-"""Connections kept of those that have shown the token."""
+"""Maximum number of connections that have shown the token."""
 MOST_UNKNOWN = 512
-"""Other connections. Many times what is accepted in one round of the loop (`ACCEPTED_AT_ONCE` on each of two
-addresses): a request that comes with its connection is read a few rounds later, long before that connection
-could be the oldest of them."""
+"""Maximum number of other connections. It is many times the number accepted in one round of the loop
+(`ACCEPTED_AT_ONCE` on each of two addresses): a request that comes with its connection is read a few rounds
+later, long before that connection could be the oldest of them."""
 ACCEPTED_AT_ONCE = 16
 WAITING_TO_BE_ACCEPTED = 4096
 """Length of the kernel's queue: a client that finds it full is served only a second later."""
@@ -31,7 +31,7 @@ class Connections:
     """
 
     def __init__(self, has_token: Callable[[web.Request], bool]) -> None:
-        """`has_token`: whether a request has it."""
+        """Prepare without a server; `has_token` returns whether a request contains the token."""
         self._has_token = has_token
         self.of: web.Server | None = None
         """The application's server; None: it isn't set up."""

@@ -30,19 +30,19 @@ PATIENCE_S = 5.0  # [s] for a command's body
 BEAT_S = 2.0  # [s] after which listeners get a message, even if nothing is new
 MOST_FILE = 64 * 2**20
 TAB_HEADER = "X-Console-Tab"
-"""Header with the unique identifier of each open page."""
+"""Header with the unique identifier of the open page that sends the request."""
 SANDBOX_POLICY = (
     "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
     "script-src 'unsafe-inline'"
 )
-"""Content policy of a run's own page: it reaches nothing, and nothing of the console's."""
+"""Content policy of a run's own page, which can load nothing and has no access to the console."""
 
 
 class Handlers:
     """Handlers of the page's requests."""
 
     def __init__(self, watcher: Watcher) -> None:
-        """About the runs that are watched."""
+        """Handle requests about the runs that `watcher` observes."""
         self._watcher, self._lease, self._tickets = watcher, Lease(), Tickets()
         self._details = KeptDetails()
 
@@ -203,7 +203,7 @@ class Handlers:
 
 
 def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, Any]:
-    """Send the message for each situation in one box of the drawing."""
+    """Send the message to a run for each situation in one box of the drawing; return the last reply."""
     if not isinstance(places, list) or not places or not all(isinstance(item, str) for item in places):
         return {"ok": False, "error": "places is not a list of situations"}
     reply: dict[str, Any] = {}
@@ -216,7 +216,7 @@ def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, An
 
 
 def _tab(request: web.Request) -> str:
-    """Return the token that the page sends; empty without one."""
+    """Return the identifier of the page that sends a request; empty without one."""
     tab = request.headers.get(TAB_HEADER, "")
     if len(tab) > LONGEST_WORD or not (tab.isascii() and tab.isprintable()):
         raise web.HTTPBadRequest(reason=f"the header {TAB_HEADER} is too long, or no plain text")

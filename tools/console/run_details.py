@@ -28,17 +28,17 @@ EVIDENCE_PATH = "evidence"
 EVIDENCE_SUFFIXES = (".png", ".jpg", ".jpeg")
 RUN_PAGES = ("report.html",)
 MOST_ACTIONS = 500
-"""The last ones; a run of more is read in its report."""
+"""Maximum number of actions that the page shows, the last ones; a run's report has all."""
 
 
 class RunDetails:
     """Details of a run, running or over."""
 
     def __init__(self, folder: Path, alive: bool) -> None:
-        """Read its journal.
+        """Read the journal of a run.
 
         Raises:
-            NoRun, JournalError: it can't be read.
+            NoRun, JournalError: the journal cannot be read.
         """
         self._folder, self._alive, self._run = folder, alive, read_run(folder)
 

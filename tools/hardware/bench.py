@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 BETWEEN_PROCESSES, MULTICAST = "udp_multicast", "239.74.163.2"
 AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
-"""Faults of the program's own interface, which no other process can have for it."""
+"""Faults of the interface in the program's own process, which a bench in another process cannot inject."""
 
 
 def bench(
@@ -209,7 +209,7 @@ def _list_faults() -> None:
 
 
 class _Log:
-    """A line a period: monotonic time, the bench's time, then position, velocity and state of each drive."""
+    """Log of monotonic time, bench time, and position, velocity and state of each drive, once a period."""
 
     def __init__(self, file: TextIO) -> None:
         self._file = file

@@ -98,7 +98,7 @@ def _aim(hand: str | None, way: str, roll: float | None) -> HandAim:
 
 
 def _triple(text: str) -> tuple[float, float, float] | None:
-    """Three finite numbers with commas, or None."""
+    """Return three finite numbers separated by commas; None if the text is anything else."""
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:

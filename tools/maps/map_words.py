@@ -47,12 +47,12 @@ def save_map(path: Path, grid: GridMap, source: Path) -> None:
 
 
 def numbers(text: str, option: str, count: int | None = None) -> list[float]:
-    """Return numbers with commas between.
+    """Parse numbers separated by commas.
 
     Args:
-        text: the user's text.
-        option: its name.
-        count: how many are needed; any even number from six on if None.
+        text: text given by the user.
+        option: name of the option, used in messages.
+        count: required number of values; None: any even number from six on.
     """
     found = [number_in(word.strip()) for word in text.split(",")]
     is_right = len(found) == count if count is not None else len(found) >= 6 and len(found) % 2 == 0

@@ -39,7 +39,7 @@ class Starter(NamedTuple):
     next_commands: tuple[str, ...]
     """Commands to try it, in this order; `$folder` is the new folder."""
     worlds: tuple[str, ...] = ()
-    """World files below the new folder, of which a map `map.yaml` is drawn beside each."""
+    """World files below the new folder; next to each of them its map is drawn as `map.yaml`."""
     robots: tuple[str, ...] = ()
     """Robot files below the new folder that are made from the shipped cart; `wheels.yaml` without lidar."""
 

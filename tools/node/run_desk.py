@@ -40,23 +40,23 @@ class WaitingRecord(NamedTuple):
 
     record: int
     cause: str
-    """Checksum of what it waits for."""
+    """Checksum of the cause of the wait."""
     reason: str
     is_real: bool
     """True if a real robot waits with it: nothing else may begin."""
 
 
 class LastRun(NamedTuple):
-    """State of the newest run, which isn't alive, by its journal."""
+    """State of the newest run, which is not alive, read from its journal."""
 
     folder: Path
     record: int
     """Number of its journal's last record."""
     end: str
-    """How it came to its end, in words."""
+    """How the run ended, in words."""
     waits: WaitingRecord | None
     obstacle: str
-    """Why it cannot be resumed; "" if it can."""
+    """Reason why the run cannot be resumed; "" if it can."""
 
 
 def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:

@@ -16,9 +16,9 @@ SILENT_TIME_S = 1.0
 
 @contextmanager
 def first_words(what: str) -> Iterator[Callable[[], None]]:
-    """Print `what` to stderr after a second; yield a function that prevents that once more is known.
+    """Print `what` to stderr after a second, unless the yielded function is called before.
 
-    Wrap the imports of a command in it: they take longer than a second on a fresh machine.
+    Import the modules of a command in this context, which takes longer than a second on a fresh machine.
     """
     timer = threading.Timer(SILENT_TIME_S, _say, [f"{what} ..."])
     timer.daemon = True

@@ -33,7 +33,7 @@ _SILENT = {
     "OPENCV_FFMPEG_LOGLEVEL": "-8",  # as does the encoder of videos
     "PYTHONWARNINGS": "ignore",  # in processes that are begun by this one
 }
-"""Against what libraries say to programmers."""
+"""Environment variables that silence the messages of libraries to programmers."""
 _REQUIRED = re.compile(
     r'Requires-Dist: ([\w.-]+)(?:\[[\w,]*\])?([<>=!~\d.,]*)(?:;.*extra == "(\w+)")?$', re.MULTILINE
 )

@@ -19,7 +19,7 @@ STEPS_BY_OUTCOME = {
 
 
 def next_steps(summary: Mapping[str, Any]) -> list[str]:
-    """Commands, and the run's page, by the summary of a run that has ended."""
+    """Return the next commands, and the run's page, by the summary of a run that has ended."""
     folder = Path(str(summary["run_dir"]))
     run = shlex.quote(str(folder))
     steps = [step.format(run) for step in STEPS_BY_OUTCOME.get(str(summary["outcome"]), (EXPLAIN,))]

@@ -93,5 +93,5 @@ def _between(found: RareEstimate) -> str:
 
 
 def _kept(trial: Trial) -> list[str]:
-    """Names of the run folders that a population has left."""
+    """Return the names of the run folders that a population has kept."""
     return list(trial.summary["metrics"].get("runs_kept", []))

@@ -24,7 +24,7 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
 
 
 def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:
-    """Values in one line: [1.0, 2.0]."""
+    """Return values as a YAML list in one line, such as [1.0, 2.0]."""
     result = CommentedSeq(values)
     result.fa.set_flow_style()
     return result
@@ -50,7 +50,7 @@ def put(data: CommentedMap, key: str, value: Any) -> None:
 def _taken_gap(data: CommentedMap) -> str:
     """Return the blank lines and complete comment lines behind a mapping's last value, removed from it.
 
-    ruamel has them there; they belong behind what is added.
+    ruamel attaches them to that value, but they belong after a value that is added.
     """
     last = next(reversed(data), None)
     if last is None:
