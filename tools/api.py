@@ -213,7 +213,7 @@ def campaign(
         level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were
             observed in other campaigns.
         learned_from: folders of the campaigns that `fitted` uses.
-        rare: outcome whose probability is estimated: each trial is a population of runs, for
+        rare: outcome whose probability is estimated; each trial is then a population of runs, for
             `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate`.
         importance: quantity that the levels of a population count.
         population: number of runs of a population.

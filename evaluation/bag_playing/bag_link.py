@@ -47,7 +47,7 @@ class BagLink(Link):
         if not bag.messages:
             raise FileError([Finding(str(path), 0, 0, f"no readings; it has {', '.join(bag.topics)}")])
         self.notes = tuple(bag.notes)
-        """What is wrong with the bag itself."""
+        """Messages about faults of the bag itself."""
         self._kinds = {topic: kind.replace("/msg/", "/") for topic, kind in bag.topics.items()}
         self._namespace = namespace
         self._messages = sorted(bag.messages, key=lambda message: message.received)

@@ -42,7 +42,7 @@ class BookSurvey(Survey):
         super().__init__(run)
         self._labels, self._stops = 0, dict[str, float]()
         self._shelving: Shelving | None = None
-        """None: the task returns no book."""
+        """Books to return, and the initial state of the shelves; None if the task returns no book."""
         self._books = run.world.of(BookProps)
         first = self._books.tray_book()
         if RELEASE in run.does and first is not None:

@@ -43,7 +43,7 @@ class TotalStation:
         self._solids = _Boxes.of(solids)
         self._count = self._due()
         self.sights: list[Sight] = []
-        """All readings."""
+        """All readings so far, in the order of time."""
         self.hidden = 0
         """Number of readings at which the reflector was hidden."""
 

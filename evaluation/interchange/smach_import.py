@@ -19,7 +19,7 @@ FAIL_WORDS = ("aborted", "failed", "failure", "fail", "error", "false", "timeout
 """Outcomes of SMACH by their meaning; the first one of a state counts as success if none is named so."""
 ENDING_WORDS = (*SUCCESS_WORDS, *FAIL_WORDS)
 KIND_KEYS = ("template", "type", "class", "state", "state_class", "action", "procedure", "behavior", "skill")
-"""Keys that name what a state does, the first that is there."""
+"""Keys that name the action of a state; the first one that it has counts."""
 PARAMETER_KEYS = ("params", "parameters", "args", "kwargs", "goal")
 INITIAL_KEYS = ("initial_state", "initial", "start", "start_state", "initial_state_label")
 CONCURRENT_KINDS = ("concurrence", "concurrent", "parallel")

@@ -71,7 +71,7 @@ class ContactSurvey(Survey):
         """
         self._links, self._held = RobotLinks(run.world.arm), ""
         self._speed, self._base = 0.0, run.world.base
-        """True speed of the base in the period before this one, in [m/s], and where it is."""
+        """True speed of the base in the previous period, in [m/s], and its true pose."""
 
     @property
     def _passers(self) -> tuple[str, ...]:

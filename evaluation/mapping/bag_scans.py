@@ -24,7 +24,7 @@ SCAN, ODOMETRY, TRANSFORMS = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry
 OLD_TRANSFORMS = "tf/msg/tfMessage"
 ODOM_FRAMES = ("odom", "odom_combined", "odometry")
 MAX_COUNT_CHANGE = 3
-"""Beams by which scans of one lidar may differ: some drivers deliver one more or less."""
+"""Maximum difference in beams between scans of one lidar; some drivers deliver one more or less."""
 
 
 def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:

@@ -33,7 +33,7 @@ class SeamStretch:
     def __init__(self, part: ToolPath) -> None:
         self.part = part
         self.score = 0.0
-        """Integral along the part, in [m]."""
+        """Integral of the score along the part, in [m]."""
         self.times: list[float] = []
         self.joints: list[FloatArray] = []
         self.tips: list[FloatArray] = []
@@ -69,7 +69,7 @@ class SeamSurvey(Survey):
     def __init__(self, run: SurveyedRun) -> None:
         super().__init__(run)
         self.tracks: Track | None = None
-        """The running one."""
+        """The running TRACK; None outside of such an action."""
         self.stretches: list[SeamStretch] = []
         """Stretches of successful TRACKs."""
         self._now: SeamStretch | None = None

@@ -42,11 +42,11 @@ class SensorReplay:
 
     periods: int
     commands: int
-    """Commands that were the recorded ones, to the last bit."""
+    """Number of commands that equal the recorded ones, to the last bit."""
     readings: int
-    """Readings that the program asked for."""
+    """Number of readings that the program requested."""
     actions: int
-    """Actions that ended as in the run."""
+    """Number of actions that ended as in the run."""
     difference: str
     """First difference in words, with its time and action; empty if the replay is equal."""
 

@@ -19,7 +19,7 @@ PAGE_HEADERS = {"Content-Security-Policy": PAGE_POLICY, **own_page.SECURITY_HEAD
 OPEN_PATHS = ("/", "/console.js", "/console.css", "/favicon.ico")
 """Paths without secrets: the page itself, which asks for the token."""
 TICKETS_PATH = "/ticket/"
-"""Below it are files that a ticket opens once, instead of the token."""
+"""Path below which a ticket opens a file once, instead of the token."""
 
 
 class Guard(OwnPage):

@@ -24,7 +24,7 @@ LOOPBACK_ADDRESSES = ("127.0.0.1", "::1")
 _EVERY = ("", "0.0.0.0", "::")
 PORT, TRIES = 8090, 100
 KEPT_S = 15.0
-"""[s] for which a connection is kept that asks nothing more."""
+"""Time for which a connection without further requests is kept, in [s]."""
 _LOOKS_S = 0.1  # between two looks whether it is over
 _PAGES = {"/": ("index.html", "text/html"), "/console.js": ("console.js", "text/javascript")}
 _PAGES["/console.css"] = ("console.css", "text/css")
@@ -58,7 +58,7 @@ class Server:
         shown = [f"[{name}]" if ":" in name else name for name in names]
         self._guard = Guard([f"{item}:{self.port}" for item in shown])
         self.address = f"http://{shown[0]}:{self.port}/#token={self._guard.token}"
-        """With the token behind `#`, which no browser sends or logs."""
+        """URL of the page, with the token after `#`, a part that browsers neither send nor log."""
 
     def serve(self, over: Callable[[], bool]) -> None:
         """Serve requests until `over` returns True."""

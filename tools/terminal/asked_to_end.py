@@ -6,7 +6,7 @@ import signal
 
 
 class AskedToEnd:
-    """Ctrl-C, or a request from the system, kept until it is looked for, wherever it arrives.
+    """Ctrl-C, or a termination signal of the system, kept until the program checks for it.
 
     A KeyboardInterrupt can be lost: a library's callback that catches everything swallows it.
     """

@@ -50,7 +50,7 @@ class Progress(RunObserver):
         self._status = self._console.status(LOADING_MESSAGE)
         self._now, self._next = LOADING_MESSAGE, 0.0
         self._begun, self._cost, self._rest = 0.0, 0.0, 0.0
-        """When the action began, how long it is thought to take, and all that comes after it [s]."""
+        """Start of the action, its expected duration, and that of all actions after it, in [s]."""
         self._way: tuple[Action, ...] = ()
         """Actions of the last plan."""
         self._run_dir = Path()

@@ -61,7 +61,7 @@ class Streams:
 
 
 class _Lenient(io.FileIO):
-    """A descriptor that takes whatever is written, and notes when that is lost."""
+    """Descriptor that accepts all output, and records whether any of it was lost."""
 
     def __init__(self, number: int, missing: bool) -> None:
         super().__init__(number, "w", closefd=False)

@@ -19,7 +19,7 @@ from .split_runs import SplitRuns
 from .walked_runs import WalkedRuns
 
 ESTIMATED_OUTCOME = "Estimated"
-"""Outcome of such a trial."""
+"""Outcome of a trial that is a population."""
 _WALKED, _RUN = 21, 22  # separate these random streams from others with the same seeds
 
 

@@ -12,7 +12,7 @@ from .check import Check, CheckResult
 PERIOD_COUNT = 60
 DRIVE_SPEED_M_S = 0.2
 MAX_CHANGE_PERCENT = 20.0
-"""Change within the check above which a reading is not a charge."""
+"""Maximum change during the check of a reading that is a charge."""
 
 
 def battery(bench: KitBench, finding: CheckResult) -> None:

@@ -13,7 +13,7 @@ from handcart.evaluation.conformance.rig.periods import steps
 from .check import Check, CheckResult
 
 POSE_TOLERANCE = 0.02
-"""Difference between the pose in a picture and that of the measured joints: elements of a matrix."""
+"""Maximum difference of any element of (4, 4) between a picture's pose and the pose by measured joints."""
 
 
 def depth(bench: KitBench, finding: CheckResult) -> None:

@@ -27,7 +27,7 @@ CAUSES_OF_SENSORS: Mapping[str, tuple[CauseKind, ...]] = {
 }
 """Causes that wrong readings of a sensor may suggest."""
 UNSEEN_CAUSES = (causes.SENSOR_FAULT, causes.NO_EFFECT)
-"""A sensor that is known to be wrong, or that does not show the effect."""
+"""Causes of a Fail because a sensor is known to be wrong, or does not show the effect."""
 CAUSES_OF_FAULTS: Mapping[FaultKind, tuple[CauseKind, ...]] = {
     FaultKind.EXCEPTION: (causes.CODE_ERROR,),
     FaultKind.REFUSED: (causes.ROBOT_FAULT,),
