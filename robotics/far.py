@@ -1,4 +1,4 @@
-"""Numbers that may be infinite: where nothing is, or what never comes."""
+"""Types of numbers that may be infinite, such as ranges without an echo, or times of what never happens."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, TypeAlias
 from handcart.robotics.numerics.arrays import FloatArray
 
 MAY_BE_INFINITE = "may be infinite"
-"""Says so of a type; whatever doesn't is finite."""
+"""Annotation of types whose values may be infinite; values of all other types are finite."""
 
 Far: TypeAlias = Annotated[float, MAY_BE_INFINITE]
 FarArray: TypeAlias = Annotated[FloatArray, MAY_BE_INFINITE]

@@ -14,7 +14,7 @@ _STEEP = 1e-300  # minimum slope, for rays that are parallel to a side
 def boxes_ahead(
     start: FloatArray, ways: FloatArray, middles: FloatArray, turns: FloatArray, halves: FloatArray
 ) -> FloatArray:
-    """Return the shares of ways at which they meet the first of some boxes.
+    """Return the fraction of each straight line at which it first meets a box.
 
     The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986). From inside, a box is met where
     the way leaves it.

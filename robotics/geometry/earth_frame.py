@@ -14,7 +14,7 @@ class EarthFrame:
     """
 
     def __init__(self, latitude_deg: float, longitude_deg: float) -> None:
-        """About an origin in [deg]."""
+        """Set the projection's origin, in [deg]."""
         from pyproj import CRS, Transformer
 
         local = CRS.from_proj4(
@@ -23,7 +23,7 @@ class EarthFrame:
         self._to_field = Transformer.from_crs("EPSG:4326", local, always_xy=True)
 
     def to_field(self, latitude_deg: float, longitude_deg: float) -> tuple[float, float]:
-        """x and y in [m]."""
+        """Return x and y in the field, in [m], of a latitude and a longitude in [deg]."""
         x, y = self._to_field.transform(longitude_deg, latitude_deg)
         return float(x), float(y)
 

@@ -23,7 +23,7 @@ class Footprint(NamedTuple):
 
     @property
     def is_disc(self) -> bool:
-        """True if it is a disc of that radius."""
+        """True if the outline is a disc of `radius`."""
         return len(self.corners) == 0
 
     @property

@@ -14,10 +14,10 @@ from handcart.robotics.numerics.compiled import compiled
 def ground_ahead(
     start: FloatArray, ways: FloatArray, corner: FloatArray, cell: float, heights: FloatArray, top: float
 ) -> FloatArray:
-    """Return the shares of ways at which they first come under a field of heights.
+    """Return the fraction of each straight line at which it first comes below the ground.
 
-    Heights are bilinear between their points, and looked up each half cell along a way; between two of
-    those ground and way are straight lines.
+    Heights are bilinear between their points, and are read every half cell along a line; between two
+    readings, the ground counts as straight.
 
     Args:
         start: (3,) start of all ways, in [m].

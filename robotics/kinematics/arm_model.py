@@ -177,7 +177,7 @@ class ArmModel:
 
         Args:
             q: (n,) joint angles in [rad] or [m].
-            point: (3,) middle of mass in `base`, in [m].
+            point: (3,) centre of mass in `base`, in [m].
             mass: in [kg].
         """
         jacobian = self.jacobian(q)
@@ -197,7 +197,8 @@ class ArmModel:
     ) -> FloatArray | None:
         """Return joint angles (n,) within the limits that put the tip at a pose; None if none was found.
 
-        The descent from `near` is taken when it arrives. Continuous joints are in the turn nearest to `near`.
+        If the descent from `near` converges, its result is returned. Continuous joints are in the turn
+        nearest to `near`.
 
         Args:
             base_T_tip: (4, 4) pose of the tip.

@@ -1,4 +1,4 @@
-"""Convex bodies as coal, the collision checker that comes with Pinocchio, has them, and back."""
+"""Conversion of convex bodies to and from coal, the collision checker that comes with Pinocchio."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
         name: name of the shape.
 
     Raises:
-        ValueError: it is another kind of geometry, or a mesh without volume.
+        ValueError: the geometry is neither box, cylinder, sphere nor convex mesh.
     """
     match geometry:
         case pin.coal.Box():
@@ -108,7 +108,7 @@ def _convex(points: bytes, count: int) -> object:
 
 
 def _thinned(corners: FloatArray, cells: int) -> FloatArray:
-    """One corner of each cell: coal takes no corner with 256 neighbours, as the tip of a fine cone has."""
+    """Return one corner of each cell, because coal rejects corners with 256 neighbours, as on fine cones."""
     low, size = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
     _, first = np.unique(np.floor(cells * (corners - low) / size), axis=0, return_index=True)
     return corners[np.sort(first)]

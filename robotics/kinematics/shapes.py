@@ -19,7 +19,7 @@ class Box:
     name: str = "box"
 
     def seen_from(self, a_T_b: Transform) -> Box:
-        """Return the box of the frame b, posed in a."""
+        """Return the box, given in the frame b, posed in the frame a."""
         return Box(a_T_b @ self.pose, self.size, self.name)
 
 
@@ -33,7 +33,7 @@ class Cylinder:
     name: str = "cylinder"
 
     def seen_from(self, a_T_b: Transform) -> Cylinder:
-        """Return the cylinder of the frame b, posed in a."""
+        """Return the cylinder, given in the frame b, posed in the frame a."""
         return Cylinder(a_T_b @ self.pose, self.radius, self.length, self.name)
 
 

@@ -16,20 +16,20 @@ class Part(NamedTuple):
 
     urdf_text: str
     onto: str
-    """The link that carries it."""
+    """Link of the other URDF that carries the part."""
     xyz: tuple[float, float, float]
-    """Position of the part's root link in that link, in [m]."""
+    """Position of the part's root link in the link `onto`, in [m]."""
     rpy: tuple[float, float, float]
-    """Its roll, pitch and yaw there, in [rad], as in a URDF."""
+    """Roll, pitch and yaw of the part's root link in `onto`, in [rad], as in a URDF."""
     prefix: str = ""
-    """Put before the names of its links and joints."""
+    """Prefix of the names of the part's links and joints."""
 
 
 def with_part(urdf_text: str, part: Part) -> str:
-    """Return a URDF with another one fixed onto a link of it. Only links, joints and materials are copied.
+    """Return a URDF with a part fixed onto one of its links. Only links, joints and materials are copied.
 
     Raises:
-        ValueError: one of the two can't be read, the link is missing, or both have a name.
+        ValueError: one of the two can't be read, the link is missing, or a name is in both.
     """
     robot, added = read_urdf(urdf_text), read_urdf(part.urdf_text)
     links = _names(robot, "link")
@@ -86,8 +86,8 @@ def with_names(
 ) -> tuple[str, Names, Names]:
     """Return a URDF with some links and joints renamed, and maps from the old names to the new ones.
 
-    A renamed joint is the one that moves that link. A second name of a link becomes a frame fixed on it.
-    An element whose name is given to another gets an underscore appended.
+    The link that a renamed joint moves gets the joint's new name as well. A second name of a link becomes
+    a frame fixed on it. An element whose name is given to another gets an underscore appended.
 
     Args:
         urdf_text: the URDF that holds all of them.

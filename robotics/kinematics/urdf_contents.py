@@ -16,7 +16,7 @@ from handcart.robotics.kinematics.urdf_tree import MOVABLE_KINDS
 from handcart.robotics.numerics.arrays import FloatArray
 
 INERTIA_ROUNDED = 1e-9
-"""Share of its largest moment by which an inertia may violate a body's conditions, because of rounding."""
+"""Share of the largest moment by which an inertia may violate a body's conditions, because of rounding."""
 
 
 class JointFacts(NamedTuple):
@@ -26,14 +26,14 @@ class JointFacts(NamedTuple):
     kind: str
     """revolute, continuous or prismatic."""
     child: str
-    """The link that it moves."""
+    """Link that the joint moves."""
     lower: float | None
-    """[rad] or [m]; None: no limit."""
+    """Lower limit, in [rad] or [m]; None without a limit."""
     upper: float | None
     velocity: float
-    """[rad/s] or [m/s]."""
+    """Speed limit, in [rad/s] or [m/s]."""
     effort: float
-    """[Nm] or [N]."""
+    """Effort limit, in [Nm] or [N]."""
 
 
 class LinkFacts(NamedTuple):
@@ -41,11 +41,11 @@ class LinkFacts(NamedTuple):
 
     name: str
     mass: float | None
-    """[kg]; None: the URDF doesn't say."""
+    """Mass in [kg]; None if the URDF states none."""
     middle: FloatArray
-    """Its middle of mass in the link's frame, (3,) in [m]."""
+    """Centre of mass (3,) in the link's frame, in [m]."""
     inertia: FloatArray
-    """About that, (3, 3) in [kg m²]."""
+    """Inertia (3, 3) about the centre of mass, in [kg m²]."""
 
 
 class MeshUse(NamedTuple):

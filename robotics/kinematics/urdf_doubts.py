@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, UrdfFault
 
 MAX_TURN_RAD = 4.0 * math.pi
-"""Two turns; beyond that limits are likely to be degrees."""
+"""Angle of two turns; larger limits are likely to be in degrees."""
 MAX_TRAVEL_M = 20.0
-"""Beyond that limits are likely to be millimetres."""
+"""Travel; larger limits are likely to be in millimetres."""
 _ROUNDING = 1e-3  # by which makers round limits [rad] or [m]
 _MAX_CHAIN = 100  # joints that mimic each other
 
@@ -21,7 +21,7 @@ def joint_doubts(joints: Mapping[str, UrdfElement]) -> Iterator[UrdfFault]:
     """Find limits that are likely to be degrees or millimetres, and followers driven beyond their limits.
 
     Args:
-        joints: by name, those of a URDF that is sound otherwise.
+        joints: joints by name, of a URDF without other faults.
     """
     for name, joint in joints.items():
         limits = _limits(joint)

@@ -1,4 +1,4 @@
-"""What is wrong in a URDF, before a kinematics library sees it."""
+"""Faults of a URDF, found before a kinematics library reads it."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _SHOWN = 6
 
 
 def urdf_faults(text: str, without: Sequence[str] = ()) -> list[UrdfFault]:
-    """Return all that is wrong in a URDF, in the order of its lines; empty where it is sound.
+    """Return all faults of a URDF, in the order of its lines; empty if it has none.
 
-    Looked at is what kinematics needs: names, references, joint kinds, limits, numbers, the tree,
-    collision bodies. Whether files of meshes are there isn't.
+    Only what kinematics needs is checked: names, references, joint kinds, limits, numbers, the tree and
+    collision bodies, but not whether mesh files exist.
 
     Args:
         text: the URDF.
@@ -236,7 +236,7 @@ def _mimic_faults(
 def _tree_faults(
     robot: UrdfElement, joints: Sequence[UrdfElement], links: Mapping[str, UrdfElement]
 ) -> Iterator[UrdfFault]:
-    """Each link hangs on one joint at most, only one on none, and no way along joints leads back."""
+    """Yield a fault for each link that two joints move, for several root links, and for each cycle."""
     parent: dict[str, str] = {}
     moved: dict[str, UrdfElement] = {}
     for joint in joints:

@@ -91,7 +91,7 @@ def with_still_joints(urdf_text: str, positions: Mapping[str, float]) -> str:
 
 
 def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str, float, float]]:
-    """Return the joints that follow one of `moving`: its name, a factor and an offset, as `joint_leaders`."""
+    """Return leader, factor and offset of each joint that follows one of `moving`, as `joint_leaders`."""
     leaders = joint_leaders(urdf_text)
     return {name: led for name, led in leaders.items() if led[0] in moving and name not in moving}
 
@@ -99,7 +99,7 @@ def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str
 def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
     """Return for the name of each joint that mimics another: its leader, a factor and an offset.
 
-    Chains are followed to their head; one that mimics a missing joint counts as free.
+    Chains are followed to their head; a joint that mimics a missing one counts as free.
 
     Raises:
         ValueError: the text is not a URDF.
@@ -180,7 +180,7 @@ def _fix(joint: Element, value: float) -> None:
 
 
 def _free(joint: Element) -> None:
-    """Have a joint mimic no other one."""
+    """Remove the `mimic` elements of a joint."""
     for mimic in joint.findall("mimic"):
         joint.remove(mimic)
 

@@ -1,4 +1,4 @@
-"""One typed door to numba, which takes most of a second to import: that waits until something is computed."""
+"""Typed access to numba, whose import takes most of a second and waits for the first computation."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ WAITING_LISTENERS: list[Callable[[], None]] = []
 class Kernel:
     """A function that is compiled to machine code on its first call; compiled ones may call it, too.
 
-    Its arguments go by place.
+    Its arguments are positional.
     """
 
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
@@ -145,7 +145,7 @@ def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
 
 
 def _listen(heard: Callable[[bool], None]) -> Callable[[], None]:
-    """Register `heard` with numba; return what ends that."""
+    """Register `heard` with numba; return a function that removes it again."""
     from numba.core import event
 
     class Listener(event.Listener):

@@ -1,4 +1,4 @@
-"""Machine code that a first run needs later is made by other processes meanwhile."""
+"""Compilation by other processes of the functions that a first run needs later."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def compiling_ahead() -> Iterator[None]:
     context.
 
     This process finds their results on disk when it needs them. With one core, nothing happens; if
-    processes can't be started, all is compiled here. They end with this process, however that ends.
+    processes can't be started, all is compiled here. The others end with this process, however it ends.
     """
     begun: list[subprocess.Popen[bytes]] = []
     asked = False
@@ -45,7 +45,7 @@ def compiling_ahead() -> Iterator[None]:
 
 
 def compile_modules(modules: list[str]) -> None:
-    """Compile the functions that those modules asked for, the latest first."""
+    """Compile the functions that modules asked for by `compiled_for` or `compile_early`, the latest first."""
     for name in modules:
         import_module(name)
         for kernel, arguments in reversed(COMPILED_AHEAD.get(name, [])):

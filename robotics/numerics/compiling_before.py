@@ -1,4 +1,4 @@
-"""Machine code that a control loop needs is there before the loop begins."""
+"""Compilation of the functions that a control loop needs, before the loop begins."""
 
 from __future__ import annotations
 

@@ -26,13 +26,13 @@ class PitchArm(NamedTuple):
     """
 
     ahead: float = 0.35
-    """The yaw axis before the base's centre, in [m]."""
+    """Distance of the yaw axis ahead of the base's centre, in [m]."""
     height: float = 0.80
     """Height of the shoulder above the floor, in [m]."""
     links: tuple[float, float, float] = (0.55, 0.55, 0.25)
-    """Upper arm, forearm, and wrist to tool tip, in [m]."""
+    """Lengths of upper arm, forearm, and wrist to tool tip, in [m]."""
     yaw_limit: float = np.radians(150.0)
-    """To both sides, in [rad]."""
+    """Largest yaw to either side, in [rad]."""
     azimuth_tolerance: float = np.radians(60.0)
     """Largest difference between the azimuths of tool and path, in [rad]."""
     pitch_limits: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_FREE, _FREE, _FREE)

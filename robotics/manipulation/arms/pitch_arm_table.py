@@ -101,7 +101,7 @@ def pitch_arm_joints(stand: FloatArray, marks: FloatArray, arm: FloatArray) -> F
     Args:
         stand: (4,) position of the yaw axis in [m], and the base's heading as its cosine and sine.
         marks: (p, 11) rows of the path, see `PitchArm.marks`.
-        arm: (12,) lengths in [m], cosines and turns of the arm, as the class makes them.
+        arm: (12,) lengths in [m], cosines and turns of the arm, as `PitchArm` computes them.
     """
     angles = np.full((len(marks), 4), np.nan)
     for j in range(len(marks)):

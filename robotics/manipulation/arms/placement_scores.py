@@ -17,7 +17,7 @@ class PlacementScores(NamedTuple):
     """
 
     values: SingleArray
-    """(b, p), 0 where not usable."""
+    """Scores (b, p); 0 where a placement is not usable."""
     usable: BoolArray
     """(b, p): reached, and within the limits of the measure."""
     joined: BoolArray | None = None

@@ -27,23 +27,23 @@ class Scara(NamedTuple):
     """
 
     upper: float = 0.395
-    """First link, in [m]."""
+    """Length of the first link, in [m]."""
     fore: float = 0.610
-    """Second link, in [m]."""
+    """Length of the second link, in [m]."""
     mount: tuple[float, float, float, float] = (0.0, 0.0, 0.6, -math.pi / 2.0)
     """base_T_arm: x, y, z in [m] of the shoulder, the slide up, and yaw in [rad] (x axis to the right)."""
     theta1: tuple[float, float] = (0.0, math.radians(150.0))
-    """Limits on the way, in [rad]."""
+    """Limits of theta1 on the way to a target, in [rad]."""
     theta1_working: tuple[float, float] = (0.0, math.radians(90.0))
-    """Limits at a target, in [rad]: farther, and the first link gets to the sensor on top of the body."""
+    """Limits of theta1 at a target, in [rad]; beyond, the first link reaches the sensor on the body's top."""
     theta2: tuple[float, float] = (math.radians(-160.0), math.radians(-8.0))
-    """Limits in [rad]: straight, the arm has no speed along itself."""
+    """Limits of theta2, in [rad], because a straight arm cannot move its tip along itself."""
     slide: tuple[float, float] = (0.0, 0.6)
-    """Limits in [m]."""
+    """Limits of the slide, in [m]."""
     stowed: tuple[float, float] = (math.radians(150.0), math.radians(-15.0))
     """Joint angles of the stowed arm, in [rad]."""
     middle: tuple[float, float] = (math.radians(120.0), math.radians(-60.0))
-    """Between stowed and any target, so that the tip doesn't come to the wheels, in [rad]."""
+    """Joint angles between stowed and any target that keep the tip away from the wheels, in [rad]."""
 
     def tip(self, q: FloatArray) -> FloatArray:
         """Return the position of the tip.

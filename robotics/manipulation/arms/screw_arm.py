@@ -29,7 +29,7 @@ class FreeTurn(IntEnum):
 
 
 class ScrewArm:
-    """Inverse kinematics of all cells by descent, each from the point before it on the path.
+    """Inverse kinematics by descent for base poses and points, each from the point before it on the path.
 
     Reachability is found by trial: a reachable cell may be reported as out of reach, never the other way
     round. Top speeds are exact for arms with as many joints as the task has numbers or one more; with more

@@ -20,13 +20,13 @@ class ScrewChain(NamedTuple):
     axes: FloatArray
     """(n, 3): unit vectors along the axes."""
     points: FloatArray
-    """(n, 3): a point on each, in [m]."""
+    """(n, 3): a point on each axis, in [m]."""
     base_T_tip: FloatArray
-    """(4, 4): with all angles at zero."""
+    """(4, 4): pose of the tip with all angles at zero."""
     lower: FloatArray
-    """(n,): joint limits, in [rad]."""
+    """(n,): lower joint limits, in [rad]."""
     upper: FloatArray
-    """(n,)."""
+    """(n,): upper joint limits, in [rad]."""
 
     @classmethod
     def of_arm(cls, arm: ArmModel) -> ScrewChain:
@@ -55,7 +55,7 @@ class ScrewChain(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """No tip is farther from the first axis' point than this, in [m]."""
+        """Upper bound of the tip's distance from the point on the first axis, in [m]."""
         knots = np.vstack((self.points, self.base_T_tip[:3, 3]))
         return float(np.linalg.norm(np.diff(knots, axis=0), axis=1).sum())
 

@@ -26,7 +26,7 @@ class StartPool(NamedTuple):
     postures: FloatArray
     """(m, n) joint angles, in [rad]."""
     poses: FloatArray
-    """(m, 4, 4) base_T_tip of each."""
+    """(m, 4, 4) base_T_tip of each posture."""
 
 
 class ToolTargets(NamedTuple):
@@ -323,7 +323,7 @@ def _best_score(
         target: (4, 4) wanted base_T_tip.
         twist: (6,) motion of the tool for each metre of path, in the base frame, [m/m] and [rad/m].
         rule: requirements.
-        before: score at the point before, whose angles `best` holds; from an unusable one none starts.
+        before: score at the point before, whose angles `best` holds; if unusable, no descent starts there.
         posture: posture of the descents, written.
         best: (n,) in [rad], written.
     """

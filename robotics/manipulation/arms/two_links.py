@@ -1,4 +1,4 @@
-"""Two links in a plane, as inner loops use them."""
+"""Inverse kinematics of two links in a plane, for inner loops."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def two_links(
         side: 1 for an elbow to the left of the line to (x, y), -1 to the right.
 
     Returns:
-        whether it is reached, the first link's x and y, the second's, and the sine from first to second.
+        whether (x, y) is reached, the first link's x and y, the second's, and the sine from first to second.
     """
     squared = x * x + y * y
     if squared > (first + second) ** 2 or squared < (first - second) ** 2 or squared == 0.0:

@@ -21,9 +21,9 @@ class DoorJoint(NamedTuple):
     closed: Transform
     """Pose (4, 4) of the handle with the door closed."""
     hinge: tuple[float, float] | None
-    """x and y of the hinge in that frame, in [m]; None for a slide."""
+    """x and y of the hinge in the frame of the closed door's handle, in [m]; None for a slide."""
     sign: float
-    """1 or -1: of the turn about z when the door opens, or of the way along x."""
+    """Sign (1 or -1) of the handle's turn about z, or of its motion along x, when the door opens."""
 
     @property
     def radius(self) -> float:
@@ -64,7 +64,7 @@ class DoorJoint(NamedTuple):
         return self.sign * math.remainder(turn, 2.0 * math.pi)
 
     def travel(self, opening: float) -> float:
-        """Return the way of the handle to an opening, in [m]."""
+        """Return the length of the handle's path up to an opening, in [m]."""
         return opening if self.hinge is None else opening * self.radius
 
     def heading(self, opening: float) -> float:
@@ -86,5 +86,5 @@ class DoorJoint(NamedTuple):
         return self.sign * math.remainder(turn, 2.0 * math.pi)
 
     def curvature(self) -> float:
-        """Return the signed curvature of its path, in [1/m]: positive to the left, 0 for a slide."""
+        """Return the signed curvature of the handle's path, in [1/m]: positive to the left, 0 for a slide."""
         return 0.0 if self.hinge is None else self.sign / self.radius

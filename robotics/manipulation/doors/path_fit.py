@@ -23,26 +23,26 @@ class PathPrior(NamedTuple):
     """Direction at the start, in [rad]."""
     heading_sigma: float
     curvature: float
-    """In [1/m], positive to the left."""
+    """Curvature in [1/m], positive to the left."""
     curvature_sigma: float
     slope_sigma: float
-    """Standard deviation of the slope of its plane, along each level axis, without unit."""
+    """Standard deviation of the slope of the path's plane, along each level axis, without unit."""
 
 
 class HingeFit(NamedTuple):
     """Axis about which a handle turns."""
 
     point: FloatArray
-    """(3,) of the axis in the plane of the path, in [m]."""
+    """Point (3,) where the axis meets the plane of the path, in [m]."""
     covariance: FloatArray
-    """(2, 2) of its x and y, in [m²]."""
+    """Covariance (2, 2) of the point's x and y, in [m²]."""
     radius: float
-    """[m]"""
+    """Distance of the path from the axis, in [m]."""
     radius_sigma: float
     axis: FloatArray
-    """(3,) unit vector, upwards."""
+    """Unit vector (3,) along the axis, upwards."""
     axis_sigma: float
-    """Standard deviation of its tilt in the worse direction, in [rad]."""
+    """Standard deviation of the axis' tilt in the worse direction, in [rad]."""
 
 
 class PathFit(NamedTuple):
@@ -56,13 +56,13 @@ class PathFit(NamedTuple):
     """(3,) first point, in [m]."""
     state: FloatArray
     covariance: FloatArray
-    """(6, 6)."""
+    """Covariance (6, 6) of `state`."""
     rms: float
     """Root mean square of the points' distances from the path, in [m]."""
 
     @property
     def curvature(self) -> float:
-        """In [1/m], positive to the left."""
+        """Curvature in [1/m], positive to the left."""
         return float(self.state[CURVATURE])
 
     @property

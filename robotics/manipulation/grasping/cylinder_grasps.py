@@ -27,8 +27,8 @@ def cylinder_grasps(
 ) -> Iterator[Grasp]:
     """Yield the grasps of an upright cylinder, straight ones from above first.
 
-    From above the pads close on the side in any direction; from aside they do so, or on both ends. Turns
-    about the axis begin at the direction to the robot.
+    From above the pads close on the round side in any direction; from aside they close on it or on the ends.
+    Turns about the axis begin at the direction to the robot.
 
     Args:
         diameter: in [m].

@@ -17,7 +17,7 @@ from handcart.robotics.manipulation.motions.collision_model import CollisionMode
 from handcart.robotics.numerics.arrays import FloatArray
 
 LIMIT_ROUNDING = 1e-6
-"""[rad] or [m] beyond a limit that come from the rounding of a trajectory which ends at the limit."""
+"""Tolerance beyond a joint limit, in [rad] or [m], for the rounding of a trajectory that ends there."""
 
 
 def plan_motion(
@@ -111,7 +111,7 @@ _SHORTCUTS = 80
 
 
 def _longer_ways(arm: ArmModel, q_start: FloatArray, q_goal: FloatArray) -> Iterator[FloatArray]:
-    """Yield the same posture with one continuous joint each turned the longer way to it."""
+    """Yield the goal posture with one continuous joint at a time turned the longer way."""
     for joint in np.flatnonzero(arm.endless):
         goal = np.array(q_goal, dtype=np.float64)
         goal[joint] -= np.copysign(2.0 * np.pi, goal[joint] - q_start[joint])
@@ -119,7 +119,7 @@ def _longer_ways(arm: ArmModel, q_start: FloatArray, q_goal: FloatArray) -> Iter
 
 
 def _between(start: pin.SE3, goal: pin.SE3, share: float) -> Transform:
-    """Position on the straight line, orientation on the shortest turn."""
+    """Return the pose at a share of the straight line, and of the shortest turn, between two poses."""
     turn = pin.exp3(share * pin.log3(start.rotation.T @ goal.rotation))
     result = np.eye(4)
     result[:3, :3] = start.rotation @ turn

@@ -10,10 +10,10 @@ from typing import Any
 
 
 class _LoadedOnUse(ModuleType):
-    """Stands for a module while others import it.
+    """Placeholder of a module that is loaded when one of its attributes is first used.
 
-    `importlib.util.LazyLoader` does not: up to Python 3.11, importing a module that is there already reads
-    its `__spec__`, and this loads it.
+    `importlib.util.LazyLoader` is no substitute: up to Python 3.11, importing a module that is there
+    already reads its `__spec__`, and this loads it.
     """
 
     def __getattr__(self, name: str) -> Any:

@@ -1,4 +1,4 @@
-"""A path of tool poses, with what its tracking needs at each point."""
+"""A path of tool poses, with tangent, turn and arc length at each point."""
 
 from __future__ import annotations
 
@@ -147,5 +147,5 @@ def _check_steps(steps: FloatArray, rotations: FloatArray, longest_step: float, 
 
 
 def _turns(rotations: FloatArray) -> FloatArray:
-    """(p-1, 3) rotation vectors from each to the next, in world."""
+    """Return the rotation vectors (p-1, 3) from each orientation to the next, in world."""
     return np.asarray(Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).as_rotvec())

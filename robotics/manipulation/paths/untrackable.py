@@ -1,4 +1,4 @@
-"""Why a path can't be tracked."""
+"""Error of a path that cannot be tracked."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ class Untrackable(ValueError):
 
     Attributes:
         index: number of the first bad point, from 0; a file's line follows from it.
-        why: what is wrong with it.
-        nearest: position (3,) near it, in [m], that could be tracked; None where none is known.
+        why: what is wrong with that point.
+        nearest: position (3,) near that point, in [m], that could be tracked; None where none is known.
     """
 
     def __init__(self, index: int, why: str, nearest: FloatArray | None = None) -> None:

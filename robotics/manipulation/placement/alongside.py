@@ -30,7 +30,7 @@ class Leg(NamedTuple):
     start: Pose2
     """world_T_base at the path's first point."""
     score: float
-    """Integral along the part, in [m]: up to its length."""
+    """Integral of the score along that part of the path, in [m]; at most its length."""
 
 
 def level_with(start: Pose2, points: FloatArray) -> FloatArray:

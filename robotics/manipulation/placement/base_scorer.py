@@ -31,12 +31,12 @@ class _Grid(NamedTuple):
     """Density of the base poses that are tried."""
 
     step: float
-    """[m]"""
+    """Distance between base poses, in [m]."""
     headings: int
     points: int
     """Maximum number of points of the path."""
     bases: int
-    """At most, about: where more would be tried, the step grows."""
+    """Maximum number of base poses; the step grows until the grid has no more."""
 
 
 FINE_GRID = _Grid(0.1, 20, 400, 60_000)  # for the closed form: 0.1 us a cell
@@ -46,7 +46,7 @@ COARSE_GRID = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
 class BaseScorer:
     """Scores base poses for one arm and its work, and follows a path from one of them.
 
-    Scores are the sure ones: eq. 6 of Shin (2005), and the exact condition for speed.
+    Scores are those of a `Measure`; by default eq. 6 of Shin (2005), and the exact condition for speed.
 
     Raises:
         ValueError: a joint of the arm slides, or has no lever that is fast and strong enough.
@@ -183,8 +183,8 @@ class BaseScorer:
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
     def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
-        """Return the joints (p, n) along a path as `joints` does; raise if poses slightly off the placement
-        don't follow.
+        """Return the joints (p, n) along a path as `joints` does; raise if the arm does not
+        follow from poses slightly off.
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].

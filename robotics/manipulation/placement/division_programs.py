@@ -1,6 +1,6 @@
 """The inner loops of dividing a path, compiled.
 
-Arrays are (p, b): points x placements. A step is what lies between two points; its gain is its length times
+Arrays are (p, b): points x placements. A step joins two neighbouring points; its gain is its length times
 the mean of the scores at both ends, and a placement must be usable at both.
 """
 

@@ -23,7 +23,7 @@ class PathSegment(NamedTuple):
     """Number of the base pose."""
     first: int
     last: int
-    """Points of the path, both included."""
+    """Last point of the segment; `first` and `last` are both included."""
 
 
 class Division(NamedTuple):
@@ -38,7 +38,7 @@ class TooFewPlacements(Untrackable):
     """More placements are needed than were allowed.
 
     Attributes:
-        needed: the fewest that do.
+        needed: smallest number of placements that is enough.
     """
 
     def __init__(self, index: int, count: int, needed: int) -> None:
@@ -50,7 +50,7 @@ def fewest_placements(scores: PlacementScores) -> int:
     """Return the smallest number of placements that track the whole path.
 
     Raises:
-        Untrackable: none does; the first bad point is named.
+        Untrackable: no set of placements does; the first bad point is named.
     """
     return len(_longest_first(scores))
 

@@ -1,4 +1,4 @@
-"""Placements moved off their grid, to where they are worth most."""
+"""Placements moved off their grid, to the poses with the best scores."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .placement_division import Division, PathSegment, best_division
 
 Scorer = Callable[[FloatArray, ToolPath], PlacementScores]
-"""Scores of base poses (b, 3) along a path: an arm's with its rule, less what rules placements out."""
+"""Function that returns the scores of base poses (b, 3) along a path; excluded poses are not usable."""
 
 _TRIES = 48
 _SHRINK = 0.5
@@ -44,8 +44,8 @@ def refine(
 ) -> Refinement:
     """Move each placement to its segment's best score, divide again among old and new, and repeat.
 
-    It ends when neither helps: a local optimum, never worse than the beginning. This search does not bound
-    its distance from the best of all: see `placement_bound`.
+    The search ends when neither improves the score: at a local optimum, never worse than the start.
+    It does not bound the distance from the global optimum: see `placement_bound`.
 
     Args:
         scorer: returns the scores of base poses.
@@ -104,7 +104,7 @@ def _climb(
 
 
 def _worth(scorer: Scorer, bases: FloatArray, part: ToolPath) -> FloatArray:
-    """Integrals (b,) of the whole part; -inf where some of it can't be tracked."""
+    """Return the integrals (b,) of the scores over a part; -inf if a point of it cannot be tracked."""
     scores = scorer(bases, part)
     sound = scores.usable.all(axis=1)
     if scores.joined is not None:

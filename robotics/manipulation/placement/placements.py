@@ -14,23 +14,23 @@ class Work(NamedTuple):
     """Speed, force and tolerances of a tool along a path."""
 
     speed: float
-    """[m/s]"""
+    """Speed of the tool, in [m/s]."""
     force: float
-    """Along the path, at most, in [N]."""
+    """Maximum force of the tool along the path, in [N]."""
     free: FreeTurn
     azimuth_tolerance: float
     """Azimuth tolerance used with FreeTurn.VERTICAL, in [rad]."""
 
 
 class Placements(NamedTuple):
-    """A path divided among places."""
+    """A path divided among base placements."""
 
     bases: FloatArray
     """(k, 3): x and y in [m], heading in [rad]; one for each segment."""
     segments: tuple[PathSegment, ...]
-    """Their numbers are those of the path's points, placements those of `bases`."""
+    """Segments between points of the path; their `placement` is a row of `bases`."""
     scores: tuple[float, ...]
-    """Integral along each segment, in [m]: up to its length."""
+    """Integral of the score along each segment, in [m]; at most the segment's length."""
 
     @property
     def score(self) -> float:

@@ -50,7 +50,7 @@ class Placer(BaseScorer):
             path: path of the tool.
             blocked: check of many base poses.
             count: maximum number of placements; None: as few as possible.
-            free: check of the chosen ones, with the angles along their part.
+            free: check of the chosen placements, with the joint angles along their parts of the path.
             cost: score that one more placement must gain, in [m].
 
         Raises:
@@ -104,7 +104,7 @@ class Placer(BaseScorer):
         return chosen, best._replace(segments=tuple(renumbered))
 
     def _placements(self, bases: FloatArray, segments: tuple[PathSegment, ...], path: ToolPath) -> Placements:
-        """With the scores of the segments on the path's own points."""
+        """Return the placements with the scores of their segments on the path's own points."""
         found = []
         for segment in segments:
             part = path.part(segment.first, segment.last)
@@ -115,7 +115,7 @@ class Placer(BaseScorer):
     def _not_followed(
         self, placements: Placements, path: ToolPath, free: Free | None
     ) -> dict[int, Untrackable]:
-        """Rows of the base poses from which the arm doesn't follow its part, and why."""
+        """Return errors by the row of each base pose from which the arm does not follow its segment."""
         found = dict[int, Untrackable]()
         for segment in placements.segments:
             base, part = placements.bases[segment.placement], path.part(segment.first, segment.last)
@@ -155,12 +155,12 @@ def _neighbours(bases: FloatArray, step: float, turn: float) -> FloatArray:
 
 
 def _thinned(points: int, most: int) -> IndexArray:
-    """Numbers of at most that many of the points, ends included."""
+    """Return the indices (k,) of at most `most` points, evenly chosen, both ends included."""
     return np.unique(np.linspace(0, points - 1, min(points, most)).round().astype(np.intp))
 
 
 def _on(division: Division, kept: IndexArray) -> tuple[PathSegment, ...]:
-    """Segments by the numbers of the path's own points."""
+    """Return the segments of a division of thinned points, in indices of the path's own points."""
     return tuple(
         PathSegment(part.placement, int(kept[part.first]), int(kept[part.last])) for part in division.segments
     )

@@ -1,4 +1,4 @@
-"""Places for single goals of the hand: which of them are served from which stop of the base."""
+"""Stops of the base, from each of which the hand serves some of its goals."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from .placement_division import best_division_by_cost
 from .placer import Blocked, Placer
 
 Sight = Callable[[float], ToolPath]
-"""Motion of the hand with which it looks at a landmark from a base of that heading in [rad]."""
+"""Function that returns the hand's motion for a look at a landmark, given the base's heading in [rad]."""
 Touches = Callable[[FloatArray, int], str]
-"""Check that names the obstacle touched from a base pose (3,) at the goal of that number; empty if clear."""
+"""Function that names the obstacle touched from a base pose (3,) at a goal of given index; empty if none."""
 
 STOP_OFFSET_M = 0.05  # [m] by which a base stops beside its place
 STOP_TURN_RAD = 0.05  # [rad]
@@ -41,7 +41,7 @@ class Goal(NamedTuple):
     """Work of the hand at one place."""
 
     work: ToolPath
-    """Motion of the hand there, along which it is scored."""
+    """Motion of the hand at the goal, along which a stop is scored."""
     looks: tuple[ToolPath, ...] = ()
     """Other poses that the hand must reach."""
 
@@ -53,22 +53,22 @@ class BaseStop(NamedTuple):
     """(3,) x and y in [m], heading in [rad]."""
     first: int
     last: int
-    """Goals, both included."""
+    """Last goal that is served; `first` and `last` are both included."""
     sights: tuple[int, ...]
-    """Landmarks that can be looked at from there."""
+    """Indices of the landmarks that can be looked at from the stop."""
     scores: FloatArray
-    """(last - first + 1,) of the goals: the least along each motion, 0 to 1."""
+    """Least score along the motion at each goal, (last - first + 1,), from 0 to 1."""
 
 
 class StopTable(NamedTuple):
-    """Base poses b, goals n, landmarks m."""
+    """Scores of b base poses for n goals, and which of m landmarks are in sight."""
 
     values: FloatArray
-    """(b, n), 0 where not served."""
+    """Scores (b, n); 0 where a goal is not served."""
     served: BoolArray
-    """(b, n): reached and looked at, also from where a base may stop beside its place."""
+    """Mask (b, n) of goals whose motions are all reached, also from poses slightly off the stop."""
     sights: BoolArray
-    """(b, m)."""
+    """Mask (b, m) of the landmarks that can be looked at."""
 
     @property
     def usable(self) -> BoolArray:
@@ -116,7 +116,17 @@ class StopPlacer:
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
     ) -> tuple[BaseStop, ...]:
-        """Return the best stops of the base for some goals."""
+        """Return the best stops of the base for some goals.
+
+        Args:
+            goals: goals in the order in which they are served.
+            blocked: check of many base poses.
+            touches: check of each chosen stop at its goals; None: nothing is checked.
+            cost: score that one more stop must gain, without unit.
+
+        Raises:
+            Untrackable: a goal cannot be served from any base pose; its `index` is that of the goal.
+        """
         around = _joined(goals)
         candidates = self._placer.candidates(around)
         bases = candidates[~blocked(candidates)]
@@ -238,6 +248,6 @@ def _without(
 
 
 def _joined(goals: Sequence[Goal]) -> ToolPath:
-    """Return the motions at all goals, one after the other, as far as places around them are asked for."""
+    """Return the motions at all goals as one path, for a search of base poses around it."""
     works = [goal.work for goal in goals]
     return ToolPath(*(np.concatenate(field) for field in zip(*works, strict=True)))

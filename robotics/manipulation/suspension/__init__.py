@@ -1,1 +1,1 @@
-"""A base that yaws and leans when its arm moves."""
+"""A base that yaws and tilts when its arm moves."""

@@ -18,9 +18,9 @@ class StopRule(NamedTuple):
     """Tolerances within which a landmark counts as seen where it was planned (eq. 13)."""
 
     position: float = 0.0005
-    """eps1, of x and of y in the camera frame, in [m]."""
+    """Tolerance eps1 of x and of y in the camera frame, in [m]."""
     angle: float = 0.0035
-    """eps2, about the camera's z, in [rad]."""
+    """Tolerance eps2 of the turn about the camera's z, in [rad]."""
 
     def met(self, planned: Transform, seen: Transform) -> bool:
         """Return True if a landmark is seen near enough to where it should be.
@@ -46,7 +46,7 @@ class StopRule(NamedTuple):
 
 
 PAPER_RULE = StopRule(0.0005, 0.2)
-"""The paper's. With it the turn that is left must not be forgotten: see `PlannedView.travelling_error`."""
+"""Tolerances of the paper; they leave a turn that `PlannedView.travelling_error` takes into account."""
 
 
 class PlannedView(NamedTuple):

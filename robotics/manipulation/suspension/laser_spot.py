@@ -28,9 +28,9 @@ class SpotShift(NamedTuple):
     """
 
     reach: tuple[float, float]
-    """Motion of the hand along the base's x and y since then, in [m]."""
+    """Motion of the hand along the base's x and y since the reference posture, in [m]."""
     swings: float
-    """Moves out and back since then."""
+    """Moves out and back since the reference posture."""
     left: float
     """Motion of the spot along the wall, to the left as seen from the robot, in [m]."""
     up: float

@@ -1,4 +1,4 @@
-"""Identifying the base's yaw and lean from what was measured in a calibration run."""
+"""Identification of the base's yaw and tilt from the measurements of a calibration run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from handcart.robotics.manipulation.suspension.suspension_model import Suspensio
 from handcart.robotics.numerics.arrays import FloatArray
 
 LARGEST_SIGMAS = SuspensionModel(0.5e-3, 2e-3, 2e-3, 0.2)
-"""A parameter that is known less well than this was not measured."""
+"""Largest standard deviation with which each parameter counts as measured."""
 _START = SuspensionModel(0.0, -5e-3, 5e-3, 0.0)
 _STEPS = np.array([1e-3, 1e-2, 1e-2, 0.1])
 _BEST = 1e-5  # no measurement is believed to be better [m], [rad]
@@ -94,7 +94,7 @@ def fit_sightings(
 def _weight(
     sighting: Sighting, hand_T_camera: Transform, base_T_sheet: Transform, arm_error: float
 ) -> FloatArray:
-    """Return (8, 8) that makes what a sighting is off by uncorrelated and of unit variance."""
+    """Return the matrix (8, 8) that makes a sighting's residuals uncorrelated and of unit variance."""
     camera_T_base = inverse(sighting.swing.base_T_hand @ hand_T_camera)
     x, y, z = apply(camera_T_base @ base_T_sheet, sighting.corners).T
     zero = np.zeros(4)
@@ -104,7 +104,7 @@ def _weight(
 
 
 def _rays(base_T_camera: Transform, points: FloatArray) -> FloatArray:
-    """Return (n, 2) x/z, y/z of points (n, 3) of the base."""
+    """Return the rays (n, 2), x/z and y/z in the camera frame, to points (n, 3) of the base frame."""
     inside = apply(inverse(base_T_camera), points)
     return np.asarray(inside[:, :2] / inside[:, 2:3])
 
@@ -116,7 +116,7 @@ def _fit(
     known: Mapping[str, float],
     best: float = _BEST,
 ) -> SuspensionFit:
-    """Least squares over what isn't known of the model, and some `others`; `count` swings were measured.
+    """Fit the unknown parameters of the model, and some `others`, to `count` measurements by least squares.
 
     No residual is believed to be smaller than `best`.
     """

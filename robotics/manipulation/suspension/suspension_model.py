@@ -30,7 +30,7 @@ def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float 
 class SuspensionModel(NamedTuple):
     """A base that turns by the same angle each time the arm swings out, and sinks on the arm's side.
 
-    The lean is in proportion to the hand's distance from the base's z axis: the centre of gravity moves with
+    The tilt is in proportion to the hand's distance from the base's z axis: the centre of gravity moves with
     the arm, and the springs are linear.
     """
 
@@ -41,7 +41,7 @@ class SuspensionModel(NamedTuple):
     pitch_per_m: float
     """Pitch in [rad/m] for each metre of the hand to the front (+x); positive if the front sinks."""
     pivot: float
-    """Height of the axes of lean above the base frame's origin, in [m]."""
+    """Height of the tilt axes above the base frame's origin, in [m]."""
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
         """Return the motion reference_T_base (4, 4) of the base since the hand was at a reference.

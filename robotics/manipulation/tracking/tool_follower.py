@@ -26,7 +26,7 @@ class ToolFollower:
     If a base didn't stop at its planned pose, call `joints` with its measured pose, near the planned
     angles: the tool is on the path again, as exactly as the base was measured.
 
-    A redundant arm, a free turn of the tool included, keeps away from its limits meanwhile.
+    A redundant arm also keeps away from its joint limits; a free turn of the tool makes an arm redundant.
 
     Args:
         arm: the arm; all its joints turn.
@@ -113,7 +113,7 @@ class ToolFollower:
 
 
 def _azimuth(pose: Transform, target: Transform) -> float:
-    """Angle between the levels of two tools' x axes, in [rad]."""
+    """Return the angle between the level parts of two tools' x axes, in [rad]."""
     across = target[0, 0] * pose[1, 0] - target[1, 0] * pose[0, 0]
     along = target[0, 0] * pose[0, 0] + target[1, 0] * pose[1, 0]
     return float(abs(np.arctan2(across, along)))

@@ -17,9 +17,9 @@ class LimitUse(NamedTuple):
     """Speed and torque at each set-point, as shares of the limits."""
 
     speed: FloatArray
-    """(k, n): 1 is the limit."""
+    """Joint speeds (k, n) as shares of their limits."""
     torque: FloatArray
-    """(k, n)."""
+    """Joint torques (k, n) as shares of their limits."""
 
     @property
     def violations(self) -> int:

@@ -1,4 +1,4 @@
-"""When the arm is where on its path: tool speed as asked where the joints allow it, less where they don't."""
+"""Timing of an arm along its path, with the wanted tool speed where the joints allow it, less elsewhere."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class TimedTracking(NamedTuple):
     set_points: FloatArray
     """(k, n), one each period, in [rad]."""
     lengths: FloatArray
-    """(k,): how far along the path each is, in [m]."""
+    """Arc length (k,) along the path at each set-point, in [m]."""
     use: LimitUse
     """Use of the limits, at every set-point; nothing above 1."""
 
@@ -39,11 +39,11 @@ class TrackingLimits(NamedTuple):
     speed: float
     """Maximum speed of the tool, in [m/s]."""
     acceleration: FloatArray
-    """(n,), in [rad/s²]."""
+    """Acceleration limits (n,) of the joints, in [rad/s²]."""
     torque: FloatArray
-    """(n,), in [Nm]."""
+    """Torque limits (n,) of the joints, in [Nm]."""
     force: float = 0.0
-    """With which the tool pushes along the path, in [N]."""
+    """Force with which the tool pushes along the path, in [N]."""
 
 
 def time_tracking(

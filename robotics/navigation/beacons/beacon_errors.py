@@ -21,4 +21,4 @@ class BeaconErrors(NamedTuple):
     scale: float = 0.01
     """Sigma of the relative range error that all beacons share."""
     bias_walk: float = 0.01
-    """Random walk of that, in [m/√s]: with none, claims are far too good where a bias isn't constant."""
+    """Random walk of a bias, in [m/√s]; with 0, covariances are far too small if a bias is not constant."""

@@ -101,7 +101,7 @@ class BeaconFilter(FieldLocalizer):
 
     @property
     def biases(self) -> Belief:
-        """(k,) of the beacons, in [m], and (k, k)."""
+        """Range biases (k,) of the beacons in [m], and their covariance (k, k) in [m²]."""
         own = slice(states.STATE_SIZE, -1)
         return Belief(self._mean[own].copy(), self._spread[own, own].copy())
 
@@ -141,7 +141,7 @@ class BeaconFilter(FieldLocalizer):
         self._left_out[beacon] = long and fits.sum() >= MIN_OTHER_BEACONS
 
     def _forecast(self, beacon: int) -> tuple[float, FloatArray]:
-        """Return a range in [m], and how it depends on the states (1, n)."""
+        """Return the expected range in [m], and its derivative (1, n) by the states."""
         lever = level_lever(self._errors.tag, self.tilt, float(self._mean[states.HEADING]))
         x, y, height = self._errors.places[beacon].tolist()
         away = np.array([x, y]) - self._mean[:2] - lever

@@ -18,13 +18,13 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 from handcart.robotics.numerics.compiled import compiled
 
 TRAVEL_ROOM_M = 0.02
-"""Room beside the robot's circle that its ways keep."""
+"""Room beside the robot's circle that its routes keep."""
 VIEW_ROOM_M = 0.06
-"""Minimum distance of the places that it looks from."""
+"""Room beside the robot's circle at places from which it looks at a frontier."""
 VIEW_M = 1.5
 """Distance along free ground from a frontier within which the robot must be able to look at it."""
 HALF_CELL = 0.5
-"""Between the centre of a cell and its side, in cells."""
+"""Distance from the centre of a cell to its side, in [cells]."""
 ALL_AROUND = np.ones((3, 3), np.uint8)
 """Kernel of a cell and its eight neighbours."""
 
@@ -33,15 +33,15 @@ class Frontier(NamedTuple):
     """A connected part of the border that the robot could cross."""
 
     middle: tuple[float, float]
-    """Cell of it nearest to its centre of mass, in [m]."""
+    """Centre of the frontier's cell that is nearest to its centre of mass, in [m]."""
     size: float
     """Diagonal of its bounding box, in [m]."""
     cells: FloatArray
-    """(n, 2) its cells, in [m]."""
+    """Centres (n, 2) of the frontier's cells, in [m]."""
     view: tuple[float, float] | None
-    """Nearest place from which the robot can look at it, in [m]; None if it gets nowhere near."""
+    """Nearest place from which the robot can look at it, in [m]; None if it cannot get near."""
     distance: float
-    """Length of the way to that place, in [m]; infinite without one."""
+    """Length of the way to `view`, in [m]; infinite without one."""
 
 
 class Border(NamedTuple):
@@ -52,13 +52,13 @@ class Border(NamedTuple):
     cells: int
     """Number of border cells that belong to free ground connected with the robot's."""
     passable: int
-    """Number of those that the robot's middle could cross."""
+    """Number of border cells that the robot's middle could cross."""
     small: int
-    """Number of those in parts that are shorter than its radius."""
+    """Number of passable cells in parts that are shorter than the robot's radius."""
     left: list[int]
-    """Number of those around each point that is left."""
+    """Number of passable cells around each point at which the border is left as it is."""
     free_m2: float
-    """Area of that free ground."""
+    """Area of all free ground on the map."""
 
 
 def find_border(

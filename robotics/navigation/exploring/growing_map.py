@@ -72,7 +72,7 @@ class GrowingMap:
         return pose.compose(odometry.relative_to(last))
 
     def carry_on_from(self, odometry: Pose2, displacement: Pose2) -> None:
-        """Carry poses on from where the base was found at odom_T_base; `displacement` is start_T_base."""
+        """Carry poses on from `displacement`, start_T_base, where the base was found at odom_T_base."""
         self._found = odometry, self.poses[0].compose(displacement)
 
     def add(self, frame: Keyframe) -> LineMatch:

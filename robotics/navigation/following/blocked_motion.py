@@ -29,16 +29,16 @@ class _Period(NamedTuple):
     now: Pose2
     """Estimated map_T_base at its end."""
     ahead: float
-    """Distance that the base moved that way, in [m]; negative backwards."""
+    """Distance that the base moved in `direction`, in [m]; negative against it."""
     direction: float
-    """Direction in which it is driven against its heading, in [rad]."""
+    """Direction in which the base is driven, relative to its heading, in [rad]."""
 
 
 class Blocked(NamedTuple):
     """Evidence that something stops a base that is driven."""
 
     pose: Pose2
-    """map_T_base where it does not get on, as estimated: it may have rebounded since."""
+    """Estimated map_T_base where the base is blocked; it may have rebounded since."""
     heading: float
     """Heading of the base when the window began, in [rad]; wheels that keep driving turn the base on the
     spot.
@@ -48,12 +48,12 @@ class Blocked(NamedTuple):
     commanded: float
     """Distance commanded in the window, in [m]."""
     rolled: float
-    """Distance that the wheels rolled in it by their encoders, in [m]."""
+    """Distance that the wheels rolled in the window by their encoders, in [m]."""
     moved: float
-    """Distance that the base moved in it by all sensors the way that it was driven, in [m]; negative where it
-    rebounded."""
+    """Distance that the base moved in the window in the driven direction, by all sensors, in [m]; negative
+    where it rebounded."""
     direction: float = 0.0
-    """Direction in which it was driven against its heading, in [rad]; `pose` and `heading` include it."""
+    """Direction of travel relative to the heading, in [rad]; `pose` and `heading` include it."""
 
     @property
     def slips(self) -> bool:
@@ -75,7 +75,7 @@ class BlockedMotion:
 
         Args:
             period: control period, in [s].
-            confirming: periods in a row that have to show it.
+            confirming: number of periods in a row that have to show that the base is blocked.
         """
         self._confirming = confirming
         self._shortest = max(2, round(SHORTEST_WINDOW_S / period))
@@ -98,7 +98,7 @@ class BlockedMotion:
             rolled: travel of the wheels in the direction of travel, in [m].
             before: estimated map_T_base before the period.
             now: estimated map_T_base after the period.
-            direction: direction of travel against the heading, in [rad].
+            direction: direction of travel relative to the heading, in [rad].
         """
         if speed == 0.0:
             self.clear()

@@ -1,4 +1,4 @@
-"""Detect that one wheel of a base, or both, does not get on as it is commanded, also on the spot."""
+"""Detect that one wheel of a base, or both, does not move as commanded, also during turns on the spot."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class BlockedWheel(NamedTuple):
     pose: Pose2
     """Estimated map_T_base."""
     evidence: Blocked
-    """Travel of one such wheel that was commanded, rolled and made; its poses are along the wheel's way."""
+    """Commanded, rolled and actual travel of a blocked wheel; its poses are along the wheel's way."""
 
 
 class BlockedWheels:

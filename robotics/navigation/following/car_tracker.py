@@ -38,7 +38,7 @@ class _Leg:
 class CarTracker:
     """Follows a path of a car with front steering to its end by pure pursuit.
 
-    It has the face of `PathTracker`. Nothing is regulated at the end: a car can't move sideways.
+    It has the interface of `PathTracker`. Nothing is regulated at the end: a car can't move sideways.
     """
 
     def __init__(self, legs: list[tuple[FloatArray, bool]], sharpest: float, limits: DriveLimits) -> None:

@@ -49,7 +49,7 @@ class Ramp:
     """Keeps commands within speeds and accelerations; remembers the last one."""
 
     def __init__(self, limits: DriveLimits) -> None:
-        """At rest."""
+        """Start at rest."""
         self.limits = limits
         self.speed = 0.0
         self.turn_rate = 0.0

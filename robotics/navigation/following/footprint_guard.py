@@ -82,7 +82,8 @@ class FootprintGuard:
             length: length of the arc, in [m]; below zero backwards.
             turn: turn along the arc, in [rad], positive to the left.
             view: field of view of the lidar; None if it sees nothing.
-            direction: of travel in [rad] against the heading; `pose` and `scan` head there.
+            direction: of travel, relative to the base's heading, in [rad]; the x axis of `pose` and of `scan`
+                points there.
         """
         shape = self._shape.turned(direction) if direction else self._shape
         view = view if view is None or not direction else view.turned(direction)

@@ -119,7 +119,7 @@ class PathTracker:
         return self._closing
 
     def _is_at_end(self, dt: float) -> bool:
-        """Return whether the rest is what braking takes, or not driven for long; called once a period.
+        """Return whether the rest is within the braking distance, or lasts too long; call it once a period.
 
         `dt` is the control period in [s].
         """
@@ -246,7 +246,7 @@ def _curvatures(heading: FloatArray, along: FloatArray) -> FloatArray:
 
 
 def _around(most: FloatArray) -> FloatArray:
-    """Return (n,) the least of each point's and its neighbours': the robot is never quite at one."""
+    """Return the least limit (n,) of each point and its neighbours: the robot is never exactly at a point."""
     if len(most) < 2 * ZONE_MARGIN_POINTS + 1:
         return np.full(len(most), most.min())
     padded = np.pad(most, ZONE_MARGIN_POINTS, mode="edge")

@@ -117,11 +117,11 @@ class PoseRegulator:
                 self._phase = _Phase.ALIGN
 
     def _aim(self, pose: Pose2, goal: Pose2) -> float:
-        """Turn that is left before it drives."""
+        """Return the turn that is left before the base drives, in [rad]."""
         return self._bearing(goal) if self._heading is None else wrap(self._heading - pose.theta)
 
     def _bearing(self, goal: Pose2) -> float:
-        """Turn that points the front, or the back, at the goal."""
+        """Return the turn that points the front, or the back, at the goal, in [rad]."""
         bearing = math.atan2(goal.y, goal.x)
         return wrap(bearing + math.pi) if self._backwards else bearing
 

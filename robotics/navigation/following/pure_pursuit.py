@@ -16,7 +16,7 @@ SEARCH_AHEAD_M = 0.4  # [m] of path ahead in which the nearest point is looked f
 class PurePursuit:
     """Steers for a point of the path ahead; slows down before the end.
 
-    The path's own curvature is fed forward, so that in a bend the car isn't always late.
+    Past the end of the path, that point is on a straight line along the path's last heading.
     """
 
     def __init__(
@@ -32,8 +32,8 @@ class PurePursuit:
 
         Args:
             poses: (n, 3) of the path, in [m, m, rad].
-            curvatures: (n,) of it, in [1/m].
-            ahead: to the point that is steered for, in [m].
+            curvatures: (n,) of the path, in [1/m].
+            ahead: distance to the point that is steered for, in [m].
             sharpest: curvature that the steering allows, in [1/m].
             speed: in [m/s].
             acceleration: in [m/s²], also for braking.
@@ -47,7 +47,7 @@ class PurePursuit:
 
     @property
     def left(self) -> float:
-        """Way to the end, in [m]."""
+        """Length of path still ahead, in [m]."""
         return float(self._along[-1] - self._along[self._at])
 
     def command(self, pose: Pose2, speed: float, dt: float) -> tuple[float, float]:
@@ -75,7 +75,7 @@ class PurePursuit:
         return min(self._speed, speed + self._acceleration * dt, stopping, left / dt)
 
     def _steer(self, pose: Pose2) -> float:
-        """Return the arc that ends on the path's continuation, by how it differs from the path's own arc."""
+        """Return the curvature in [1/m] of the arc to the point of the path `ahead` of the car."""
         target = int(np.searchsorted(self._along, self._along[self._at] + self._ahead))
         beyond = self._along[self._at] + self._ahead - self._along[-1]
         point = self._poses[min(target, len(self._poses) - 1)]

@@ -71,7 +71,7 @@ class SidewaysTracker(PathTracker):
         return self._ramp.towards(x, turn_to(heading, pose, self._limits), dt, y)
 
     def _velocity(self, reference: Pose2, pose: Pose2, off: float, most: float) -> tuple[float, float]:
-        """Return the wanted speed ahead and to the left in [m/s]; the base heads `off` by that in [rad]."""
+        """Return the wanted speeds ahead and to the left in [m/s]; `off` is the heading's error in [rad]."""
         planned = min(most, float(np.interp(self._progress, self._along, self._speed)))
         planned *= max(MIN_TURNING_RATIO, math.cos(0.5 * off) ** 2)
         beside = reference.inverse().apply(np.array([[pose.x, pose.y]]))[0, 1]

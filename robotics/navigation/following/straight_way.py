@@ -25,8 +25,8 @@ class StraightWay:
 
         Args:
             pose: world_T_base.
-            along: where on the way it should be now, in [m] from the start.
-            speed: with which that moves, in [m/s].
+            along: where on the way the base should be now, in [m] from the start.
+            speed: speed of that point along the way, in [m/s].
             dt: of the period, in [s].
         """
         here = pose.relative_to(self._start)

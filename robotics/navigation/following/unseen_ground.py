@@ -30,7 +30,7 @@ def unseen_edge(
 ) -> FloatArray | None:
     """Return the middle of the unseen ground that a disc comes to on an arc, or None where it sees enough.
 
-    The leading edge of the disc at the arc's end is looked at: it is unseen where no sound beam points.
+    The leading edge of the disc at the arc's end is checked; it is unseen where no beam with a reading is.
 
     Args:
         angles: (n,) of the beams in the sensor frame, ascending, in [rad].
@@ -92,7 +92,7 @@ def _leading_edge(radius: float, curvature: float, length: float) -> FloatArray:
 
 
 def _is_seen(bearing: FloatArray, angles: FloatArray, blind: BoolArray, spacing: float) -> BoolArray:
-    """Return (k,) whether the beam nearest to each bearing is sound, and near enough."""
+    """Return (k,) whether the beam nearest to each bearing has a reading, and is near enough."""
     around = angles[0] - 0.75 * spacing + np.mod(bearing - angles[0] + 0.75 * spacing, 2.0 * math.pi)
     nearest = np.clip(np.rint((around - angles[0]) / spacing).astype(int), 0, len(angles) - 1)
     off = np.abs((around - angles[nearest] + math.pi) % (2.0 * math.pi) - math.pi)

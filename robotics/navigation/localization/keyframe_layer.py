@@ -1,8 +1,9 @@
-"""A local map from the robot's own scans, to be located by where the given map explains too little.
+"""Local map of the robot's own scans, for localization where the given map explains too little.
 
-Scans enter it only after some motion (keyframes): a robot that matches each scan with the one before follows
-its own noise. A pose found by it is as uncertain as that of the keyframe it was found by, carried over to the
-present pose, and the noise of the match; so the uncertainty of the start stays, and each new keyframe adds.
+Scans are added only after some motion (keyframes): a robot that matches each scan with the one before follows
+its own noise. The covariance of a pose found among keyframes is that of the matched keyframe, carried over
+to the present pose, plus the noise of the match: the uncertainty of the start stays, and each keyframe
+adds to it.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class LayerMatch(NamedTuple):
     pose: Pose2
     """map_T_base."""
     covariance: FloatArray
-    """(3, 3) of x, y in [m] and heading in [rad], that of the keyframe in it."""
+    """(3, 3) of x, y in [m] and heading in [rad], including that of the matched keyframe."""
     inliers: float
     """Share of the points that the keyframes explain."""
 
@@ -53,7 +54,7 @@ class KeyframeLayer:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self) -> None:
-        """No keyframe yet."""
+        """Start without keyframes."""
         self.clear()
 
     def clear(self) -> None:

@@ -108,11 +108,11 @@ class Localizer(ABC):
         self.extend_map(field)
 
     def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Take over a pose that the wheels deny; how far it is from theirs is unsure from now on.
+        """Take over a pose that contradicts the wheels, and add its distance from theirs to the covariance.
 
         Args:
             pose: map_T_base by scans.
-            covariance: (3, 3) that it adds to that of the pose, in [m, m, rad].
+            covariance: (3, 3) that is added to that of the pose, in [m, m, rad].
         """
         off = pose_difference(self.pose, pose)
         self._odometry.shift(pose, covariance + np.outer(off, off))
@@ -127,7 +127,11 @@ class Localizer(ABC):
 
     @abstractmethod
     def correct(self, points: FloatArray) -> bool:
-        """Take a scan's end points (n, 2), base frame, in [m]; whether the estimate could be corrected."""
+        """Correct the estimate by a scan, and return whether that was possible.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+        """
 
 
 class ScanLocalizer(Localizer):

@@ -122,9 +122,9 @@ class OdometryLocalizer(Localizer):
 
     @property
     def added_sigma(self) -> float:
-        """Sigma in [m], along the worst direction, that the drive since then has added to the pose.
+        """Sigma in [m], along the worst direction, that the drive since the last check has added to the pose.
 
-        0 where no scan at rest can take it away: without a map, and where the map explained none.
+        0 if no scan at rest can reduce it: without a map, or if the map explained no scan.
         """
         if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
             return 0.0

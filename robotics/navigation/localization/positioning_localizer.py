@@ -25,7 +25,7 @@ class PositioningLocalizer(Localizer):
     """A Kalman filter: wheels carry the pose on, readings of a positioning system correct it.
 
     A late reading is first carried on by what the wheels have done since. At rest the readings are averaged.
-    Readings that nothing explains, three in a row, say that the base was moved: the pose is then theirs.
+    Three readings in a row that nothing explains mean that the base was moved: its pose is then theirs.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -61,7 +61,7 @@ class PositioningLocalizer(Localizer):
         self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """See `Localizer`; once a period."""
+        """See `Localizer`; to be called once a period."""
         super().predict(left, right, sideways)
         self._poses = (*self._poses[-KEPT_PERIODS:], self.pose)
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
@@ -114,7 +114,7 @@ class PositioningLocalizer(Localizer):
         self._shifts = (*self._shifts[:-1], (*self._shifts[-1], moved))
 
     def _remembered(self, periods: int) -> Pose2:
-        """Return map_T_base of so many periods ago, with all corrections since."""
+        """Return map_T_base of `periods` periods ago, with all corrections since."""
         at = max(0, len(self._poses) - 1 - periods)
         pose = self._poses[at]
         for moved in chain.from_iterable(self._shifts[at:]):

@@ -26,7 +26,7 @@ SHIFT_M, SHIFT_RAD = 0.05, 0.02  # by which a correction by the map makes the ke
 
 
 class UnmappedSurroundings:
-    """Keyframes of a drive on a map, and what they say of a scan that the map explains too little of."""
+    """Keyframes of a drive on a map, to locate scans of which the map explains too little."""
 
     def __init__(self, field: LikelihoodField, sigma: float) -> None:
         """Begin without keyframes; `field` is that of the map, `sigma` the noise of a range in [m]."""
@@ -64,7 +64,7 @@ class UnmappedSurroundings:
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
             found: pose among the keyframes.
-            map_error: (3, 3) factor of the map's share in it, as in `ScanMatch`.
+            map_error: (3, 3) factor of the map's share in the covariance of `found`, as in `ScanMatch`.
         """
         worst = float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1])
         if worst > PARTIAL_SIGMA_M**2 or found.covariance[2, 2] > PARTIAL_SIGMA_RAD**2:

@@ -26,7 +26,7 @@ HEADING_COUNT = 90
 BIN_M, BIN_HEADINGS = 0.4, 4  # within which only the best pose is refined
 MAX_REFINED = 1200
 MAX_REFINED_HARD = 6000
-"""Poses to refine where the first ones do not explain the scan."""
+"""Maximum number of poses to refine if the first ones do not explain the scan."""
 PLAIN_LOG = -10.0  # log-likelihood of a scan that is explained
 REFINE_POINTS = 90
 SAME_M, SAME_RAD = 0.25, math.radians(10.0)  # within which two poses are the same place
@@ -40,7 +40,7 @@ class Found(NamedTuple):
     poses: FloatArray
     """(n, 3) map_T_base, in [m, m, rad]."""
     log_likelihoods: FloatArray
-    """(n,) of the scan."""
+    """Log-likelihoods (n,) of the scan from each pose."""
 
 
 def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:

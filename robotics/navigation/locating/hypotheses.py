@@ -38,7 +38,7 @@ class Look(NamedTuple):
     pose: Pose2
     """local_T_base, by odometry and matching with what was seen before."""
     weight: float
-    """Share to which the scan counts, 0 to 1."""
+    """Weight of the scan, 0 to 1."""
 
 
 class Hypotheses:

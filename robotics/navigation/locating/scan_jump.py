@@ -24,12 +24,12 @@ MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last
 class ScanJump:
     """Compares each scan with the last one that fitted, moved as the wheels say.
 
-    A base that slides off what it ran into moves otherwise than its wheels; its scans show how. Then a scan
-    is also compared with the last one moved as the estimate does.
+    A base that slides off an obstacle moves differently from its wheels; its scans show how. Then a scan is
+    also compared with the last one, moved by the estimated motion.
     """
 
     def __init__(self) -> None:
-        """No scan yet."""
+        """Start without a scan."""
         self._reference: ScanBeams | None = None
         self._moved = Pose2(0.0, 0.0, 0.0)  # since the reference, in its frame
         self._pose = Pose2(0.0, 0.0, 0.0)  # estimated at the reference
@@ -40,7 +40,7 @@ class ScanJump:
     def roll(self, left: float, right: float, tread: float, sideways: float = 0.0) -> None:
         """Take the travel of both wheels, and the travel to the left, into account, in [m].
 
-        `tread` is in [m].
+        `tread` is the distance between the wheels, in [m].
         """
         self._moved = self._moved.compose(rolled_motion(left, right, sideways, tread))
 

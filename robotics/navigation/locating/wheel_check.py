@@ -1,4 +1,4 @@
-"""Comparison of what wheels say of a base's motion with what its scans show, without any map.
+"""Comparison of a base's motion by its wheels with that by its scans, without any map.
 
 A base that something holds (the edge of a table, a low bar, a foot) turns its wheels and stays. Its scans
 stay the same, too: they show how far it moved.
@@ -28,35 +28,35 @@ SHORT_BASELINE, LONG_BASELINE = (0.03, 0.03), (0.2, 0.25)
 MAX_REFERENCE_M, MAX_REFERENCE_RAD = 0.5, 1.0
 """Motion by the wheels, after which the reference is too old."""
 CLEAR_DIFFERENCE = 0.06
-"""Difference of two disagreements, from which scans contradict the wheels."""
+"""Difference of the disagreements of two motions with the scans, from which scans contradict the wheels."""
 MAX_LAG_S = 0.15
 """Time by which scans may be older than the wheels' readings."""
 MIN_SHARE_OFF = 0.3
-"""Share of the wheels' motion that scans must miss: free wheels slip by less."""
+"""Minimum share of the wheels' motion by which scans must differ; wheels that roll freely slip by less."""
 WRONG_SIGMAS = 4.0
 MIN_INLIERS = 0.6
 """Share of the earlier scan that the later one must show again."""
 MIN_INFORMATION_SHARE = 0.05
-"""Share of the information along the best direction of a position, below which another is undetermined."""
+"""Share of the information along the best direction, below which the other direction is undetermined."""
 SMALL_GATES_M = (0.2, 0.1)
 AGREEMENT_SCALE_M = 0.05
-"""Difference of ranges that counts half."""
+"""Difference of ranges at which a beam's disagreement is one half."""
 FASTEST_KEPT = 0.8
 """Share of the greatest speed that is kept from one reference to the next: scans lag behind a stop."""
 AGREEING_SCANS = 6
-"""Scans in a row that agree with the wheels again, until the wheels are believed."""
+"""Number of scans in a row that must agree with the wheels again before the wheels are believed."""
 MIN_BEAMS = 20
 MAX_SLIDE_M, MAX_SLIDE_RAD = 0.15, 0.3
 """Motion beyond that of the wheels from one scan to the next: more, and the base was lifted, not held."""
 
 
 class Contradiction(NamedTuple):
-    """Pose of a base whose wheels deny its motion."""
+    """Pose of a base whose wheels contradict its scans."""
 
     pose: Pose2
     """map_T_base by the pose at the earlier scan, and the motion that the scans show."""
     covariance: FloatArray
-    """(3, 3) of that motion, on the map: x, y in [m] and heading in [rad]."""
+    """(3, 3) of the motion by the scans, on the map: x, y in [m] and heading in [rad]."""
 
 
 class WheelCheck:
@@ -253,7 +253,7 @@ class Baseline:
 def _determined(information: FloatArray, prior: FloatArray) -> FloatArray:
     """Return the information (3, 3) of a match without that about a direction which it hardly determines.
 
-    Along a corridor it is that of the normals' errors. There the `prior` (3, 3) is left.
+    Along a corridor such information comes from the normals' errors; there only the `prior` (3, 3) is left.
     """
     values, directions = np.linalg.eigh((information - prior)[:2, :2])
     if values[0] > MIN_INFORMATION_SHARE * values[1]:

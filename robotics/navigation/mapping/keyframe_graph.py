@@ -27,13 +27,13 @@ from .scan_chain import chain_edges
 from .scan_log import Keyframe
 
 Heard = Callable[[str, float], None]
-"""Receives what is being done, and its finished share."""
+"""Listener to progress, called with the present stage in words and its finished share, 0 to 1."""
 MAX_ROUNDS = 6
-"""Searches for loops, each from better poses than the one before."""
+"""Maximum number of searches for loops, each from better poses than the one before."""
 REFINING_ROUNDS = 2
 REFINING_VIEW_M = 2.0
 SEARCH_STRIDE = 2
-"""Each second keyframe is searched for loops."""
+"""Step from one keyframe that is searched for loops to the next."""
 CHI2_LIMIT = 3.0 * SCALING_CHI2
 """Squared error in sigmas from which a closure contradicts the others."""
 

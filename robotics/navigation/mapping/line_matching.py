@@ -15,7 +15,7 @@ from .scan_surface import Surface
 GATES_M = (0.5, 0.3, 0.15, 0.1)
 """Distances in [m] up to which a point finds its partner, one after the other."""
 STEPS_PER_DISTANCE = 6
-"""Steps at each distance."""
+"""Number of optimization steps at each distance of `GATES_M`."""
 MIN_NORMAL_COSINE = 0.7
 """Minimum cosine of the angle between the normals of two partners."""
 INLIER_M = 0.05
@@ -23,7 +23,7 @@ INLIER_M = 0.05
 MIN_SIGMA_M = 0.005
 """Lower limit in [m] of the residuals' sigma: surfaces are rough, and beams of one surface are correlated."""
 CORRELATED_POINTS = 4.0
-"""Points that count as one: neighbours on a surface share its errors."""
+"""Number of points that count as one, because neighbours on a surface share its errors."""
 BIAS_SHARE, BIAS_SHARE_RAD = 0.15, 0.05
 """Errors of a pose, in [m] and [rad] per metre of the residuals' sigma, that all points share."""
 DAMPING_INFORMATION = np.diag([1.0, 1.0, 1.0])

@@ -21,20 +21,20 @@ from .scan_surface import Surface
 from .window_search import search_window
 
 PLACE_KEYFRAMES = 6
-"""Keyframes on each side of one that belong to the same place."""
+"""Number of keyframes before and after a keyframe that belong to its place."""
 CELL_M = 0.1
 MIN_INLIERS = 0.5
 MAX_CONTRADICTIONS = 0.1
 """Share of points that may lie where the other place saw free space."""
 MIN_PASSES = 2
-"""Beams through a cell that show that it is free."""
+"""Minimum number of beams through a cell that show that it is free."""
 SAMPLE_POINTS = 400
 MAX_CHI2 = 16.3
 """Squared distance in sigmas from the predicted pose: 99.9 % of right ones are nearer."""
 AMBIGUITY_RATIO = 0.9
 """Score of the second best hypothesis, relative to the best, from which the loop is ambiguous."""
 APART_M, APART_RAD = 0.4, math.radians(6.0)
-"""Distances from which on two refined poses are two hypotheses."""
+"""Distance and turn from which on two refined poses count as two hypotheses."""
 MAX_REACH_M, MAX_REACH_RAD = 8.0, 0.7
 MIN_REACH_M, MIN_REACH_RAD = 0.3, 0.1
 REFINING_GATES_M = (0.6, 0.4, 0.2, 0.1)

@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 from .loop_closure import Loop
 
 VIEW_M = 3.0
-"""Distance between two keyframes that see the same place."""
+"""Largest distance between two keyframes that see the same place."""
 MIN_TRAVEL_M = 10.0
 """Length of the shortest loop."""
 MAX_SIGMA_M = 5.0

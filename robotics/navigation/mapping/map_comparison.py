@@ -36,11 +36,13 @@ class MapComparison(NamedTuple):
     outside what the second map knows.
     """
     second: FarArray
-    """(m,) the same of the second map's wall cells."""
+    """(m,) distance of each wall cell of the second map to the nearest one of the first, in [m]; infinity
+    outside what the first map knows.
+    """
 
     def figures(self, distances: FarArray) -> tuple[float, float, float]:
-        """Return median and 95 % of the distances (n,) of common walls, in [m], and the share of missing
-        walls.
+        """Return median and 95 % quantile of the distances (n,) of common walls, in [m], and the share of
+        missing walls.
         """
         known = distances[np.isfinite(distances)]
         near = known[known <= SAME_WALL_M]

@@ -23,7 +23,7 @@ MARGIN_CELLS = 5
 """Unknown cells kept around what is known."""
 MAX_WALL_POINTS = 20_000
 STRAIGHTENING_STEPS_RAD = (math.radians(0.5), math.radians(0.1), math.radians(0.02))
-"""Turns between those that are tried, the first ones up to an eighth of a full turn."""
+"""Steps of three searches for the turn; the first one tries turns of up to an eighth of a full turn."""
 
 
 class NothingLeft(ValueError):
@@ -81,8 +81,8 @@ def turn(grid: GridMap, angle: float) -> GridMap:
 def straightening_angle(grid: GridMap) -> float:
     """Return the smallest turn in [rad] after which most walls lie along x and y.
 
-    At the right turn the occupied cells crowd in few rows and columns: the sum of the squared counts of both
-    is largest.
+    At the right turn most occupied cells are in few rows and columns: the sum of the squared counts of all
+    rows and columns is largest.
     """
     points = grid.to_point(np.argwhere(grid.occupied))
     points = points[:: max(1, len(points) // MAX_WALL_POINTS)]

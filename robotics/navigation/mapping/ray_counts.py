@@ -16,9 +16,9 @@ from handcart.robotics.numerics.compiled import compiled
 from .scan_log import Keyframe
 
 MARGIN_M = 0.5
-"""Room around what was hit."""
+"""Margin of the grid around all that was hit."""
 MIN_HIT_SHARE = 0.25
-"""Share of a cell's beams that end in it from which it is occupied: walls are also passed at flat angles."""
+"""Minimum share of an occupied cell's beams that end in it, because walls are also passed at flat angles."""
 MIN_HITS = 2
 MIN_PASSES = 2
 MAX_CELLS = 100_000_000
@@ -58,7 +58,7 @@ def count_rays(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], resolution
         resolution: side of a cell, in [m].
 
     Raises:
-        TooLarge: the grid would have more than `MAX_CELLS` cells.
+        MapTooLarge: the grid would have more than `MAX_CELLS` cells.
     """
     hits = [pose.apply(frame.hits) for frame, pose in zip(keyframes, poses, strict=True)]
     everything = np.concatenate([*hits, np.array([pose[:2] for pose in poses])])

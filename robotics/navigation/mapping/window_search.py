@@ -22,7 +22,7 @@ MARGIN_M = 1.0
 MAX_HYPOTHESES = 5
 APART_M = 0.6
 APART_RAD = math.radians(8.0)
-"""Distances from which on two poses are two hypotheses."""
+"""Turn from which on two poses count as two hypotheses; `APART_M` is the distance."""
 
 
 class Hypothesis(NamedTuple):

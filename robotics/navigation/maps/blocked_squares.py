@@ -59,9 +59,9 @@ def _measure(
 ) -> None:
     """Fill in `above`, `below` and `distance`.
 
-    Along each row the lower envelope of parabolas (Felzenszwalb and Huttenlocher, 2012), looked at half a
-    cell to either side of a centre: from there it is to a square's centre what it is from the centre to its
-    edge.
+    Along each row, the lower envelope of parabolas (Felzenszwalb and Huttenlocher, 2012) is read half a cell
+    to either side of a centre: the distance from there to a square's centre is that from the centre to the
+    square's edge.
     """
     height, width = blocked.shape
     for column in range(width):
@@ -93,8 +93,8 @@ def _envelope(
     begin: FloatArray,
     between: FloatArray,
 ) -> None:
-    """Compute the least (x - i)² + base[i] at each x = 0.5, 1.5, ... into `between`; the others are for
-    scratch.
+    """Compute the least (x - i)² + base[i] at each x = 0.5, 1.5, ... into `between`; `apex` and
+    `begin` are scratch space.
     """
     last = 0
     apex[0], begin[0], begin[1] = 0, -np.inf, np.inf

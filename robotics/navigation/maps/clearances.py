@@ -19,7 +19,7 @@ class Nearest(NamedTuple):
     distance: float
     """Distance in [m]; 0 inside of the cell, inf if the map is empty."""
     point: FloatArray
-    """(2,) of it, in [m]; NaN where there is nothing."""
+    """Point (2,) of that cell that is nearest, in [m]; NaN if the map is empty."""
 
 
 class Clearances:

@@ -44,7 +44,7 @@ def keepout_cells(grid: GridMap, zones: GridMap) -> BoolArray:
 
 
 def _picked(cells: BoolArray, rows: IntArray, columns: IntArray) -> BoolArray:
-    """(len(rows), len(columns)): those cells, False beyond the edge."""
+    """Return the cells (len(rows), len(columns)) at some rows and columns, False beyond the edge."""
     height, width = cells.shape
     inside = ((rows >= 0) & (rows < height))[:, None] & ((columns >= 0) & (columns < width))
     picked = cells[np.clip(rows, 0, height - 1)[:, None], np.clip(columns, 0, width - 1)]

@@ -39,7 +39,7 @@ def coarsened(grid: GridMap, factor: int) -> GridMap:
 
 
 def _any_of(cells: BoolArray, factor: int, beyond: bool) -> BoolArray:
-    """Return (h, w) whether any of the cells of each block is True; cells `beyond` the border are as said."""
+    """Return (h, w) whether any cell of each block is True; cells off the map have the value `beyond`."""
     height, width = (-(-side // factor) for side in cells.shape)
     found = np.zeros((height, width), dtype=np.bool_)
     for i in range(factor):

@@ -40,7 +40,7 @@ def with_moved(grid: GridMap, things: Iterable[MovedThing]) -> GridMap:
 
 
 def beside(points: FloatArray, outline: FloatArray, margin: float) -> BoolArray:
-    """Return a mask (k,) of the points within a convex polygon or at most so far from its sides.
+    """Return a mask (k,) of the points within a convex polygon or at most a margin away from its sides.
 
     Args:
         points: (k, 2) in [m].

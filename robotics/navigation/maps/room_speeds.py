@@ -21,7 +21,7 @@ class RoomSpeeds(NamedTuple):
 
     grid: GridMap
     clearance: SingleArray
-    """(h, w) distance from the centres of its cells to the nearest obstacle, in [m]."""
+    """(h, w) distance from the centres of the map's cells to the nearest obstacle, in [m]."""
     radius: float
     """Radius of the footprint, in [m]."""
     other: AllowedSpeeds | None = None

@@ -135,8 +135,8 @@ def _take(
 ) -> None:
     """Raise the cells at the ends of beams, then lower those between; positions are rows and columns.
 
-    A cell changes once in a scan (`stamps`), and a hit wins over beams that pass. So do hits beside it: a
-    corner that fills little of its cell is passed more often than it is hit.
+    A cell changes once in a scan (`stamps`), and is not lowered if it or one of its eight neighbours is hit:
+    a corner that fills little of its cell is passed more often than it is hit.
     """
     height, width = scores.shape
     for i in range(len(ends)):

@@ -16,9 +16,9 @@ MAX_REST_TURN_RATE = 0.002  # [rad/s] besides its bias: a faster turn is not res
 
 
 class Attitude:
-    """Yaw by integrating the gyro, its bias learned at rest; roll and pitch by where gravity is felt.
+    """Yaw by integrating the gyro, its bias learned at rest; roll and pitch by the direction of gravity.
 
-    Yaw counts from where it was at first and isn't wrapped away: differences are what it is for. Tilt is
+    Yaw counts from the first heading and is not wrapped, because only its differences are used. Tilt is
     small, and right only where the base isn't accelerated.
     """
 
@@ -29,7 +29,7 @@ class Attitude:
         "_known": float,
         "_felt": FloatArray,
     }
-    """Attributes that change, with their types; so in all that a checkpoint keeps."""
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self) -> None:
         self.yaw = 0.0

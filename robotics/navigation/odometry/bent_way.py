@@ -1,10 +1,10 @@
-"""Second-order share of a heading's error in the error of a position.
+"""Second-order effects of a heading's error on the error of a position.
 
 To first order, an error of the heading moves a base sideways. The cosine of the error shortens the way as
 well, and slip that adds to a heading which is wrong already moves the base in another direction than the
-estimate says. Each is small for a step, but lasts for the drive, and the first order leaves hardly
-anything along the way: after 30 m, errors were 40 times their claimed variance. The second moments of
-these rests are summed up here.
+estimate says. Each effect is small for a step, but lasts for the drive, and to first order there
+is hardly any error along the way: after 30 m, errors were 40 times their claimed variance. The second moments
+of these effects are summed up here.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class BentWay(_BentSums):
         """Return the sums after a pose was measured.
 
         Args:
-            kept: (3, 3) by which an error of the prior x, y and heading is still in the pose.
+            kept: (3, 3) share of the prior's error in x, y and heading that is still in the pose.
         """
         still = np.zeros((3, 3))
         still[0, 0], still[1:, 1:] = kept[2, 2], kept[:2, :2]
@@ -73,7 +73,7 @@ class BentWay(_BentSums):
 def rest_sigmas(variance: float) -> tuple[float, float]:
     """Return the root mean squares of 1 - cos(e) and of e - sin(e) for normal errors e of a heading.
 
-    A step of 1 m is so much shorter, and goes so much less to the side, than the first order in e says.
+    A step of 1 m is shorter, and goes less to the side, by these amounts than the first order in e says.
 
     Args:
         variance: of e, in [rad²].

@@ -209,7 +209,7 @@ class Odometry:
             x: of the step on the map, in [m].
             y: of the step on the map, in [m].
             before: variance of the heading before the step, in [rad²].
-            slip: part of it that the step has added.
+            slip: part of the heading's variance that the step has added, in [rad²].
         """
         bent = self._bent.stepped(x, y, _middle(before, float(self._state[2, 2])), slip)
         self._state[:2, :2] += bent.covariance - self._bent.covariance
@@ -247,7 +247,7 @@ class Odometry:
         return 0.0
 
     def turn_variance(self, left: float, right: float, sideways: float = 0.0) -> float:
-        """Variance in [rad²] of a turn by what is not known of the wheels, over their travel in [m]."""
+        """Variance in [rad²] of a turn by the errors of the wheels, over their travel in [m]."""
         by_scale = np.array([-left, right, -(right - left)]) / self.tread
         return float(by_scale @ self._state[3:6, 3:6] @ by_scale)
 
@@ -257,7 +257,7 @@ class Odometry:
         return float(self._state[3:5, 3:5].sum()) / 4.0
 
     def doubt_scale(self, size: float) -> None:
-        """Expect an error of this size, relative, in the length of ways: both wheels err alike."""
+        """Expect a relative error of a given size in the length of ways, alike for both wheels."""
         self._state[3:5, 3:5] += size**2
 
 

@@ -20,7 +20,7 @@ class RolledWay(NamedTuple):
     sideways: float = 0.0
 
     def added(self, left: float, right: float, sideways: float) -> RolledWay:
-        """Return the travel with more of it.
+        """Return the travel after further travel of the wheels.
 
         Args:
             left: travel of the left wheels, in [m].
@@ -40,7 +40,7 @@ class SlipMonitor:
     STATE: ClassVar = {"_missed": float, "_claimed": float, "_rolled": float, "_ratios": tuple[float, ...]}
 
     def __init__(self) -> None:
-        """Start with what is claimed."""
+        """Start with the claimed variance."""
         self._missed = self._claimed = self._rolled = 0.0
         self._ratios: tuple[float, ...] = ()
 
@@ -65,7 +65,7 @@ class SlipMonitor:
         """Count a turn in [rad] that a scan found the wheels to have missed.
 
         Args:
-            missed: by which the heading was corrected.
+            missed: correction of the heading, in [rad].
             other: variance in [rad²] of the turn in the window for other reasons than slip.
         """
         self._missed += missed
@@ -76,7 +76,7 @@ class SlipMonitor:
         self.begin()
 
     def begin(self) -> None:
-        """Start a window, and drop the counts of this one."""
+        """Start a new window, and drop the counts of the present one."""
         self._missed = self._claimed = self._rolled = 0.0
 
 

@@ -1,5 +1,5 @@
-"""A past moment about which a Kalman filter learns more later: its states then, cloned next to the present
-ones.
+"""States of a Kalman filter at a past moment, cloned next to the present ones, so that later readings correct
+them.
 
 Roumeliotis and Burdick (2002), stochastic cloning; the same algebra is fixed-point smoothing.
 """
@@ -21,9 +21,9 @@ class Belief(NamedTuple):
     """Mean and covariance of the states of a filter or a smoother."""
 
     mean: FloatArray
-    """(n,) states."""
+    """Mean (n,) of the states."""
     covariance: FloatArray
-    """(n, n)."""
+    """Covariance (n, n) of the states."""
 
 
 class BeliefBranch(NamedTuple):
@@ -32,11 +32,11 @@ class BeliefBranch(NamedTuple):
     weight: float
     """Probability of the branch, given the readings; all weights add up to one."""
     transition: FloatArray | None
-    """(n, n), of the change; None where there was none."""
+    """Transition (n, n) of the states by the change; None without a change."""
     covariance: FloatArray
-    """(n, n) of the states after it."""
+    """Covariance (n, n) of the states after the change."""
     residual: FloatArray
-    """(m,) of the readings."""
+    """Residual (m,) of the readings after the change."""
     mean: FloatArray
     """Mean (n,) of the states after the update."""
 

@@ -28,7 +28,7 @@ class WayMonitor:
         self._claimed += variance
 
     def begin(self) -> None:
-        """Start a window, and drop the counts of this one."""
+        """Start a new window, and drop the counts of the present one."""
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:

@@ -1,4 +1,4 @@
-"""A Kalman filter of wheels, gyros and GPS that supposes certain errors of them."""
+"""A Kalman filter of wheels, gyros and GPS with one noise model of them."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ class FieldKalman:
         return self._origin.relative_pose(self.belief)
 
     def smoothed(self) -> list[Belief]:
-        """Return the marked moments by all that was seen so far; none without a record."""
+        """Return the beliefs at the marked moments by all readings so far; none without a record."""
         return [] if self._record is None else self._record.smoothed()
 
     @property
@@ -226,7 +226,7 @@ class FieldKalman:
         return FixResult(False, likelihood, square, why)
 
     def _leap(self, position: FloatArray, sigma: float | None, odometry: GyroOdometry) -> FixResult:
-        """Begin with a fix after which fixes were off together, to find out by how much."""
+        """Update with a fix whose error has jumped to any value since the last one, and find that value."""
         self._monitor.reset()
         self._mean, self._spread = _LEAPT @ self._mean, leapt(self._spread, self.noise.jump)
         self._went_on(_LEAPT)
@@ -235,8 +235,8 @@ class FieldKalman:
         return fixed._replace(log_likelihood=fixed.log_likelihood + math.log(leaps))
 
     def _reflected(self, residual: FloatArray, whole: FloatArray) -> float:
-        """Return the log-likelihood of a rejected fix: anywhere, or off in the same way as those before
-        it.
+        """Return the log-likelihood of a rejected fix, which is off by any value, or by the same as those
+        rejected before it.
         """
         anywhere = log_normal(residual, whole + REFLECTION_SIGMA_M**2 * np.eye(2)) + LOG_REFLECTION_SHARE
         alike, (before, count) = -math.inf, (self._refused[:2], float(self._refused[2]))
@@ -266,7 +266,9 @@ class FieldKalman:
         return [same._replace(log_likelihood=same.log_likelihood + math.log1p(-leaps)), other]
 
     def _take_in(self, skies: list[Sky], rows: FloatArray, variance: float) -> None:
-        """Correct by a fix under each sky, and keep the mixture (first-order generalised pseudo-Bayes)."""
+        """Correct by a fix in each GNSS condition; keep the mixture (first-order generalised
+        pseudo-Bayes).
+        """
         if len(skies) == 1 and skies[0].transition is None:
             self._correct(rows, skies[0].residual, variance)
             return
@@ -376,7 +378,7 @@ class FieldKalman:
             self._record.start()
 
     def _start_again(self, sigma: float) -> bool:
-        """Take the refused fixes' word for the pose, if they have one."""
+        """Start again from the pose on which the refused fixes agree; return whether they agree."""
         heading = math.sqrt(float(self._spread[states.HEADING, states.HEADING]))
         found = self._lost.found(math.hypot(sigma, self.noise.gps_drift), self.pose, heading)
         if found is None:

@@ -22,7 +22,7 @@ STEP_PERIOD_S = 0.1  # [s] of a filter's step; gyros and wheels are integrated w
 
 
 class Inconsistency(NamedTuple):
-    """Fixes aren't where a filter expects them."""
+    """Contradiction between readings and the values that a filter expects."""
 
     what: str
     """Statistic of the readings that is inconsistent."""
@@ -39,7 +39,7 @@ class FieldLocalizer(ABC):
     STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2, "_lead": Pose2 | None}
     """Attributes that change, besides the odometry's, with their types."""
     REST_PERIOD: ClassVar[float] = STEP_PERIOD_S
-    """[s] of a step at rest."""
+    """Duration of a filter step at rest, in [s]."""
     TAKES_FIXES: ClassVar[bool] = True
     """True if it uses GNSS fixes."""
     TAKES_RANGES: ClassVar[bool] = False
@@ -72,7 +72,7 @@ class FieldLocalizer(ABC):
 
     @property
     def meanwhile(self) -> Belief | None:
-        """Pose (3,) and covariance (3, 3) by the fixes while the heading is open; None once it is known.
+        """Pose (3,) and covariance (3, 3) by the fixes while the heading is unknown; None once it is known.
 
         `pose` is by wheels and gyros alone until then, so that the base comes back to where it was.
         """

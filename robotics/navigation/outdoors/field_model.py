@@ -19,16 +19,16 @@ TILT_SIGMA_RAD = math.radians(0.17)  # error of an ordinary levelled acceleromet
 
 
 class FieldModel(NamedTuple):
-    """Thirteen states and how they change with what wheels and gyro say.
+    """Thirteen states, and how they change with the readings of wheels and gyro.
 
     x, y, heading; relative error of the wheels' travel: constant, in curves (new on each leg), slow;
-    direction of travel beside the heading; the vertical gyro's bias, its part that warms away, its scale;
-    slow error of the fixes in x and y, and by how many seconds they come too late.
+    angle from the heading to the direction of travel; the vertical gyro's bias, its part that warms away, its
+    scale; slow error of the fixes in x and y, and by how many seconds they come too late.
     """
 
     noise: FieldNoise
     tilt: float = TILT_SIGMA_RAD
-    """Sigma of the estimated roll and pitch, in [rad]: the antenna isn't where it is thought to be."""
+    """Sigma of the estimated roll and pitch, in [rad], which displaces the antenna."""
 
     def start(self, pose: FloatArray, position_sigma: float) -> tuple[FloatArray, FloatArray]:
         """Return mean (13,) and covariance (13, 13) of the states before the first reading, in SI units.

@@ -14,7 +14,7 @@ class FieldNoise(NamedTuple):
     roughness: float = math.radians(2.5)
     """Roll and pitch of the base, in [rad]."""
     roughness_length: float = 0.4
-    """Distance over which they change, in [m]."""
+    """Distance over which roll and pitch change, in [m]."""
     scale: float = 0.002 * math.sqrt(2.0)
     """Relative error of the wheels' travel, constant all day: slip and calibration."""
     slip: float = 0.004
@@ -26,7 +26,7 @@ class FieldNoise(NamedTuple):
     leg.
     """
     side_slip: float = math.radians(0.8)
-    """Direction of travel beside the heading, in [rad], new every `side_slip_length`."""
+    """Angle from the heading to the direction of travel, in [rad], new every `side_slip_length`."""
     side_slip_length: float = 3.0
     """Distance after which the side slip is new, in [m]."""
     side_slip_turning: float = 0.02
@@ -34,15 +34,15 @@ class FieldNoise(NamedTuple):
     gyro_white: float = math.radians(0.02)
     """Angle random walk, in [rad/√s]."""
     gyro_walk: float = math.radians(0.001)
-    """Random walk of the bias, in [rad/s/√s]."""
+    """Random walk of the gyro's bias, in [rad/s/√s]."""
     gyro_bias: float = math.radians(0.3)
-    """At the start, in [rad/s]."""
+    """Bias of the gyro at the start, in [rad/s]."""
     gyro_warm_up: float = math.radians(0.1)
     """Part of the bias that goes away with warming up, in [rad/s]."""
     gyro_warm_up_time: float = 600.0
     """Time constant of the gyro's warm-up, in [s]."""
     gyro_scale: float = 0.005
-    """Relative error of a turn."""
+    """Relative error of a turn measured by the gyro."""
     accelerometer_white: float = 0.05
     """White noise of one accelerometer reading at rest, in [m/s²]."""
     accelerometer_bias: float = 0.02
@@ -50,13 +50,13 @@ class FieldNoise(NamedTuple):
     vibration: float = 0.4
     """White noise of one accelerometer reading while driving, in [m/s²]."""
     gps_period: float = 1.0
-    """Between fixes, in [s]."""
+    """Time between fixes, in [s]."""
     gps_white: float = 1.0
     """White noise of each fix, an axis, in [m]."""
     gps_drift: float = 0.0
     """Slow error of the fixes, an axis, in [m] (Gauss-Markov)."""
     gps_drift_time: float = 300.0
-    """Over which it changes, in [s]."""
+    """Time over which the slow error of the fixes changes, in [s]."""
     multipath_every: float = math.inf
     """Mean time from the end of one reflection to the next, in [s]."""
     multipath_time: float = 20.0
@@ -70,7 +70,7 @@ class FieldNoise(NamedTuple):
     outliers: float = 0.0
     """Share of single fixes that are `outlier` off."""
     outlier: float = 5.0
-    """An axis, in [m]."""
+    """Error of an outlier, an axis, in [m]."""
     jump_every: float = math.inf
     """Mean time between jumps of the fixes to another error, which stays until the next one, in [s]."""
     jump: float = 3.0
@@ -102,4 +102,4 @@ ANY_VEHICLE = FieldNoise(
     gps_drift=2.0,
     gps_delay=0.5,
 )
-"""A vehicle of which nothing is given: a car's speedometer, a gyro for some coins, a receiver of a phone."""
+"""Errors of a vehicle if none are given, of a car's speedometer, a cheap gyro and a phone's receiver."""

@@ -27,7 +27,7 @@ class FixMonitor:
     """Attributes that change, with their types."""
 
     def __init__(self) -> None:
-        """No fix yet."""
+        """Start without a fix."""
         self._sums: list[FloatArray] = []  # normalised innovations (2,) of believed fixes
         self._doubted: list[FloatArray] = []  # residuals (2,) in [m]
         self.doubting = False
@@ -84,7 +84,7 @@ class FixMonitor:
 
 
 def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return a residual (2,) in sigmas, without unit, by the lower root of its covariance.
+    """Return a residual (2,) in sigmas, without unit, by the lower Cholesky factor of its covariance.
 
     Args:
         residual: (2,) in [m].

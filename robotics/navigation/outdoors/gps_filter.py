@@ -1,4 +1,4 @@
-"""Wheels, gyros and GPS, by several Kalman filters that suppose different errors of them."""
+"""Localization by wheels, gyros and GPS, by several Kalman filters with different noise models."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class GpsFilter(FieldLocalizer):
     """
 
     REST_PERIOD: ClassVar[float] = 1.0
-    """See `FieldLocalizer`: nothing but slow errors change meanwhile."""
+    """See `FieldLocalizer`; nothing but slow errors change at rest."""
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
         "_weights": FloatArray,
@@ -159,7 +159,7 @@ class GpsFilter(FieldLocalizer):
         return self._mixed([filter_.mark() for filter_ in self.filters])
 
     def smoothed(self) -> list[Belief]:
-        """Return the marked moments by all that was seen so far; none without a record."""
+        """Return the beliefs at the marked moments by all readings so far; none without a record."""
         each = [one.smoothed() for one in self.filters]
         return [self._mixed(list(moment)) for moment in zip(*each, strict=True)]
 
@@ -234,7 +234,7 @@ class GpsFilter(FieldLocalizer):
 
 
 def _computable(noise: FieldNoise) -> FieldNoise:
-    """With a start heading that can be computed with, until one is found."""
+    """Return the noise with a finite sigma of the start heading, for use until a heading is found."""
     return noise._replace(start_heading=min(noise.start_heading, UNKNOWN_HEADING_SIGMA_RAD))
 
 

@@ -29,15 +29,15 @@ class Advance(NamedTuple):
     """Motion since the last step of the filter, by wheels and gyro."""
 
     forward: float
-    """Way over ground, level, in [m]."""
+    """Level travel over ground, in [m]."""
     turn: float
     """Change of the heading, without the bias known so far, in [rad]."""
     drift: float
-    """The bias's part that was taken out of `turn`, in [rad]."""
+    """Turn by the known bias, which was taken out of `turn`, in [rad]."""
     time: float
     """Duration in [s]."""
     rest: float
-    """Time of it at rest, in [s]."""
+    """Part of `time` at rest, in [s]."""
     still: float
     """Turn measured by the vertical gyro at rest, caused by its bias alone, in [rad]."""
 
@@ -125,7 +125,7 @@ def _refresh(seen: FloatArray, at: int, values: FloatArray) -> FloatArray:
 
 @compiled
 def _angle_rates(roll: float, pitch: float, rates: FloatArray) -> tuple[float, float, float, float]:
-    """Rates of roll, pitch and yaw by body rates, and of yaw by the third alone."""
+    """Return the rates of roll, pitch and yaw by body rates, and the derivative of yaw's by the third one."""
     sin, cos = math.sin(roll), math.cos(roll)
     across = rates[1] * sin + rates[2] * cos
     return (

@@ -39,11 +39,11 @@ _BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in ran
 
 
 class HeadingBank:
-    """Weighs headings all around by how likely the fixes are by each (multiple models, Magill, 1965).
+    """Weighs headings all around by the likelihood of the fixes under each (multiple models, Magill, 1965).
 
     Each heading has an extended Kalman filter with all states of `FieldModel`. So a slow error of the fixes
     cancels between fixes that are near in time, and a gyro's bias, slipping wheels and late fixes are found
-    out at the same time. Where the base is meanwhile is the mixture of all: about the middle of the fixes.
+    out at the same time. Meanwhile the base's pose is the mixture of all: about the middle of the fixes.
     """
 
     STATE: ClassVar = {
@@ -58,7 +58,7 @@ class HeadingBank:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, start: Pose2, noise: FieldNoise, start_position: float) -> None:
-        """See `begin`; `noise` is what to believe of wheels, gyros and GPS.
+        """See `begin`; `noise` is the noise model of wheels, gyros and GPS.
 
         Fixes without any slow error would be believed too much: where one jumps, nothing else shows it yet.
         """

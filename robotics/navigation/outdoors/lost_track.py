@@ -1,4 +1,4 @@
-"""When refused fixes are right and the filter is wrong."""
+"""Detection that refused fixes are right and the filter is wrong."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class LostTrack:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, patience: int = 200) -> None:
-        """No fix yet; `patience` in fixes, more than a reflection lasts."""
+        """Start without a fix; `patience` is a number of fixes, more than a reflection lasts."""
         self._patience = patience
         self._tracks: list[tuple[float, ...]] = []
 

@@ -9,7 +9,7 @@ from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 MAX_FIX_DELAY_S = 0.3  # [s] that a receiver's fixes may come later than stated
 GNSS_CONDITIONS = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15))
-"""Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds."""
+"""Slow error of the fixes in sigmas of one fix, time in [s] over which it changes, and prior probability."""
 LEAP_CONDITION = (3.0, 600.0, 0.05)  # the same of an error that leaps besides
 # [s] on average: with a shorter one, reflections of some seconds count as leaps
 MIN_LEAP_INTERVAL_S = 1000.0

@@ -21,18 +21,18 @@ from .lost_track import LostTrack
 
 
 class ParticleErrors(NamedTuple):
-    """One-sigma figures that the filter believes; the paper gives only the last but one."""
+    """One-sigma errors that the filter assumes; the paper gives only `gps`."""
 
     forward: float = 0.10
     """Relative error of each step's length."""
     turn: float = math.radians(0.5) / math.sqrt(10.0)
     """Random walk of the heading by distance, in [rad/√m]."""
     start_position: float = 0.05
-    """An axis, in [m]."""
+    """Error of the position at the start, an axis, in [m]."""
     start_heading: float = math.radians(1.0)
     """Error of the heading at the start, in [rad]; infinite if the heading is unknown."""
     gps: float = 1.0
-    """An axis, in [m]."""
+    """Error of a fix, an axis, in [m]."""
     along: float = 0.0
     """Random walk of the travel by distance, in [m/√m], because wheels slip alike for some metres."""
     turn_time: float = 0.0
@@ -42,9 +42,9 @@ class ParticleErrors(NamedTuple):
 
 
 class ParticleFilter(FieldLocalizer):
-    """Six phases, 1,024 particles, ten times a second.
+    """Particle filter with six phases, 1,024 particles, and ten steps a second.
 
-    The paper goes back to the prediction without a new average without a new fix; this one averages
+    Without a new fix, the paper goes back to the prediction without a new average; this filter averages
     in every step. Headings are averaged on the circle. The paper's unusual jumps are fixes beyond five
     sigmas of their own and of the particles' (see `FixMonitor`). Beyond the paper, fixes that are off
     together are rejected too; rejected fixes that agree with each other and with the odometry restart it
@@ -73,7 +73,7 @@ class ParticleFilter(FieldLocalizer):
     ) -> None:
         """Start at a pose; without `euler` the gyros are integrated as printed in the paper.
 
-        `heading_sigma` [rad] is to which the particles' heading has to agree before it counts as known.
+        `heading_sigma` [rad] is the sigma that the particles' heading has to reach before it counts as known.
         """
         super().__init__(start, euler)
         self._heading_sigma = heading_sigma
@@ -162,7 +162,7 @@ class ParticleFilter(FieldLocalizer):
         return believed
 
     def _start_again(self, sigma: float) -> bool:
-        """Take the refused fixes' word for the pose, if they have one."""
+        """Start again from the pose on which the refused fixes agree; return whether they agree."""
         found = self._lost.found(sigma, self._estimate(), math.sqrt(float(self._covariance[2, 2])))
         if found is None:
             return False

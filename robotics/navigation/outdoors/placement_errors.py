@@ -1,4 +1,4 @@
-"""Figures of merit of many placements: as the field test had them, and as they should be had."""
+"""Errors of many placements: their spread, as in the field test, and relative to their covariances."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class TrackRecord:
         self._links, self._latest = self._links[: entries.links], entries.latest
 
     def smoothed(self) -> list[Belief]:
-        """Return the wanted moments, by all that was seen before and after them."""
+        """Return the beliefs at the marked moments, by all readings before and after them."""
         return [belief for run in (*self._over, self._smoothed()) for belief in run]
 
     def _smoothed(self) -> list[Belief]:

@@ -34,7 +34,7 @@ class FarPlanner:
     """Plans routes on a large map at the price of a small one.
 
     Larger cells are occupied where any of theirs is, so that a route on them is free. Narrow passages may be
-    closed on them: that no route was found here says nothing.
+    closed on them: if no route is found here, there may still be one.
     """
 
     def __init__(self, grid: GridMap, shape: Footprint, radius: float, half: float) -> None:

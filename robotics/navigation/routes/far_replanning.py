@@ -22,7 +22,7 @@ WHOLE_PERIOD_S = 10.0  # between two searches on all cells of the map, which tak
 
 
 class FarReplanner:
-    """Looks whether a route still is the one to drive, on a window of a large map.
+    """Decides whether to keep a route or to take another one, on a window of a large map.
 
     The rest of the route is that of `FarPlanner`. Where no way leads on within the window, another far route
     is looked for, and in the end one on all cells of the map, because larger cells close narrow passages.

@@ -17,7 +17,7 @@ def line_price(price: SingleArray, start: FloatArray, end: FloatArray, limit: fl
     The grid is read once for each cell of length. The line is not checked for obstacles.
 
     Args:
-        price: (h, w) price of a cell of length.
+        price: (h, w) price of a line of one cell's length, at each cell.
         start: (2,) row and column, in [cells]; cell centres are at whole numbers.
         end: (2,) row and column, in [cells].
         limit: price above which the line is of no interest.

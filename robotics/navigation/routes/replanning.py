@@ -46,7 +46,7 @@ class RouteLook(NamedTuple):
 
 
 class Replanner:
-    """Looks whether a route still is the one to drive.
+    """Decides whether to keep a route or to take another one.
 
     A free route is kept unless another one costs less than `WORTH_RATIO` of it, so that two ways of about the
     same cost do not alternate.

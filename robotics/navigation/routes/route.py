@@ -42,9 +42,9 @@ class Route(NamedTuple):
     clearance: FloatArray
     """(n,) least distance to any blocked cell's square along the stretches that meet at each point, in [m].
 
-    No spot between two points is nearer than the less of theirs. All of it is at least the graph's radius,
-    but for the way out of where the start itself has less room, and the way in to such a goal: never nearer
-    there than start or goal itself where that is possible."""
+    No spot between two points is nearer than the lesser clearance of the two. The clearance is at least the
+    graph's radius, except near a start or goal that itself has less room; there it is at least that of the
+    start or goal, if possible."""
 
     @property
     def length(self) -> float:
@@ -70,9 +70,9 @@ class _End(NamedTuple):
     ways: list[IntArray]
     """Cells (2+, 2) from `cell` to each join, in straight lines with room."""
     price: FloatArray
-    """(k,) of each way."""
+    """Price (k,) of each way."""
     length: FloatArray
-    """(k,) of each way, in [cells]."""
+    """Length (k,) of each way, in [cells]."""
 
 
 def plan_route(
@@ -84,7 +84,17 @@ def plan_route(
     rounding: float = 1.0,
     passes: int = CORNER_ROUNDING_PASSES,
 ) -> Route | None:
-    """Return a short route that keeps away from obstacles; None if none exists."""
+    """Return a short route that keeps away from obstacles; None if none exists.
+
+    Args:
+        graph: Voronoi graph of the map.
+        start: position on the map, in [m]; a heading is ignored.
+        goal: position on the map, in [m]; a heading is ignored.
+        reach: distance that start and goal may be outside the free space, in [m].
+        least: minimum clearance of the route, in [m]; None is returned for a route with less.
+        rounding: length of corners, as a multiple of the usual one.
+        passes: number of passes that round the corners.
+    """
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
     if ends[0] is None or ends[1] is None:
         return None

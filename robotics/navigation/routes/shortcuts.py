@@ -88,8 +88,8 @@ def straightened(
     sample can be reached by a line, the path itself is followed between the two, point by point.
 
     Args:
-        price: (h, w) price of a cell of length.
-        haste: added price of a cell of length.
+        price: (h, w) price of a line of one cell's length, at each cell.
+        haste: price that is added for each cell of length.
         squares: blocked squares of the map.
         need: clearance of every line, in [cells]; the path's own stretches have it.
         path: (n, 2) row and column, in [cells].

@@ -27,7 +27,7 @@ def _theta_star(
     start: IntArray,
     goal: IntArray,
 ) -> IntArray:
-    """Parents as flat indices, -1 where the search was not."""
+    """Return the parent of each cell as a flat index; -1 for cells that the search did not reach."""
     height, width = free.shape
     cost = np.full(height * width, np.inf)
     parent = np.full(height * width, -1, dtype=np.int64)

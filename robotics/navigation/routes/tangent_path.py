@@ -41,13 +41,13 @@ class CarPath(NamedTuple):
     length: float
     """Total length in [m], backing included."""
     back_before: float = 0.0
-    """Way to be driven straight backwards before it, in [m]; `poses` begin where that ends."""
+    """Distance driven straight backwards before the path, in [m]; `poses` begin where that ends."""
     back_after: float = 0.0
     """Distance driven backwards after the path, to the goal, in [m]."""
 
 
 class _Circle(NamedTuple):
-    """Driven round in one sense only."""
+    """Circle that is driven around in one direction only."""
 
     x: float
     y: float
@@ -300,5 +300,5 @@ def _arc(circle: _Circle, come: float, go: float) -> FloatArray:
 
 
 def _steps(length: float) -> FloatArray:
-    """Ways along a piece of this length, in [m], evenly, without 0."""
+    """Return even distances along a piece of a length, in [m], up to its end, without 0."""
     return np.linspace(0.0, length, math.ceil(length / PATH_SPACING_M - 1e-9) + 1)[1:]

@@ -43,7 +43,7 @@ def _simple_table() -> BoolArray:
 
 
 def _removable_table() -> BoolArray:
-    """(256,): simple and not the end of a line, which must stay or every branch would melt away."""
+    """Return (256,) whether a cell is simple and not the end of a line; ends stay, or no branch would."""
     neighbours = np.array([code.bit_count() for code in range(256)])
     return _simple_table() & (neighbours > 1)
 
@@ -104,7 +104,7 @@ def _peel(
     steps: IntArray,
     table: BoolArray,
 ) -> None:
-    """Remove cells in order; a cell that was kept (2) is asked again when a neighbour of it goes."""
+    """Remove cells in order; a cell that was kept (2) is tested again when a neighbour is removed."""
     waiting = [np.int64(0)]
     waiting.clear()
     for first in order:

@@ -13,8 +13,8 @@ def narrowest_spot(
 ) -> tuple[int, int] | None:
     """Return the cell (row, column) at which the way with the most room everywhere is narrowest.
 
-    Cells are let in from the roomiest on until start and goal are connected (over corners too); the last
-    one is it (a maximum spanning tree's bottleneck; Hu, 1961).
+    Cells are added from the one with the most room on, until start and goal are connected (over corners too);
+    the last one is the narrowest (a maximum spanning tree's bottleneck; Hu, 1961).
 
     Args:
         clearance: (h, w) distance of each cell from obstacles, in any one unit; not above zero where nothing
@@ -23,7 +23,7 @@ def narrowest_spot(
         goal: row and column.
 
     Returns:
-        None if no way at all leads there.
+        Row and column; None if no way leads from start to goal.
     """
     flat = np.ascontiguousarray(clearance).ravel()
     order = np.argsort(-flat, kind="stable")[: int(np.count_nonzero(flat > 0.0))]

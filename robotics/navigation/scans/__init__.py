@@ -1,1 +1,1 @@
-"""What range scans say: of a pose on a map, of a rectangle or a front, of a motion."""
+"""Evidence of range scans for a pose on a map, for the pose of a rectangle or a front, and for a motion."""

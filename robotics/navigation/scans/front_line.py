@@ -29,7 +29,7 @@ class FrontLine(NamedTuple):
     angle_std: float
     """Standard deviation of the angle, in [rad]."""
     inliers: int
-    """Points that made the line."""
+    """Number of points on the line."""
 
 
 def fit_front(

@@ -66,8 +66,8 @@ class LikelihoodField:
     def facing(self) -> Uint16Array:
         """Distances (8, h, w) of the cells to the nearest surface that faces the sensor, by `beam_sectors`.
 
-        In steps of which a cell has `STEPS_PER_CELL`, at most 255 cells. (1, h, w), the distance to any
-        surface, where the map was drawn from echoes.
+        In whole steps, of which a cell has `STEPS_PER_CELL`, up to 255 cells. If the map was drawn from
+        echoes, (1, h, w): the distance to any surface.
         """
         if self._is_drawn:
             return _in_steps(self.distance / np.float32(self.map.resolution))[None]
@@ -125,7 +125,7 @@ class LikelihoodField:
 
 
 def _distances(surface: BoolArray) -> SingleArray:
-    """Return (h, w) of all cells to the nearest one of a surface, in cells; inf without one."""
+    """Return the distance (h, w) of each cell to the nearest surface cell, in [cells]; inf without one."""
     if not surface.any():
         return np.full(surface.shape, np.inf, dtype=np.float32)
     away = (~surface).astype(np.uint8)

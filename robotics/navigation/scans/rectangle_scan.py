@@ -77,7 +77,7 @@ def fit_rectangle(
         scans: from one pose of the base.
         size: of the rectangle along its x and y, in [m].
         expected: pose of its middle in the base frame.
-        covariance: (3, 3) of that, x, y in [m] and heading in [rad].
+        covariance: (3, 3) of the expected pose, x, y in [m] and heading in [rad].
         sigma: noise of a range, in [m].
     """
     rays = _averaged(scans, sigma)

@@ -1,4 +1,4 @@
-"""Share of a scan's information along a direction that is more than the grain of the map.
+"""Share of a scan's information along a direction that does not come from the raster of the map.
 
 Gauss-Newton counts the slope of the likelihood field at every point as information. Along a straight wall
 that is not parallel to the axes, the cells of the map form a staircase whose slopes say nothing: the scan
@@ -102,7 +102,7 @@ class _Shifted(NamedTuple):
 
     grid: GridMap
     facing: Uint16Array
-    """(k, h, w) of the map's cells to the nearest surface that faces the sensor, in steps."""
+    """Distances (k, h, w) of the map's cells to the nearest surface that faces the sensor, in steps."""
     sectors: Int32Array
     """(m,) which of the k distances each point reads."""
     points: FloatArray
@@ -121,7 +121,8 @@ class _Shifted(NamedTuple):
         """Rise of the cost along a direction (2,), as it is seen and as the slopes claim it.
 
         Both as a number of points: those on a wall straight across that would make it rise as much. The least
-        of several shifts counts: grain that lies as before after one of them doesn't after another.
+        of several shifts counts, because a raster that fits as before after one of them does not
+        after another.
         """
         rises = self._rises(direction[None], 1, self.slopes)[0].tolist()
         return min(seen / one for seen, _, one in rises), min(claimed / one for _, claimed, one in rises)
@@ -140,7 +141,7 @@ class _Shifted(NamedTuple):
         )
 
     def _rises(self, rays: FloatArray, every: int, slopes: FloatArray) -> FloatArray:
-        """See `rises`: along directions (k, 2), by every so manieth point."""
+        """Return `rises` along directions (k, 2), by each point whose number is a multiple of `every`."""
         grid = self.grid
         steps, corner = SHIFT_CELLS * grid.resolution, (grid.origin_x, grid.origin_y)
         where = rays, steps, every, corner, grid.resolution, self.facing, self.sectors, self.points
@@ -257,7 +258,7 @@ def _cost(square: float, scale: float) -> float:
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
     """Return the evidence if the previous scan confirms it.
 
-    The grain of the map looks like evidence only now and then.
+    The raster of the map looks like evidence only now and then.
     """
     if before is None or before.share > 0.0:
         return seen

@@ -41,10 +41,10 @@ class ScanMatch(NamedTuple):
     map_error: FloatArray
     """(3, 3) factor W of the map's share W Wᵀ in `covariance`: the same for all scans at one place."""
     kept: FloatArray
-    """(3, 3) by which an error of the prior is still in the pose; zero where the scan alone determines it."""
+    """Share (3, 3) of the prior's error still in the pose; zero where the scan alone determines the pose."""
     spread: FloatArray
-    """(3, 3), the same without the map's cells, and with the noise that the scan shows where that is more:
-    how far matches from one place lie apart."""
+    """Covariance (3, 3) of matches from one place, without the error of the map's cells, and with the noise
+    that the scan shows if that is more than the stated noise."""
     evidence: ScanEvidence
     """Information of this scan alone about the direction that it determines worst."""
     inliers: float
@@ -164,7 +164,7 @@ def match_scan(
 
 
 def _inverse(covariance: FloatArray, small: float = 1e-12) -> FloatArray:
-    """Return that of a symmetric matrix (3, 3) with a `small` number added to its diagonal, from its L D Lᵀ.
+    """Return the inverse of a symmetric matrix (3, 3), from L D Lᵀ, with `small` added to the diagonal.
 
     By hand: a call of LAPACK takes ten times as long. Minors would lose too much where it is almost singular.
     """
@@ -271,7 +271,7 @@ def descend_scan(
 
 @compiled
 def _thin(hessian: FloatArray, gradient: FloatArray, direction: FloatArray, share: float) -> None:
-    """Leave the points a share of what they say about the position along a direction (2,)."""
+    """Reduce the points' information on the position along a direction (2,) to a share, in place."""
     less = 1.0 - math.sqrt(share)
     pull = gradient[0] * direction[0] + gradient[1] * direction[1]
     along = np.empty(3)
@@ -324,7 +324,7 @@ def _median(values: FloatArray) -> float:
 
 
 def _cells(points: FloatArray, resolution: float) -> FloatArray:
-    """Return (3, 3) factor of what no number of beams averages away: where surfaces lie in their cells."""
+    """Return a factor (3, 3) of the error that more beams do not reduce: the depth of surfaces in cells."""
     reach = math.sqrt(float(np.vdot(points, points)) / points.size + 0.01) if len(points) else 1.0
     bias = CELL_BIAS * resolution
     return np.diag([bias, bias, 0.5 * bias / reach])

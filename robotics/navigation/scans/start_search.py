@@ -58,10 +58,10 @@ class StartFit(NamedTuple):
     share: float
     """Share of the beams that the map explains from the stated start."""
     other: Pose2 | None = None
-    """map_T_base of a place that explains more."""
+    """map_T_base of a place from which the map explains more beams; None without one."""
     other_share: float = 0.0
     is_sure: bool = False
-    """True if that place is the only one, and explains nearly all."""
+    """True if `other` is the only such place, and the map explains nearly all beams from there."""
 
     @property
     def contradicts(self) -> bool:

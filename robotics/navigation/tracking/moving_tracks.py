@@ -97,7 +97,7 @@ class MovingTracks:
     """Tracker of all bodies with the size of a person or a cart; it separates moving bodies from others."""
 
     def __init__(self, reach: float) -> None:
-        """BodyTrack up to a distance from the lidar, in [m]."""
+        """Track bodies up to a distance from the lidar, in [m]."""
         self._reach = reach
         self._bodies: list[_Body] = []
         self._past: deque[PastScan] = deque()
@@ -110,7 +110,7 @@ class MovingTracks:
 
     @property
     def suspects(self) -> list[BodyTrack]:
-        """Return bodies that may be people: they came where ground was free, how fast is not known."""
+        """Return bodies that may be people: they appeared on free ground, at a speed not yet known."""
         since = self._time - SUSPECT_S
         return [
             self._track_of(body) for body in self._bodies if not body.is_person and body.entered_at >= since

@@ -1,4 +1,4 @@
-"""People where they will be: predicted distances to a robot's motion, and cells to plan around."""
+"""Predicted positions of people, their distances to a robot's motion, and cells to plan around."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class People(NamedTuple):
         return np.hstack([self.positions, self.velocities, self.covariances[:, [0, 0, 1], [0, 1, 1]]])
 
     def chosen(self, mask: BoolArray) -> People:
-        """Return some of them, by a mask (p,)."""
+        """Return some of the people, by a mask (p,)."""
         return People(*(item[mask] for item in self))
 
     def spreads(self, times: FloatArray) -> FloatArray:

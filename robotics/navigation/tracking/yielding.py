@@ -71,8 +71,8 @@ def safe_share(
 def yielding_speed(ahead: FloatArray, speed: float, people: People, radius: float, keep: float) -> float:
     """Return the speed along a route that keeps a distance to people, in [m/s]; 0 means to wait.
 
-    The fastest speed that keeps the distance counts; if none does, the fastest of those that come about as
-    little near as possible. If all of them touch a person, standing counts unless motion leads away.
+    The fastest speed that keeps the distance counts; if none does, the fastest of those that
+    keep about the largest distance. If all of them touch a person, standing counts unless motion leads away.
 
     Args:
         ahead: (n, 2) route from the robot on, on the map, in [m].

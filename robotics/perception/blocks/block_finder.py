@@ -142,7 +142,7 @@ def _turned(picture: ByteArray, columns: int, rows: int) -> SingleArray:
 
 
 def _cut(stack: SingleArray, x: int, y: int, reach: int) -> SingleArray:
-    """Return the places (turns, n, n), displaced by whole pixels."""
+    """Return the middle (turns, n, n) of a stack of pictures, displaced by whole pixels."""
     _, height, width = stack.shape
     row, column = height // 2 + y, width // 2 + x
     return stack[:, row - reach : row + reach + 1, column - reach : column + reach + 1]

@@ -40,7 +40,7 @@ class _Models(NamedTuple):
     at: FloatArray
     width: FloatArray
     basis: FloatArray
-    """(n, 3, 21)"""
+    """Profiles (n, 3, 21) whose factors are a, b and c."""
     solve: FloatArray
     """(n, 3, 21): a, b, c are this times a profile."""
 
@@ -49,7 +49,7 @@ class _Fit(NamedTuple):
     at: FloatArray
     width: FloatArray
     weights: FloatArray
-    """(k, 3)"""
+    """Factors a, b and c (k, 3) of the best model."""
     model: FloatArray
     left: FloatArray
     """(k,) mean squared residual; infinite where no model has a step down."""

@@ -23,9 +23,9 @@ class Face(NamedTuple):
     """A bright rectangle in a plane."""
 
     long_side: float
-    """[m]"""
+    """Length of the long side, in [m]."""
     short_side: float
-    """[m]"""
+    """Length of the short side, in [m]."""
     distance: float
     """Distance of its centre from the expected one, in [m]."""
     direction: float

@@ -10,10 +10,10 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 OUTWARD_NORMALS: FloatArray = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-"""Out of the edges at +x, +y, -x, -y: the order of edges everywhere."""
+"""Outward unit normals (4, 2) of the edges at +x, +y, -x and -y, the order of edges everywhere."""
 EDGE_DIRECTIONS: FloatArray = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 AXIS, OTHER = np.array([0, 1, 0, 1]), np.array([1, 0, 1, 0])
-"""Axes (0: x, 1: y) along which the edges are apart, and run."""
+"""Axis (0 is x, 1 is y) at right angles to each edge, and axis along it."""
 _ENDS = 0.08  # of an edge that is skipped at each end: the blurred corners
 
 

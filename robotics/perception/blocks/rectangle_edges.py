@@ -39,15 +39,15 @@ class _Edges(NamedTuple):
     """Points on the four edges, k segments of each."""
 
     along: FloatArray
-    """(4, k) from the edge's middle, in [m]."""
+    """Positions (4, k) along each edge from its middle, in [m]."""
     out: FloatArray
-    """(4, k) out of where the edge was taken to be, in [m]."""
+    """Distances (4, k) outwards from each edge as it was assumed, in [m]."""
     lit: BoolArray
-    """(4, k) whether the segment is to be seen, and like the edge's others."""
+    """Mask (4, k) of the segments that are visible and agree with the others of their edge."""
     seen: BoolArray
-    """(4,)"""
+    """Mask (4,) of the edges that were found."""
     sure: BoolArray
-    """(4,) where the top's edge isn't mixed up with its foot's."""
+    """Mask (4,) of the found edges that cannot be confused with an edge of the foot."""
 
 
 def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> Pose2 | None:
@@ -79,7 +79,7 @@ def _by_far_edges(view: PlaneView, wanted: FloatArray, rough: Rectangle) -> Rect
 
 
 def _settled(view: PlaneView, wanted: FloatArray, last: Rectangle) -> Rectangle | None:
-    """Fitted again from where the last fit was, until little changes."""
+    """Repeat the fit from its last result until that hardly changes; None if a fit fails."""
     for _ in range(_ROUNDS):
         edges = _edges(view, last)
         fine = None if edges is None else _enclosed(last, wanted, edges)
@@ -92,7 +92,7 @@ def _settled(view: PlaneView, wanted: FloatArray, last: Rectangle) -> Rectangle 
 
 
 def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
-    """Fit a step to each edge's usual profile, and that step to the profiles of all its segments."""
+    """Fit a step to each edge's median profile, and that step to the profiles of all its segments."""
     share, scale = shares(_ROWS), _m_per_px(view, rectangle)
     ends = across(rectangle.half, share, scale * SAMPLE_POSITIONS_PX[0], scale * SAMPLE_POSITIONS_PX[-1])
     greys = view.profiles(rectangle.pose, *ends, len(SAMPLE_POSITIONS_PX))
@@ -113,7 +113,7 @@ def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
 
 
 def _m_per_px(view: PlaneView, rectangle: Rectangle) -> FloatArray:
-    """Return (4,) across each edge, in its middle."""
+    """Return the metres per pixel (4,) across each edge, in its middle."""
     step = np.full(4, 0.0005)
     ends = view.pixels(rectangle.pose, np.stack(across(rectangle.half, np.zeros(1), -step, step)))
     return np.asarray(2 * step / np.linalg.norm(ends[1] - ends[0], axis=-1)[:, 0])

@@ -113,7 +113,7 @@ def _index(reading: ShelfReading, gap: Gap) -> int:
 
 
 def _at(reading: ShelfReading, place: int) -> float | None:
-    """Return y of a book inserted at that place between its neighbours, in [m]."""
+    """Return y of a book inserted at a place between its neighbours, in [m]."""
     sides = [book.right for book in reading.books[:place][-1:]] + [
         book.left for book in reading.books[place : place + 1]
     ]
@@ -174,7 +174,7 @@ def _neighbours(
 def _misplaced(
     numbers: Sequence[CallNumber | None], wanted: CallNumber, place: int
 ) -> tuple[CallNumber, ...]:
-    """Return the reads that are in no longest order around the place."""
+    """Return the reads that belong to no longest ordered sequence around the place."""
     in_order = [
         *ordered(_only(numbers[:place], below=wanted)),
         *ordered(_only(numbers[place:], above=wanted)),

@@ -56,7 +56,8 @@ def _papers(view: FlatView) -> list[ByteArray]:
     """Return the view with print painted over, which leaves paper as one bright patch: print is thinner than
     3 mm.
 
-    So are the seams beside a label as broad as its spine: the second closes nothing across spines.
+    Closing also removes the seams beside a label as broad as its spine, so the second view is closed along
+    spines only.
     """
     papers = [
         np.asarray(cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones(size, np.uint8)), np.uint8)

@@ -152,8 +152,8 @@ def _flat_label(
     height: float,
     rows: int,
 ) -> ByteArray:
-    """Return a strip along a label as its reader sees it: `height` [m] as so many `rows`, `below` [m] the
-    middle.
+    """Return a strip along a label as its reader sees it, `below` [m] the label's middle; its `height` [m]
+    has `rows` pixels.
     """
     m_per_px = height / rows
     width = round(box.length / m_per_px)

@@ -60,7 +60,7 @@ class OcrLabelReader(LabelReader):
 
 @lru_cache(maxsize=2)
 def _session(threads: int) -> onnxruntime.InferenceSession:
-    """One for all readers of a process: making it takes as long as reading a label."""
+    """Return the session that all readers of a process share: making it takes as long as reading a label."""
     import onnxruntime
 
     options = onnxruntime.SessionOptions()

@@ -72,8 +72,8 @@ class _Sighting(NamedTuple):
 
 
 def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
-    """One reading of all views. Each view's lateral position may be a few millimetres off: the views are
-    aligned by the books that they share, and all together keep their mean position.
+    """Fuse all views into one reading. Each view's lateral position may be a few millimetres off: the views
+    are aligned by the books that they share, and all together keep their mean position.
 
     Gaps are left to `find_slots`. With `fuse` False nothing is aligned, averaged or voted on: each book is as
     the first view saw it.
@@ -88,7 +88,7 @@ def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
 def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
     """Return the call number that several readings of one label speak for, and its share of their confidence.
 
-    None when nothing was read, or when the best has no more than half of what was.
+    None if nothing was read, or if the best has no more than half of the confidence of all.
     """
     votes: dict[CallNumber, float] = {}
     for label in labels:

@@ -119,8 +119,8 @@ class OffsetView(NamedTuple):
 def _best_pair(
     views: Sequence[SpineView], offsets: Sequence[float], interval: Gap
 ) -> tuple[OffsetView, OffsetView] | None:
-    """Return the two views of an interval from nearest before it, neither from the same place nor from far
-    apart.
+    """Return the two views of an interval whose cameras are nearest to its middle, neither at the same place
+    nor far apart.
     """
     middle = (interval.left + interval.right) / 2
     placed = [OffsetView(view, offset) for view, offset in zip(views, offsets, strict=True)]
@@ -147,7 +147,7 @@ def compare(
 ) -> Alike | None:
     """Compare two views of a piece of the front; None if too little of it is visible.
 
-    `solid`: left and right of spines that are sure, in [m].
+    `solid`: left and right edge y of spines that were recognized, in [m].
     """
     if left - right < 2 * _RIM + 4 * _STEP:
         return None

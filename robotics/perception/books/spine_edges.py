@@ -128,8 +128,8 @@ def _sheared(rows: FloatArray, strips: Strips, tilt: float) -> FloatArray:
 
 @compiled
 def _shifted(rows: FloatArray, shifts: FloatArray) -> FloatArray:
-    """Return each row (w,) read so many columns further on, between them on a line; 0 outside. As
-    `np.interp`.
+    """Return each row (w,) read at columns shifted by `shifts`, with linear interpolation as `np.interp`; 0
+    outside.
     """
     count, width = rows.shape
     out = np.zeros((count, width))
@@ -147,7 +147,7 @@ def _shifted(rows: FloatArray, shifts: FloatArray) -> FloatArray:
 
 
 def falling_edges(strips: Strips) -> list[SpineEdge]:
-    """Edges where the grey falls in the direction of the columns, over most of the height that was seen."""
+    """Return edges where the grey falls along the columns' direction, over most of the height seen."""
     grey, width = strips.grey, strips.grey.shape[1]
     before = grey[:, : -2 * _REACH]
     # The darkest beyond: between two spines that touch there is but a seam, and the next one may be the
@@ -171,8 +171,8 @@ def falling_edges(strips: Strips) -> list[SpineEdge]:
 
 
 def _to_seam(grey: FloatArray, column: float) -> float:
-    """Columns from the steepest fall to the darkest line behind it, where it brightens again behind that: a
-    spine ends where it is darkest.
+    """Return the columns from the steepest fall to the darkest line behind it, 0 if the grey does not rise
+    again after that line: a spine ends where it is darkest.
     """
     near = grey[:, int(column) : int(column) + _SEAM_COLUMNS]
     if near.shape[1] < _SEAM_COLUMNS or np.isnan(near).all(axis=0).any():
@@ -194,8 +194,8 @@ def _medians(values: FloatArray) -> FloatArray:
 
 
 def all_sides(strips: Strips) -> list[float]:
-    """y in [m] of all edges, falls seen from either end; a fall and a rise next to it are one: the dark seam
-    of two sides.
+    """Return y in [m] of all edges, falls seen from either end; a fall and a rise close behind it count as
+    one edge: the dark seam between two sides.
     """
     sides = []
     rises = sorted((edge.y for edge in falling_edges(strips.mirrored())), reverse=True)

@@ -25,7 +25,7 @@ class TemplateLabelReader(LabelReader):
     """
 
     def __init__(self, templates: Mapping[CallNumber, ByteArray], px_per_m: float) -> None:
-        """`templates`: each label upright, text running left to right, at `px_per_m` pixels a metre."""
+        """Prepare `templates`: labels upright, text running left to right, at `px_per_m` pixels a metre."""
         super().__init__()
         self._numbers = list(templates)
         scale = self.crop_height_px / (self.crop_height_m * px_per_m)

@@ -20,7 +20,7 @@ class TextLine(NamedTuple):
 
 
 def text_lines(page: ByteArray) -> list[TextLine]:
-    """Return the lines on a label, from top to bottom; half of its height if no line is found.
+    """Return the lines on a label, from top to bottom; if none is found, one of half the label's height.
 
     `page` (h, w): the label without its border, text running left to right.
     """

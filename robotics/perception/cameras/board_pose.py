@@ -46,7 +46,7 @@ def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
 
 
 def _covariance(pose: Transform, points: FloatArray, noise: float) -> FloatArray:
-    """Return (6, 6) for rays with that standard deviation."""
+    """Return the covariance (6, 6) of a pose for rays with the standard deviation `noise`."""
     seen = apply(pose, points)
     arms = seen - pose[:3, 3]
     x, y, depth = seen[:, 0] / seen[:, 2], seen[:, 1] / seen[:, 2], seen[:, 2]

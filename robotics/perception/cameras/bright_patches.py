@@ -16,7 +16,7 @@ class BrightPatches:
     """
 
     def __init__(self, picture: ByteArray, level: int) -> None:
-        """Find those of a picture (h, w): pixels of at least `level`."""
+        """Find the patches of a picture (h, w): pixels of at least `level`."""
         self._runs = _runs(np.ascontiguousarray(picture), level)
         self.boxes: IntArray = _boxes(self._runs)
         """(n, 5): column and row where each begins, width, height, and number of pixels."""
@@ -29,7 +29,7 @@ class BrightPatches:
 
 @compiled
 def _runs(picture: ByteArray, level: int) -> IntArray:
-    """(r, 4): row, first column, column after the last, number of the patch."""
+    """Return the runs (r, 4): row, first column, column after the last, number of the patch."""
     height, width = picture.shape
     runs = np.empty((height * ((width + 1) // 2), 4), dtype=np.int64)
     count, above = 0, 0

@@ -50,10 +50,10 @@ class CalibrationBoard(ABC):
 
     @abstractmethod
     def _drawn(self, width: int, height: int) -> ByteArray:
-        """Return the pattern in so many pixels."""
+        """Return the pattern (height, width), in [px]."""
 
     def _places(self, numbers: NDArray[np.integer]) -> FloatArray:
-        """Return (n, 3) of corners by their number, counted row by row from the upper left."""
+        """Return the positions (n, 3) in [m] of corners by their number, row by row from the upper left."""
         row, column = np.divmod(numbers, self._columns - 1)
         x = (column + 1) * self._square - self._size[0] / 2
         y = self._size[1] / 2 - (row + 1) * self._square

@@ -16,7 +16,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 FEWEST_VIEWS = 8
 LEAST_TILT = 0.25
-"""[rad] between the most different directions from which the board was seen."""
+"""Minimum angle between the most different directions from which the board was seen, in [rad]."""
 LEAST_COVER = 0.6
 """Minimum share of the image's 6 by 4 fields that held a corner in some view."""
 _FIELDS = (6, 4)
@@ -24,7 +24,7 @@ SIGNIFICANT_SIGMAS = 4.0  # standard deviations that one more coefficient of the
 
 
 _MORE_OF_THE_LENS = ((cv2.CALIB_ZERO_TANGENT_DIST, [2, 3]), (cv2.CALIB_FIX_K3, [4]))
-"""OpenCV's flags that leave coefficients out, and which; in the order in which they are tried."""
+"""Flags of OpenCV that leave coefficients out, and the indices of these, in the order of trials."""
 
 
 class CameraCalibration(NamedTuple):
@@ -36,7 +36,7 @@ class CameraCalibration(NamedTuple):
     rms: float
     """Root mean square error of all corners, in [px]."""
     rms_of_views: FloatArray
-    """(n,) in [px]."""
+    """Root mean square error (n,) of the corners in each view, in [px]."""
     camera_T_board: list[Transform]
     """Pose of the board in each view."""
 
@@ -57,7 +57,7 @@ def calibrate_camera(
 
     Raises:
         ValueError: too few views, or views too much alike (a board that is always seen straight on does not
-            determine the focal length; lens distortion isn't seen without corners there), or the fit is worse
+            determine the focal length; lens distortion isn't seen where no corners are), or the fit is worse
             than `worst_rms` [px].
     """
     _check_views(views, width, height)

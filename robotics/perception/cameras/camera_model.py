@@ -20,7 +20,7 @@ class CameraModel(NamedTuple):
     """
 
     K: FloatArray
-    """(3, 3) in [px]."""
+    """Intrinsic matrix (3, 3), in [px]."""
     distortion: FloatArray
     """OpenCV's coefficients: (4,), (5,) or (8,) k1, k2, p1, p2, k3, k4, k5, k6 of `brown`, (4,) of
     `fisheye`.

@@ -18,8 +18,8 @@ class Chessboard(CalibrationBoard):
     """A chessboard, all of it in the image. Its upper left square is the black one of two opposite corners.
 
     A corner is the point towards which all gradients around it are perpendicular (Förstner and Gülch,
-    1987). With an even number of columns and rows in all it looks the same from both sides: then a view
-    may be turned by half a turn. The lens is calibrated by it nevertheless, the camera's mount is not.
+    1987). If columns plus rows is even, the board looks the same after half a turn, and a view may be
+    turned by that. It still calibrates the lens, but not the camera's mount.
     """
 
     def __init__(self, columns: int, rows: int, square: float) -> None:

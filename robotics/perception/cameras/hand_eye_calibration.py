@@ -20,7 +20,7 @@ FEWEST_VIEWS = 8
 LEAST_TURN = 0.1
 """Minimum turn (rms) of the hand around a second axis, in [rad]."""
 ARM_LEVER = 0.5
-"""[m]: an arm whose hand is off by 1 mm is taken to turn it wrongly by 1 mm over this."""
+"""Length in [m] that relates the arm's errors; a position error of 1 mm goes with 1 mm of turn over it."""
 _MOST_ROUNDS, _SETTLED = 12, 0.02
 _LEAST_ARM_ERROR = 1e-6  # [m]
 
@@ -46,7 +46,7 @@ class HandEyeCalibration(NamedTuple):
     arm_error: float
     """Error of the hand's position estimated from the views, rms of each axis, in [m]."""
     method: str
-    """That the refinement started from."""
+    """Name of the closed form from which the refinement started."""
 
 
 def calibrate_hand_eye(
@@ -105,7 +105,7 @@ def _check(views: Sequence[HandEyeView]) -> None:
 def _best_start(
     views: Sequence[HandEyeView], boards: Sequence[PosedBoard]
 ) -> tuple[str, tuple[Transform, Transform]]:
-    """Return the closed form from which the views put the board most alike, with where that is."""
+    """Return the closed form by which all views put the board most alike, and poses of camera and board."""
     starts = []
     for method in HAND_EYE_METHODS:
         hand_T_camera = closed_form(
@@ -144,12 +144,12 @@ def _off(
 def _arm_error(
     views: Sequence[HandEyeView], boards: Sequence[PosedBoard], poses: tuple[Transform, Transform]
 ) -> float:
-    """Return a first guess, in [m]."""
+    """Return a first guess of the arm's position error, in [m]."""
     return max(_LEAST_ARM_ERROR, float(np.sqrt(np.mean(_off(views, boards, poses)[:, :3] ** 2))))
 
 
 def _weight(view: HandEyeView, board: PosedBoard, hand_T_camera: Transform, arm_error: float) -> FloatArray:
-    """Return (6, 6) that makes what a view is off by uncorrelated and of unit variance."""
+    """Return the matrix (6, 6) that makes a view's residuals uncorrelated and of unit variance."""
     camera_T_hand = inverse(hand_T_camera)
     lever = board.camera_T_board[:3, 3] - camera_T_hand[:3, 3]
     x, y, z = lever.tolist()

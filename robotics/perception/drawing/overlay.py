@@ -111,7 +111,7 @@ def _upright(
 def _write(
     picture: ByteArray, text: str, at: FloatArray, colour: tuple[int, int, int], words: list[_Box]
 ) -> None:
-    """Write it there, or above what was written there before; adds where it is to `words`."""
+    """Write a text at a point, or above earlier texts there; add its box to `words`."""
     (width, height), below = cv2.getTextSize(text, _FONT, _LETTERS, 3)
     x = int(np.clip(at[0], 0, max(0, picture.shape[1] - width)))
     y = int(np.clip(at[1], height, picture.shape[0] - below))

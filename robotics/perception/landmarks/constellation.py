@@ -40,7 +40,7 @@ class PlannedMark(NamedTuple):
 
 
 Sighting = Mapping[Kind, Pose2]
-"""base_T_mark of a mark that was seen, by the kinds that it may be of: its height decides where it is."""
+"""Pose base_T_mark of a mark that was seen, by each kind it may be; the pose depends on the kind's height."""
 Shown = Callable[[Kind, Sequence[Pose2]], BoolArray]
 """Check that marks of a kind at base_T_mark would have been completely in one of the pictures."""
 
@@ -67,7 +67,7 @@ class MarkAssignment(NamedTuple):
     marks: tuple[int | None, ...]
     """Index of the mark of the plan for each sighting; None without one."""
     score: float
-    """Logarithm of how likely it is, up to what all explanations of these sightings have in common."""
+    """Log-likelihood of the assignment, up to a constant for all explanations of the same sightings."""
 
     def rivals(self, other: MarkAssignment) -> bool:
         """Return True if the other explanation has the base elsewhere."""
@@ -103,7 +103,7 @@ def explain(
 
 
 def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
-    """Return the best one, then those which have the base elsewhere and are hardly less likely."""
+    """Return the best explanation, then those that have the base elsewhere and are hardly less likely."""
     best = explanations[0]
     close = [explanation for explanation in explanations if explanation.score > best.score - MIN_LOG_RATIO]
     return [best, *(assignment for assignment in close if assignment.rivals(best))]
@@ -125,7 +125,7 @@ def _explained(
 
 
 def _mark_at(planned_T_base: Pose2, marks: Sequence[PlannedMark], seen: Sighting) -> int | None:
-    """Return the index of the mark of the plan at a sighting, seen from there. Marks of a plan don't
+    """Return the index of the plan's mark at a sighting from a base pose. Marks of a plan don't
     overlap.
     """
     for i, mark in enumerate(marks):
@@ -137,7 +137,7 @@ def _mark_at(planned_T_base: Pose2, marks: Sequence[PlannedMark], seen: Sighting
 
 
 def _missing(planned_T_base: Pose2, marks: Sequence[PlannedMark], shown: Shown) -> int:
-    """Return the number of these marks that should be visible from there."""
+    """Return the number of some marks that should be visible from a base pose."""
     to_base, count = planned_T_base.inverse(), 0
     for kind in {mark.kind: None for mark in marks}:
         places = [to_base.compose(mark.place) for mark in marks if mark.kind == kind]

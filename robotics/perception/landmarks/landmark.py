@@ -28,7 +28,7 @@ class Landmark(NamedTuple):
     angle: float
     """Angle from the camera's x to the landmark's, around the camera's z, in [rad], -pi to pi."""
     score: float
-    """Correlation of what is inside with what should be, 0 to 1."""
+    """Correlation of the square's inside with the landmark's pattern, 0 to 1."""
 
 
 def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> ByteArray:

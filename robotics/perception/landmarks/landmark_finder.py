@@ -55,7 +55,7 @@ def find_landmarks(
 
 
 def _candidates(image: ByteArray) -> list[FloatArray]:
-    """Corners (4, 2) in [px] of what may be dark squares, clockwise as seen, good to some pixels."""
+    """Return corners (4, 2) in [px] of possible dark squares, clockwise as seen, good to some pixels."""
     size = image.shape[1] // _SHRINK, image.shape[0] // _SHRINK
     if min(size) < _LEAST_SIDE:
         return []

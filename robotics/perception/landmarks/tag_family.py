@@ -31,7 +31,7 @@ TagFamily = Literal[
     "apriltag_36h10",
     "apriltag_36h11",
 ]
-"""Bits along and down, and how many tags there are; AprilTag and MIP: bits in all, and their distance."""
+"""Names of families, by bits along and down and number of tags, or by all bits and their Hamming distance."""
 
 DEFAULT_FAMILY: TagFamily = "5x5_250"
 
@@ -46,7 +46,7 @@ CORRECTING_FAMILIES: tuple[TagFamily, ...] = (
 
 @cache
 def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
-    """Return the tags of a family. Raises ValueError for none."""
+    """Return the tags of a family. Raises ValueError for an unknown name."""
     if family not in get_args(TagFamily):
         raise ValueError(f"unknown family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{family.upper()}"))

@@ -18,7 +18,7 @@ PLANE_ROUNDS = 3
 
 
 class DepthView(NamedTuple):
-    """Points of one picture."""
+    """Points of one depth picture."""
 
     points: FloatArray
     """(n, 3) in the base frame, in [m]."""
@@ -36,9 +36,9 @@ class OverSurface(NamedTuple):
     points: FloatArray
     """(n, 3) in [m]."""
     at_border: BoolArray
-    """(n,)"""
+    """(n,) True near the picture's edge."""
     eye: FloatArray
-    """(3,) in [m]."""
+    """(3,) place of the camera, in [m]."""
     spacing: float
     """Angle between neighbouring pixels, in [rad]."""
 
@@ -63,7 +63,7 @@ def over_surface(view: DepthView, base_T_surface: Transform, size: tuple[float, 
 
     Args:
         view: the picture.
-        base_T_surface: (4, 4) of the middle of its top.
+        base_T_surface: (4, 4) pose of the middle of the surface's top.
         size: of the surface along its x and y, in [m].
     """
     surface_T_base = inverse(base_T_surface)

@@ -39,7 +39,7 @@ class KnownSolid(NamedTuple):
 
     name: str
     size: tuple[float, float, float]
-    """Along x, y and z, in [m]."""
+    """Size along x, y and z, in [m]."""
     is_round: bool = False
 
 
@@ -60,7 +60,7 @@ def candidates(cluster: PointCluster, known: Sequence[KnownSolid]) -> list[Solid
     """Return all known solids that a group of points may be, upright or fallen, each at most once.
 
     A solid fits if its upper side has the height and the outline that were measured, and nothing of the
-    group is beside it. Two that touch are together none of them.
+    group is beside it. Two solids that touch fit none.
     """
     found = []
     for solid in known:
@@ -135,7 +135,7 @@ def _sag(points: FloatArray, fit: OutlineFit) -> float:
 
 
 def _candidate(solid: KnownSolid, fit: OutlineFit, cluster: PointCluster, is_upright: bool) -> SolidCandidate:
-    """Return a fit as a candidate, with what is unsure along the line of sight.
+    """Return a fit as a candidate, shifted and with more variance along the line of sight.
 
     In a slanted view readings are missing at the far edge, which is a step in depth, and not at the near
     one, where a side begins: the upper side seems nearer to the camera by half of what is missing. A wrong

@@ -27,9 +27,9 @@ class OutlineFit(NamedTuple):
     """Pose of an outline."""
 
     x: float
-    """[m]"""
+    """Position of the outline's middle along x, in [m]."""
     y: float
-    """[m]"""
+    """Position of the outline's middle along y, in [m]."""
     heading: float
     """Heading of its first side in [rad]; 0 for a circle."""
     inset: float
@@ -156,7 +156,7 @@ def _normal(
     spread: float,
     is_circle: bool,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the normal equations (4, 4) and their right side (4,), with what is known of the inset."""
+    """Return the normal equations (4, 4) and their right side (4,), with the prior of the inset."""
     A = (J * weights[:, None]).T @ J / sigma**2
     right = (J * weights[:, None]).T @ residuals / sigma**2
     A[3, 3] += 1.0 / spread**2

@@ -22,7 +22,7 @@ def edge_share(
     Args:
         image: (h, w), grey.
         camera: the camera.
-        base_T_camera: (4, 4).
+        base_T_camera: (4, 4) pose of the camera.
         corners: (n, 3) of a convex part in the base frame, in [m].
     """
     pixels = camera.project(apply(inverse(base_T_camera), corners))

@@ -45,7 +45,7 @@ class PointCluster(NamedTuple):
 
 
 def standing_clusters(views: Sequence[OverSurface], size: tuple[float, float]) -> list[PointCluster]:
-    """Return what stands on a surface, by the points of all views together, the largest first.
+    """Return the groups of points that stand on a surface, by all views together, the largest first.
 
     Args:
         views: in the frame of the surface.

@@ -23,22 +23,22 @@ class TagView(NamedTuple):
 
     camera: CameraModel
     base_T_camera: Transform
-    """(4, 4)."""
+    """Pose (4, 4) of the camera."""
     corners: FloatArray
-    """(4, 2) in [px]."""
+    """Corners (4, 2) of the tag in the picture, in [px]."""
     on_box: FloatArray
     """(4, 3) the same corners in the frame of the box, in [m]."""
 
 
 class UprightFit(NamedTuple):
-    """An upright box."""
+    """Pose of an upright box, with its accuracy."""
 
     base_T_box: Transform
-    """(4, 4)."""
+    """Pose (4, 4) of the box."""
     covariance: FloatArray
     """(4, 4) of x, y, z in [m] and the heading in [rad]."""
     rms_px: float
-    """Root mean square of the corners' residuals: large if the box is not upright."""
+    """Root mean square of the corners' residuals, in [px]; large if the box is not upright."""
 
 
 def fit_upright(views: Sequence[TagView], start: Transform, height: float, height_sigma: float) -> UprightFit:
