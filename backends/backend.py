@@ -57,7 +57,7 @@ class Backend(ABC):
     has_drives: ClassVar[bool] = False
     """True if simulated drives can be put in front of a simulated backend; see `build_on_bench`."""
     drive_kinds: ClassVar[frozenset[str]] = frozenset({"differential", "ackermann"})
-    """Kinds of drives in a robot's file that it can drive."""
+    """Kinds of drives in a robot's file that the backend can drive."""
     lacks: ClassVar[frozenset[str]] = frozenset()
     """Keys of a world's file, such as `doors`, whose things it refuses to simulate."""
     simulated: bool = True
@@ -67,7 +67,7 @@ class Backend(ABC):
     remarks: Sequence[str] = ()
     """Differences between the robot and its files, printed before a run."""
     recording: Recording | None = None
-    """Keeps what passes between program and robot beside the journal; None where there is nothing to keep."""
+    """Recorder of the traffic between program and robot; None without one."""
 
     @classmethod
     @abstractmethod
@@ -88,7 +88,7 @@ class Backend(ABC):
         """Return what `build` accepts instead of a world's file, or of a map on which the robot is at
         `start`.
 
-        None where it reads the file itself: then it gets a world's file in place of a map.
+        None if `build` reads the file itself; then `build` gets a world's file in place of a map.
 
         Raises:
             FileError: the file is missing or something in it is wrong.
@@ -118,8 +118,8 @@ class Backend(ABC):
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
         """Return the robot's capabilities by its file alone: nothing is opened, and no robot is contacted.
 
-        None if only building finds them out; then `handcart check` builds one. A backend whose building
-        contacts a real robot must return them.
+        None if only building the backend finds them out; then `handcart check` builds it. A backend that
+        contacts a real robot when it is built must return them.
 
         Raises:
             InputError: such a robot cannot be built.
@@ -154,11 +154,11 @@ class Backend(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Stop all motion; arm and gripper hold. Nothing that was commanded before moves the robot after."""
+        """Stop all motion; arm and gripper hold. No command from before the stop moves the robot after it."""
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of everything. A second call does nothing."""
+        """Release all resources; a second call does nothing."""
 
     def state(self) -> object | None:
         """Return the state of a simulated world for a checkpoint: plain data that `saved_state.pack` accepts

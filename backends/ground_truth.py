@@ -27,11 +27,11 @@ class GroundTruth:
     base: Pose2
     """world_T_base."""
     joints: FloatArray
-    """(n,) in [rad], or [m] of those that slide."""
+    """Joints (n,), in [rad] or, if they slide, in [m]."""
     slides: BoolArray
-    """(n,) which joints do."""
+    """Mask (n,), True for joints that slide."""
     width: float
-    """Between the finger pads, in [m]."""
+    """Opening between the finger pads, in [m]."""
     bodies: Mapping[str, Body]
     bumps: int
     """Number of the base's collisions so far."""

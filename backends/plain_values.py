@@ -24,7 +24,7 @@ from handcart.robotics.far import MAY_BE_INFINITE
 from .saved_state import NotAState
 
 MAX_NUMBER = 1e15
-"""Beyond that a finite number in a state makes no sense, whatever its unit."""
+"""Largest absolute value that a finite number in a state may have, whatever its unit."""
 MAX_TEXT_LETTERS = 100_000  # characters of a word
 
 Kinds = Mapping[str, Any]

@@ -32,10 +32,10 @@ class NotAState(InputError):
 
 
 def pack(state: object) -> bytes:
-    """Plain data as bytes: None, bool, int, float, str, bytes, arrays; lists, and mappings by words, of them.
+    """Return plain data as bytes: None, bool, int, float, str, bytes, arrays; lists and mappings of them.
 
     Raises:
-        TypeError: there is something else in it.
+        TypeError: the data contain something else, or a key that is not a text.
     """
     blobs: list[bytes] = []
     text = orjson.dumps(_written(state, blobs))

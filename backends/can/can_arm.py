@@ -31,10 +31,10 @@ class CanArm(CommandedArm):
         """Take over the joints' drives.
 
         Args:
-            model: of the arm.
-            joints: (n) in its order.
+            model: model of the arm.
+            joints: (n) drives of the joints, in the order of the arm.
             rated: (n,) torques that the drives call rated, in [Nm].
-            period: of the control, in [s].
+            period: control period, in [s].
         """
         self._model, self._joints, self._rated = model, joints, rated
         self._most = np.array([joint.limits.speed for joint in joints]) * period
@@ -72,10 +72,10 @@ class CanArm(CommandedArm):
 
 
 class CanForceArm(CanArm, ForceArm):
-    """Such joints, enough of which report their torques."""
+    """Arm whose drives report enough of the joints' torques to measure the force on the hand."""
 
 
 def kind_of_arm(joints: Sequence[AxisSpec]) -> type[CanArm]:
-    """Return the class of an arm with these joint drives: the force on its hand is measured or it isn't."""
+    """Return the class of an arm with these drives: `CanForceArm` if they measure the force on the hand."""
     reporting = sum("torque" not in joint.without for joint in joints)
     return CanForceArm if reporting >= MIN_REPORTING_JOINTS else CanArm

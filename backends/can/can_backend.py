@@ -204,7 +204,7 @@ class CanBackend(Backend):
         self.axes.end_handshakes()
 
     def _listen(self, seconds: float) -> None:
-        """Wait; a fault that a frame shows meanwhile isn't waited out."""
+        """Wait and receive frames; a fault that a frame shows ends the wait at once."""
         going_on = self._fault is None and not self._closed
         self._line.wait(self._guard.check if going_on else lambda: None, seconds)
 
@@ -291,7 +291,7 @@ class CanBackend(Backend):
 
     @contextmanager
     def _or_stopped(self, doing: str) -> Iterator[None]:
-        """Whatever is raised inside: drives that have torque are stopped for good, each in its own way."""
+        """Stop drives that have torque for good, each in its own way, if anything is raised inside."""
         if self._fault is not None:
             raise self._fault
         try:
@@ -305,7 +305,7 @@ class CanBackend(Backend):
             raise
 
     def _stop_for_good(self) -> None:
-        """Stop all axes for good: drop queued frames; an interface that fails is not asked.
+        """Stop all axes for good: drop queued frames; an interface that fails gets no commands.
 
         Each step is done whatever the one before it has raised.
         """
@@ -333,7 +333,7 @@ class CanBackend(Backend):
                 self._pace.wait()
 
     def _deliver(self) -> None:
-        """Process the frames that have been sent."""
+        """Receive the frames that have arrived, and let simulated drives answer, without waiting."""
         self._line.wait(lambda: False, 0.0)
 
     def _now(self) -> float:

@@ -22,7 +22,7 @@ class CanGripper(CommandedGripper):
     """
 
     def __init__(self, spec: GripperSpec, axis: Axis) -> None:
-        """Take over their drive."""
+        """Take over the fingers' drive."""
         self._spec, self._axis = spec, axis
         self._command = 0.0
 

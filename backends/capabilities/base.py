@@ -15,16 +15,16 @@ class WheelTravel(NamedTuple):
     """Travel of the wheels since the backend was built, by their encoders and nominal radius."""
 
     left: float
-    """[m]"""
+    """Travel of the left side, in [m]."""
     right: float
-    """[m]"""
+    """Travel of the right side, in [m]."""
     sideways: float = 0.0
     """Travel to the left in [m] of a base that can drive sideways; its `left` and `right` are the travel of
     its sides.
     """
 
     def away(self, other: WheelTravel) -> float:
-        """Return the farthest that any of the three has rolled since `other`, in [m]."""
+        """Return the largest of the three distances rolled since `other`, in [m], either way."""
         return max(
             abs(self.left - other.left), abs(self.right - other.right), abs(self.sideways - other.sideways)
         )
@@ -36,7 +36,7 @@ class DriveCommand(NamedTuple):
     speed: float = 0.0
     """Forward speed, in [m/s]."""
     turn_rate: float = 0.0
-    """[rad/s]"""
+    """Turn rate to the left, in [rad/s]."""
     sideways: float = 0.0
     """Speed to the left, in [m/s]."""
 

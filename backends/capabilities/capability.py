@@ -23,9 +23,9 @@ class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
     """A kind of actuator or sensor; a backend provides those that its robot has."""
 
     READINGS: ClassVar[Mapping[str, Reading]] = {}
-    """Its methods that sense; they take no arguments."""
+    """Methods that read a sensor, without arguments, by name."""
     COMMANDS: ClassVar[tuple[str, ...]] = ()
-    """Its methods that move something with the next step."""
+    """Names of the methods that move something with the next step."""
     FILE_KEY: ClassVar[str | None] = None
     """Section of a robot's file that says whether the robot has such an actuator; None: each has. Sensors
     are in the table `sensors`.
@@ -37,5 +37,5 @@ class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
 
     @classmethod
     def words(cls) -> str:
-        """Return its name in messages: `RangeSensor` is "range sensor"."""
+        """Return the capability's name in messages: `RangeSensor` is "range sensor"."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", cls.__name__).lower()

@@ -12,7 +12,7 @@ from .sensor_spec import SensorSpec
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 BeaconPlace = tuple[float, float, float]
-"""x, y of a world, height above the ground."""
+"""Position of a radio, x, y and height above the ground, in [m]."""
 
 
 class BeaconsSpec(SensorSpec):
@@ -27,9 +27,9 @@ class BeaconsSpec(SensorSpec):
     tag_m: BeaconPlace = (0.0, 0.0, 1.0)
     """Position of the robot's own radio in the base frame."""
     period_s: Positive = 0.2
-    """Between measurements, each of all beacons."""
+    """Time between two measurements, each of all beacons."""
     reach_m: Positive = 60.0
-    """Beyond which a beacon isn't heard."""
+    """Distance beyond which a beacon isn't heard."""
     sigma_m: NotNegative = 0.1
     """Sigma of a range."""
     bias_m: NotNegative = 0.3

@@ -12,7 +12,7 @@ Port = Annotated[str, Field(min_length=1, max_length=200)]
 """A serial port such as /dev/ttyUSB0, or `socket://HOST:PORT`."""
 Baud = Annotated[int, Field(ge=1200, le=4_000_000)]
 Stale = Annotated[float, Field(gt=0.0, le=10_000.0)]
-"""[ms] after which a reading is no longer one of now."""
+"""Age in [ms] beyond which a reading is stale."""
 
 
 class CameraSource(FileModel):
@@ -40,7 +40,7 @@ class GpsSource(FileModel):
     origin_lat_deg: Annotated[float, Field(ge=-89.0, le=89.0)]
     """Latitude of the task's origin, north positive (WGS 84)."""
     origin_lon_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
-    """East positive."""
+    """Longitude of the task's origin, east positive (WGS 84)."""
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
     """Sigma of a fix with an HDOP of 1, on each axis, if the receiver sends no GST."""
     quality: Literal[1, 2, 3, 4, 5] = 1

@@ -49,7 +49,7 @@ class AxisSpec(FileModel):
     counts_per_rev: Annotated[int, Field(gt=0, le=2**24)]
     """Counts of the position actual value (6064h) for a turn of the motor."""
     gear_ratio: Annotated[float, Field(gt=0.0, le=10_000.0)]
-    """Turns of the motor for one of what it drives."""
+    """Turns of the motor for one turn of the driven part."""
     sign: Literal[1, -1] = 1
     """-1: the motor counts down where the robot's file counts up."""
     stop: Literal["hold", "brake_then_disable"]
@@ -157,13 +157,13 @@ class CanSpec(FileModel):
     channel: str
     """Channel of the interface, such as can0."""
     bitrate_kbit_s: Literal[10, 20, 50, 125, 250, 500, 800, 1000]
-    """One of CANopen's (CiA 301)."""
+    """Bit rate, one of CANopen's (CiA 301)."""
     our_node: NodeId = 127
     """Node ID of this program, used by its heartbeat."""
     heartbeat_ms: Annotated[int, Field(ge=5, le=1000)] = 50
-    """Between two heartbeats of ours, and of a drive (1017h)."""
+    """Time between two heartbeats of this program, and of a drive (1017h)."""
     heartbeat_timeout_ms: Annotated[int, Field(ge=10, le=5000)] = 150
-    """Without a heartbeat for so long, a drive stops (1016h), and so do we."""
+    """Time without a heartbeat after which a drive stops (1016h), and this program stops the robot."""
     allowed_emergencies: tuple[Annotated[int, Field(gt=0, lt=2**16)], ...] = ()
     """Error codes of emergency messages (CiA 301) that don't stop the robot, as decimal numbers."""
     left: WheelDriveSpec

@@ -29,7 +29,7 @@ class DoorTag(FileModel):
     right_mm: float = 0.0
     """Offset of its middle from that of the handle, to the right for somebody in front of the door."""
     up_mm: float = 0.0
-    """Offset likewise, upwards."""
+    """Offset of its middle from that of the handle, upwards."""
 
     @model_validator(mode="after")
     def _in_family(self) -> Self:

@@ -26,7 +26,7 @@ class Drive(FileModel):
     sharpest_per_m: Positive = 0.5
     """`ackermann`: the largest curvature that can be steered."""
     steering_per_m_s: Positive = 0.5
-    """`ackermann`: by how much of it the steering turns in a second."""
+    """`ackermann`: largest change of the curvature by the steering in a second."""
     wheel_radius_m: Positive
     tread_m: Positive
     """Distance between the wheels. With skid steering the effective one, as measured when it turns.

@@ -20,16 +20,16 @@ OUTDOOR_LOCALIZERS = ("gyro", "particle", "gps_filter", "beacons")
 
 
 class GroundSpec(FileModel):
-    """Rough ground: sigmas. A world's file says what it is, a robot's file what the robot takes it to be.
+    """Sigmas of rough ground, true ones in a world's file, assumed ones in a robot's file.
 
     The defaults are one set with which the field test of Ohki et al. (2012) comes out as printed
     (`handcart.robotics.navigation.outdoors.field_noise.REFERENCE_NOISE`).
     """
 
     roughness_deg: NotNegative = 2.5
-    """Roll and pitch of the base."""
+    """Sigma of roll and pitch of the base."""
     roughness_length_m: Positive = 0.4
-    """Distance over which they change."""
+    """Distance over which roll and pitch change."""
     softness_mm_per_100n: Annotated[float, Field(ge=0.0, le=50.0)] = 0.0
     """Elastic deflection under each 100 N at each contact point of a wheel; 0: rigid.
 
@@ -46,7 +46,7 @@ class GroundSpec(FileModel):
     when the base sets out.
     """
     side_slip_deg: NotNegative = 0.8
-    """Direction of travel beside the heading, new every `side_slip_length_m`."""
+    """Sigma of the angle between travel and heading, drawn again every `side_slip_length_m`."""
     side_slip_length_m: Positive = 3.0
     side_slip_deg_m: float = math.degrees(0.02)
     """Side slip angle in a curve, for each 1/m of curvature: a known effect, not an error."""
@@ -58,13 +58,13 @@ class GpsSpec(MountedSensorSpec):
     kind: Literal["gps"] = "gps"
 
     period_s: Positive = 1.0
-    """Between fixes."""
+    """Time between two fixes."""
     white_m: NotNegative = 1.0
-    """White error of each fix, on each axis: sigma."""
+    """Sigma of the white error of each fix, on each axis."""
     drift_m: NotNegative = 0.0
-    """Slow error of the fixes, an axis: sigma (Gauss-Markov)."""
+    """Sigma of the slow error of the fixes, on each axis (Gauss-Markov)."""
     drift_time_s: Positive = 300.0
-    """Over which it changes."""
+    """Time over which the slow error changes."""
     start_heading_deg: NotNegative | Literal["unknown"] = 1.0
     """Sigma of the given start heading, or `unknown` (see ORIENT)."""
 

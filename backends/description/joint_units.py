@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class JointUnits(NamedTuple):
-    """The joints of an arm; programs have [rad] and [m]."""
+    """Units of an arm's joints for people, [deg] or [mm]; programs have [rad] and [m]."""
 
     names: tuple[str, ...]
     slides: tuple[bool, ...]
@@ -27,7 +27,7 @@ class JointUnits(NamedTuple):
         )
 
     def user_units(self, values: Sequence[float]) -> tuple[float, ...]:
-        """[deg] and [mm] of [rad] and [m]."""
+        """Return joint values in [deg] and [mm] from those in [rad] and [m]."""
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:

@@ -40,7 +40,7 @@ class PrintedTag(FileModel):
     x_mm: float = 0.0
     """Offset of its middle from the middle of the side, to the right, as seen from outside."""
     y_mm: float = 0.0
-    """Offset likewise, upwards; on `+z` along the box's y."""
+    """Offset of its middle from the middle of the side, upwards; on `+z` along the box's y."""
     turn_deg: float = 0.0
     """Counter-clockwise turn on the side, as seen from outside."""
 

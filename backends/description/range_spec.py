@@ -36,7 +36,7 @@ class RangeSpec(MountedSensorSpec):
     end_deg: Angle = 180.0
     """Angle of the last beam. In a full turn it equals the first beam and is omitted."""
     masked_deg: tuple[tuple[Angle, Angle], ...] = ()
-    """Sectors in which the lidar sees the robot itself, each from, to, counter-clockwise; not looked at."""
+    """Sectors in which the lidar sees the robot itself, each from, to, counter-clockwise; ignored."""
     no_return: tuple[Literal["zero", "below_min", "nan"], ...] = ("zero",)
     """Values that this driver delivers without a return, in addition to infinity and ranges beyond
     `reach_m`.

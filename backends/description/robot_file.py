@@ -90,9 +90,9 @@ class ToolSpec(FileModel):
     azimuth_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 60.0
     """Allowed turn of the tool with `azimuth`."""
     speed_m_s: Positive
-    """At which it works."""
+    """Speed of the tool along its path at work."""
     force_n: Positive
-    """With which it is pushed along the path at most."""
+    """Largest force with which the tool is pushed along the path."""
 
 
 class SuspensionSpec(FileModel):
@@ -101,7 +101,7 @@ class SuspensionSpec(FileModel):
     yaw_mrad_per_swing: float = 0.0
     """Turn of the base with each swing of the loaded arm."""
     yaw_sigma_mrad: NotNegative = 0.0
-    """Spread of that."""
+    """Sigma of the turn with each swing."""
     swing_from_mm: NotNegative = 0.0
     """Minimum distance of carrying the load that counts as a swing."""
     roll_mrad_per_m: float = 0.0
@@ -109,7 +109,7 @@ class SuspensionSpec(FileModel):
     pitch_mrad_per_m: float = 0.0
     """Pitch of the base for each metre of the hand to the front; positive if the front sinks."""
     pivot_m: NotNegative = 0.0
-    """Height of the point about which it leans."""
+    """Height of the point about which the base tilts."""
 
     @property
     def model(self) -> SuspensionModel:

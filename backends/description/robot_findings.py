@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from .robot_file import ArmSpec, RobotFile
 
 CAN_FINDINGS = "handcart.backends.can.devices.can_findings:can_findings"
-"""Finds what is wrong in the section `can`, given the robot and the document."""
+"""Function that returns the findings in the section `can` of a robot's document."""
 ROS_FINDINGS = "handcart.backends.ros2.ros_findings:ros_findings"
-"""Finds what is wrong in the section `ros2`, given the same."""
+"""Function that returns the findings in the section `ros2` of a robot's document."""
 
 
 def robot_findings(robot: RobotFile, document: Document, drives: bool = True) -> list[Finding]:
-    """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file.
+    """Return all findings on the URDF, the joints' names and the postures, each at its place in the file.
 
-    With `drives` those of the sections `can` and `ros2` as well.
+    With `drives` also the findings on the sections `can` and `ros2`.
     """
     try:
         urdf = robot.urdf_text()
@@ -78,7 +78,7 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
 
 
 def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Finding]:
-    """Links and joints that our names are expected of."""
+    """Return findings on links that the URDF lacks under the names that the program expects."""
     links = link_names(urdf)
     needed: dict[KeyPath, str] = {("urdf",): "base", **({} if robot.arm is None else {("arm",): "hand"})}
     for name, spec in robot.sensors.items():
@@ -93,7 +93,7 @@ def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Fin
 
 
 def _how(key: KeyPath) -> str:
-    """Return how to name a link that has another name than expected."""
+    """Return advice on how the robot's file can map a link that has another name than expected."""
     if key[-1] == "frame":
         return ""
     where = "as the sensor's `frame`" if key[0] == "sensors" else "under the key `links`"

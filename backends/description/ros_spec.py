@@ -16,7 +16,7 @@ from handcart.files.models.model import FileModel
 
 Topic = Annotated[str, Field(pattern=r"^[~/]?[A-Za-z_][A-Za-z0-9_/]*$", max_length=200)]
 StaleTime = Annotated[float, Field(gt=0.0, le=10_000.0)]
-"""[ms] after which a message is no longer one of now."""
+"""Age in [ms] beyond which a message is stale."""
 JointName = Annotated[str, Field(min_length=1, max_length=200)]
 
 
@@ -29,7 +29,7 @@ class RosTopicSpec(FileModel):
     """Expected `header.frame_id`; a message from another frame is refused (default: the frame of the
     first message; not checked for joints)."""
     stale_ms: StaleTime = 300.0
-    """Age of the last message, by its arrival and by its stamp, beyond which it is no longer one of now."""
+    """Age of the last message, by its arrival and by its stamp, beyond which it is stale."""
 
 
 class RosOdometrySpec(RosTopicSpec):
@@ -41,11 +41,11 @@ class RosOdometrySpec(RosTopicSpec):
     child_frame: str = "base_link"
     """Frame of the base, for `TFMessage` and for comparisons with `tf`."""
     jump_factor: Annotated[float, Field(ge=1.0, le=100.0)] = 3.0
-    """Motion between two messages that is a jump, relative to that at the base's top speed."""
+    """Ratio of the motion between two messages to that at top speed, above which it is a jump."""
     jump_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.1
-    """Distance added to that."""
+    """Distance added to the limit of a jump that `jump_factor` sets."""
     jump_deg: Annotated[float, Field(ge=0.0, le=180.0)] = math.degrees(0.2)
-    """Angle added to that."""
+    """Angle added to the limit of a jump that `jump_factor` sets."""
 
 
 class RosGpsSpec(RosTopicSpec):
@@ -56,13 +56,13 @@ class RosGpsSpec(RosTopicSpec):
     origin_lat_deg: Annotated[float, Field(ge=-89.0, le=89.0)]
     """Latitude of the task's origin, north positive (WGS 84)."""
     origin_lon_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
-    """East positive."""
+    """Longitude of the task's origin, east positive (WGS 84)."""
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
     """Sigma of a fix on each axis, if its message states none."""
 
 
 class RosLensSpec(RosTopicSpec):
-    """Topic of pictures with a calibration beside them."""
+    """Topic of pictures, and the topic of their calibration."""
 
     info: Topic | None = None
     """Topic of its calibration (default: `camera_info` beside the pictures)."""

@@ -72,7 +72,7 @@ class CalibratedCamera(FileModel):
     cx_px: float
     """Column of the picture's centre, where the optical axis meets it; an integer is a pixel's middle."""
     cy_px: float
-    """Its row."""
+    """Row of the picture's centre, where the optical axis meets it."""
     k1: float = 0.0
     """Lens coefficient; all follow Brown's model as in OpenCV and ROS (`plumb_bob`)."""
     k2: float = 0.0
@@ -151,21 +151,21 @@ class ImuSpec(MountedSensorSpec):
     angle_random_walk_deg_rt_s: NotNegative
     """White noise of the gyros, in degrees after a second; it grows with the square root of time."""
     gyro_bias_deg_s: NotNegative = 0.0
-    """Sigma of what they read at rest."""
+    """Sigma of the gyros' bias, their reading at rest."""
     rate_random_walk_deg_s_rt_s: NotNegative = 0.0
     """Random walk of the gyro's bias after one second; it grows with the square root of time."""
     warm_up_deg_s: NotNegative = 0.0
-    """Sigma of a part of it that goes away with warming up."""
+    """Sigma of the part of the gyros' bias that decays while they warm up."""
     warm_up_s: Positive = 600.0
     """Duration of the warm-up drift."""
     gyro_scale_percent: NotNegative = 0.0
     """Sigma of a gyro's scale, relative to a turn."""
     accelerometer_sigma_m_s2: NotNegative
-    """Sigma of a reading."""
+    """Sigma of an accelerometer's reading."""
     accelerometer_bias_m_s2: NotNegative = 0.0
-    """Sigma of what an accelerometer reads too much."""
+    """Sigma of each accelerometer's bias."""
     vibration_m_s2: NotNegative = 0.0
-    """Additional sigma of a reading while the base drives."""
+    """Additional sigma of an accelerometer's reading while the base drives."""
 
     @override
     def without_errors(self) -> Self:

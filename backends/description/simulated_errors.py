@@ -49,11 +49,11 @@ class Errors(FileModel):
     range_zero_percent: Percent = 0.0
     """Share of a lidar's beams that read 0, each beam and period for itself, as many drivers deliver it."""
     range_nan_percent: Percent = 0.0
-    """Share that reads NaN."""
+    """Share of a lidar's beams that read NaN."""
     range_too_close_percent: Percent = 0.0
-    """Share that reads -infinity: something is too close (REP 117)."""
+    """Share of a lidar's beams that read -infinity, as if something were too close (REP 117)."""
     range_own_body_percent: Percent = 0.0
-    """Share that returns from the robot's own body, 0.12 m from the lidar."""
+    """Share of a lidar's beams that return from the robot's own body, 0.12 m from the lidar."""
     start_mm: NotNegative = 20.0
     start_deg: NotNegative = 1.0
     book_place_mm: NotNegative = 2.0
@@ -77,11 +77,11 @@ class Errors(FileModel):
     """Turn of the resting base with each swing of the arm, caused by casters and tyres."""
     swing_yaw_sigma_mrad: NotNegative = 0.0
     swing_from_mm: NotNegative = 0.0
-    """0: any motion is a swing. Else one that carries something at least that far across the floor."""
+    """Least distance of carrying something over the floor that is a swing; 0 if any motion is one."""
     lean_mrad_per_m: NotNegative = 0.0
     """Tilt of the base towards the hand, for each metre of its distance from the base's centre."""
     lean_pivot_m: NotNegative = 0.0
-    """Height of the point about which it leans."""
+    """Height of the point about which the base tilts."""
 
     @classmethod
     def nowhere(cls) -> Self:

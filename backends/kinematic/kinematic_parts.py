@@ -53,7 +53,7 @@ class Rolling:
     """Wheels whose true radii, tread and slip differ from the robot's file, by its `errors` and a seed."""
 
     def __init__(self, robot: RobotFile, seed: int) -> None:
-        """Draw what stays the same for a run."""
+        """Draw the errors that stay the same for a run."""
         self._seed, errors = seed, robot.errors
         left, right, tread = keyed(seed, "wheels").standard_normal(3)
         self._left_scale = 1.0 + errors.wheel_radius_percent / 100 * left
@@ -138,7 +138,7 @@ class KinematicGripper(SimulatedGripper):
 
 
 class KinematicRangeSensor(SimulatedRangeSensor):
-    """Casts rays in the floor plan at its height."""
+    """Lidar that casts rays in the floor plan at the lidar's height."""
 
     def __init__(self, spec: RangeSpec, base_T_sensor: Transform, scene: Scene, seed: int) -> None:
         super().__init__(spec, base_T_sensor, seed, RangeFaults.of(scene.robot.errors))
@@ -155,7 +155,7 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         return cls(site.spec, mount, site.scene, site.seed)
 
     def scan_later(self) -> Callable[[], Scan]:
-        """See `RangeSensor`: nothing is cast before it is called."""
+        """See `RangeSensor`: no ray is cast before the returned function is called."""
         period, base, time = self._now, self._scene.base, self._scene.time
         if self._last is not None and self._last[0] == period:
             return super().scan_later()

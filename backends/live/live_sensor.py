@@ -22,8 +22,8 @@ class LiveSensor(ABC):
         """Begin without a reading.
 
         Args:
-            name: how people call it.
-            stale: age in [s] beyond which a reading isn't one of now.
+            name: name of the sensor, for people.
+            stale: age in [s] beyond which a reading is stale.
             clock: gives the time in [s].
         """
         self.name, self._stale, self._clock = name, stale, clock
@@ -43,7 +43,7 @@ class LiveSensor(ABC):
 
     @abstractmethod
     def _take_in(self) -> None:
-        """Take in what has come; never wait, never raise."""
+        """Read the data that have arrived; never wait, never raise."""
 
     @abstractmethod
     def close(self) -> None:
@@ -56,7 +56,7 @@ class LiveSensor(ABC):
 
     @property
     def is_fresh(self) -> bool:
-        """True if the last reading is one of now."""
+        """True if the last reading is not stale."""
         age = self.age
         return age is not None and age <= self._stale
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 MAX_MISSED_PERIODS = 3
-"""Periods that may not be missed one after another."""
+"""Number of missed periods in a row that is a fault."""
 MAX_PERIOD_EXCESS_S = 0.05
-"""[s] by which no period may be longer than it should."""
+"""Largest excess of a period over its duration, in [s]."""
 SUSPENDED_S = 0.01
-"""[s] for which the machine may have been suspended: the two clocks are read one after the other."""
+"""Largest difference of two readings of `suspended` without a suspension, in [s], due to its two clocks."""
 
 
 def suspended() -> float:
@@ -37,15 +37,15 @@ class Pace:
         max_excess: float = MAX_PERIOD_EXCESS_S,
         max_missed: int | None = None,
     ) -> None:
-        """Begin.
+        """Start the first period now.
 
         Args:
-            period: in [s].
+            period: duration of a period, in [s].
             clock: gives the time in [s].
             sleep: waits so many seconds.
-            asleep: gives for how long the machine has been suspended, in [s].
-            max_excess: time in [s] by which no period may be longer than it should.
-            max_missed: periods that may not be missed one after another; None: `MAX_MISSED_PERIODS`.
+            asleep: returns the time in [s] for which the machine has been suspended since its start.
+            max_excess: largest excess of a period over its duration, in [s].
+            max_missed: missed periods in a row that are a fault; None: `MAX_MISSED_PERIODS`.
         """
         self._period, self._clock, self._sleep, self._asleep = period, clock, sleep, asleep
         self._slept, self._max_excess = asleep(), max_excess

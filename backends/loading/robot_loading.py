@@ -16,7 +16,7 @@ from handcart.files.yaml.yaml_document import Document, read_document
 from .robot_model import model_for
 
 RENAMED_KEYS = {"localiser": "localizer"}
-"""Keys of a robot's file, by what they were called before."""
+"""Renamed keys of a robot's file, by their former names."""
 
 
 def load_robot(name: str, drives: bool = True) -> RobotFile:
@@ -40,7 +40,7 @@ def load_robot(name: str, drives: bool = True) -> RobotFile:
 
 
 def _with_files(loaded: Loaded[RobotFile], folder: Path) -> RobotFile:
-    """Return the robot with its sensors as the files say that their sections name."""
+    """Return the robot with the content of the files that its sensors' sections name."""
     robot, changed = loaded.value, {}
     for name, spec in robot.sensors.items():
         try:
@@ -53,7 +53,7 @@ def _with_files(loaded: Loaded[RobotFile], folder: Path) -> RobotFile:
 
 
 def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:
-    """Return a robot's file with the keys that are called otherwise now, and a warning of each."""
+    """Return a robot's file with renamed keys under their new names, and a warning for each."""
     content, warnings = document.root.content, []
     if not isinstance(content, dict):
         return document, ()

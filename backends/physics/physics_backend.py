@@ -90,11 +90,11 @@ class PhysicsBackend(SimulatedBackend):
 
     @abstractmethod
     def _start_engine(self, window: bool) -> Engine:
-        """Return the engine, in whose world nothing is yet; `window` shows it."""
+        """Return an engine with an empty world; `window` shows it."""
 
     @abstractmethod
     def _load_robot(self, robot: RobotFile) -> RobotBody:
-        """Return the robot in it, where the scene has its base."""
+        """Return the robot's body in the engine, at the pose that its base has in the scene."""
 
     @cached_property
     def _onlooker(self) -> Onlooker:
@@ -129,7 +129,7 @@ class PhysicsBackend(SimulatedBackend):
         return kind(robot, self._body, self._engine.chunk, seed)
 
     def _put_up(self, robot: RobotFile, world: WorldFile, seed: int) -> Terrain | None:
-        """Return the world, and the robot's body in it; gives the ground where it is rough."""
+        """Build the world, and the robot's body in it; return the ground if it is rough, otherwise None."""
         engine, terrain = self._engine, None
         if robot.drive.kind == "ackermann" and world.ground is not None:
             terrain = Terrain(engine, world.ground, seed)

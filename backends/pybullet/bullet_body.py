@@ -33,7 +33,7 @@ class BulletBody(RobotBody):
     """Robot of links and joints in PyBullet."""
 
     def __init__(self, engine: BulletEngine, robot: RobotFile, base: Pose2) -> None:
-        """Load it with `base` as world_T_base."""
+        """Load the robot with `base` as world_T_base."""
         self._engine, self._p = engine, engine.p
         p, client = engine.p, engine.client
         flags = (

@@ -79,13 +79,13 @@ def render_with_depth(
 
 
 def _depth(part: FloatArray, nearest: float) -> FloatArray:
-    """Depths in [m] of a buffer of OpenGL, from 0 at the nearest plane to 1 at `FURTHEST`."""
+    """Return the depths in [m] of OpenGL's buffer, which is 0 at the nearest plane and 1 at `FURTHEST`."""
     depth = FURTHEST * nearest / (FURTHEST - part * (FURTHEST - nearest))
     return np.where(part >= 1.0, np.inf, depth)
 
 
 def _projection(K: FloatArray, size: tuple[int, int], near: float = NEAREST) -> FloatArray:
-    """OpenGL's projection (4, 4) of a pinhole camera; OpenGL counts pixels from their edges."""
+    """Return OpenGL's projection (4, 4) of a pinhole camera; OpenGL counts pixels from their edges."""
     width, height = size
     fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5
     far = FURTHEST

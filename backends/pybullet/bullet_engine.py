@@ -209,7 +209,7 @@ class BulletEngine(Engine):
         return [point for point in points if point[9] > 0.0]
 
     def _contact(self, point: Sequence[Any]) -> ContactPoint:
-        """Bullet's contact point, its first body being the one that is asked about."""
+        """Return a contact point of Bullet, whose first body is the one in question."""
         other, link, other_link, normal = point[2], point[3], point[4], point[7]
         (pressed, one, first, two, second), times = point[9:14], self.substeps
         x, y, z = (

@@ -17,7 +17,7 @@ def placed(pose: Transform) -> tuple[list[float], list[float]]:
 
 
 def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
-    """Return the pose (4, 4) of a position x, y, z in [m] and a unit quaternion x, y, z, w, in their
+    """Return the pose (4, 4) of a position x, y, z in [m] and a unit quaternion x, y, z, w, both in one
     frame.
     """
     x, y, z, w = quaternion

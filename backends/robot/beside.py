@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class Holding(Protocol):
-    """Robot that can hold."""
+    """Robot that can hold still while something is computed."""
 
     time: float
 
@@ -23,7 +23,7 @@ class Holding(Protocol):
 def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
     """Compute in a thread, and hand back control once a period until it is done.
 
-    Closed before, it doesn't wait: the result is lost, and the thread ends by itself.
+    A generator that is closed early doesn't wait: the result is lost, and the thread ends by itself.
     """
     pool = ThreadPoolExecutor(1, "compute")
     try:
@@ -36,7 +36,7 @@ def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
 
 
 def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None, None, T]:
-    """Compute one step a period; on a real robot all of them in a thread, as `beside` does."""
+    """Compute one of `steps` each period; on a real robot all of them in a thread, as `beside` does."""
     result: T
     if not simulated:
         result = yield from beside(finish, steps)
@@ -54,8 +54,8 @@ def at_rest(
     Args:
         steps: computation.
         robot: the robot that holds.
-        simulated: whether its backend is.
-        takes: its least simulated duration, in [s].
+        simulated: True for a robot with a simulated backend.
+        takes: least simulated duration of the computation, in [s].
     """
     result: T
     if not simulated:

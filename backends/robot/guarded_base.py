@@ -216,7 +216,7 @@ class GuardedBase(HolonomicBase):
             self._starts = False
 
     def _around(self, pose: Pose2) -> FloatArray:
-        """Return (n, 2) in [m] what the scan shows, and what was felt, in the base frame at map_T_base."""
+        """Return points (n, 2) of the scan and of felt obstacles, in the base frame at map_T_base, in [m]."""
         scan = self._scan()
         is_felt = self._on_map and len(self._felt) > 0
         return np.vstack([scan, pose.inverse().apply(self._felt)]) if is_felt else scan

@@ -19,7 +19,7 @@ HAND_LINK = "hand"
 
 
 class NotOnHand(HandcartError, ValueError):
-    """A camera is not fixed on the hand, and something needs one that is."""
+    """A camera is not fixed on the hand, but its pose on the hand is needed."""
 
 
 class CameraMount(NamedTuple):
@@ -28,7 +28,7 @@ class CameraMount(NamedTuple):
     carrier: str
     """Link that carries the camera: the hand, or the camera's own link."""
     carrier_T_frame: Transform
-    """(4, 4)."""
+    """Pose (4, 4) of the camera's frame of the URDF in the frame of the carrier."""
 
 
 class MountedCamera(NamedTuple):
@@ -36,7 +36,7 @@ class MountedCamera(NamedTuple):
 
     model: CameraModel
     carrier_T_camera: Transform
-    """(4, 4) of the optical frame: z forward, x right, y down."""
+    """Pose (4, 4) of the optical frame (z forward, x right, y down) in the frame of the carrier."""
     carrier: str = HAND_LINK
     """Link that carries the camera: the hand, or the camera's own link."""
 

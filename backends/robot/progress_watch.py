@@ -20,8 +20,8 @@ class ProgressWatch:
     """Compares commands with the estimated motion, once a period.
 
     Attributes:
-        blocked: that the base does not get on ahead or backwards, found in the last period.
-        blocked_wheel: likewise that it does not get on at a wheel, for example on the spot; None with
+        blocked: evidence that the base is blocked ahead or backwards, from the last period; None without.
+        blocked_wheel: evidence that one wheel is blocked, for example in a turn on the spot; None with
             `blocked`.
     """
 
@@ -37,9 +37,9 @@ class ProgressWatch:
         """Take in a period that has passed.
 
         Args:
-            command: command of the base in it.
-            travel: of the wheels before it.
-            before: estimated pose before it, `Localization.odometry_pose`.
+            command: command of the base in the period.
+            travel: travel of the wheels before the period.
+            before: estimated pose before the period, `Localization.odometry_pose`.
         """
         rolled, way = self._localization.travel, command.direction
         left, right = rolled.left - travel.left, rolled.right - travel.right

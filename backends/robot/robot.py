@@ -222,7 +222,7 @@ class Robot:
 
     @property
     def stopping_distance(self) -> float:
-        """The farthest that the base rolls on after the word to stop, in [m], from top speed."""
+        """Largest distance that the base rolls on after a command to stop, in [m], from top speed."""
         speed = self.drive_limits.speed
         return speed * MAX_STOP_PERIODS * self.period + speed**2 / (2.0 * self.drive_limits.acceleration)
 
@@ -293,7 +293,7 @@ class Robot:
             self._pictures.note(self._carried_by())
 
     def _locate(self) -> None:
-        """Bring the estimated pose up to date, and see whether the base gets on."""
+        """Update the estimated pose, and detect whether the base is blocked."""
         travel, before = self.localization.travel, self.localization.odometry_pose
         self.localization.update(self.command)
         self.progress.update(self.command, travel, before)
@@ -301,7 +301,7 @@ class Robot:
             self.localization.lift_watch.note_contact()
 
     def _feel(self) -> None:
-        """Take in what the inertial sensors read."""
+        """Update the attitude with the readings of the inertial sensors."""
         if self._imu is None:
             return
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
@@ -333,7 +333,7 @@ class Robot:
 
     @property
     def seen(self) -> ByteArray | None:
-        """Last picture (height, width) that was asked for, grey; None before the first. Takes none."""
+        """Last picture (height, width) that was taken, grey; None before the first."""
         return self._pictures.last
 
     def state(self) -> dict[str, Any]:

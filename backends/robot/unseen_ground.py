@@ -53,7 +53,7 @@ class UnseenGround:
 
     @cached_property
     def view(self) -> SensorView:
-        """Field of view of the lidar, if nothing of it is masked; otherwise nothing."""
+        """Field of view of the lidar; an empty one if some sectors are masked."""
         scan = self._lidar.scan()
         mount, spec = scan.base_T_sensor, self._lidar.spec
         width = math.radians(spec.end_deg - spec.start_deg)

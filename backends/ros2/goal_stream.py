@@ -35,7 +35,7 @@ class GoalStream:
 
     Each goal of a trajectory ends with the period for which it was computed: without a next one the
     controller holds its end, as when this program is killed. A goal that is rejected, aborted, cancelled by
-    somebody else, or not answered is trouble. That one which was replaced ends early is none.
+    somebody else, or not answered is trouble; a replaced goal that ends early is not.
     """
 
     def __init__(
@@ -64,20 +64,20 @@ class GoalStream:
         """Fault of a goal in words; "" without a fault."""
 
     def send(self, goal: Any) -> None:
-        """Send a goal in place of the one before."""
+        """Send a goal that replaces the one before."""
         for watched in self._watched:
             watched.was_replaced = True
         self._watched.append(_Watched(self.sender.send(goal), self._clock()))
 
     def cancel(self) -> None:
-        """Cancel what is not over."""
+        """Cancel all goals that have not ended."""
         for watched in self._watched:
             if not watched.was_replaced:
                 watched.goal.cancel()
             watched.was_cancelled = True
 
     def advance(self) -> None:
-        """Look what has become of each goal."""
+        """Check the state of each goal, and note what goes wrong."""
         for watched in self._watched:
             self.trouble = self.trouble or self._wrong(watched)
         self.trouble = self.trouble or self.rival
@@ -87,7 +87,7 @@ class GoalStream:
 
     @property
     def rival(self) -> str:
-        """Words of another program that commands the controller; "" without one."""
+        """Description of another program that commands the controller; "" without one."""
         if not self.sender.others_goal():
             return ""
         return f"{self.name}: a goal of another node is executed; allowed: goals of this program alone"

@@ -42,7 +42,7 @@ class TopicController(JointController):
 
     @override
     def cancel(self) -> None:
-        """Leave it: the point of a topic ends with its period."""
+        """Do nothing: a point sent by a topic ends with its period."""
 
 
 class TrajectoryController(JointController):

@@ -21,9 +21,9 @@ KEPT_STATES = 50
 
 
 JUMP_FACTOR = 3.0
-"""Motion between two messages that is a jump, relative to that at a joint's top speed."""
+"""Ratio of the motion between two messages to that at top speed, above which it is a jump."""
 JUMP_SLACK = 0.1
-"""[rad] or [m] added to that."""
+"""Motion added to the limit of a jump that `JUMP_FACTOR` sets, in [rad] or [m]."""
 
 
 class JointStates(TopicSensor):

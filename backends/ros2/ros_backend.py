@@ -27,7 +27,7 @@ from .on_the_air import DISCOVERY_S, await_robot, other_masters, unheard
 from .ros_topics import RosTopics, capabilities_of, check_joints
 
 MASTERS_PERIOD_S = 1.0
-"""[s] between two looks for other nodes that command the robot."""
+"""Time between two searches for other nodes that command the robot, in [s]."""
 
 
 class RosBackend(Backend):
@@ -251,7 +251,7 @@ class RosBackend(Backend):
             self._compiled += 1
 
     def _check(self) -> None:
-        """Raise what stops the robot."""
+        """Raise the fault that stops the robot, if one is present."""
         if self._pace is not None and self._pace.trouble:
             raise RosFault(f"the control loop is too slow: {self._pace.trouble}")
         topics = self._topics

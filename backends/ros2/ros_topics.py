@@ -83,12 +83,12 @@ class RosTopics:
         self._sensors = tuple(self._made_sensors())
 
     def capabilities(self) -> tuple[Capability, ...]:
-        """Return what the robot has."""
+        """Return the capabilities that the robot has."""
         actuators = (item for item in (self.base, self.arm, self.gripper) if item is not None)
         return (*actuators, *self._sensors)
 
     def begin(self) -> None:
-        """Take what is measured as the command, once each topic has had its first message."""
+        """Take measured joints and width as the commands, once each topic has had its first message."""
         for item in (self.arm, self.gripper):
             if item is not None:
                 item.begin()
@@ -104,14 +104,14 @@ class RosTopics:
             self.gripper.advance()
 
     def state(self) -> dict[str, object]:
-        """Return what of commands and readings does not come with the next messages."""
+        """Return the part of commands and readings that the next messages do not deliver."""
         return {name: attributes(part, part.STATE) for name, part in self._kept().items()}
 
     def set_state(self, state: object, receive: Callable[[], None]) -> None:
         """Restore what `state` returned.
 
         Args:
-            state: the state.
+            state: result of `state`.
             receive: delivers the messages of the time to which it belongs.
 
         Raises:

@@ -19,9 +19,9 @@ class ChargerSpec(FileModel):
 
     x_m: float
     y_m: float
-    """Its position in the map."""
+    """Position `x_m`, `y_m` of the charger on the map."""
     within_mm: Positive = 300.0
-    """Distance of the base from it up to which it charges."""
+    """Largest distance of the base from the charger at which it charges."""
     power_w: Positive = 200.0
     """Power into the battery."""
 

@@ -34,7 +34,7 @@ OLD_PARTS = {
     "range": "sensor range_sensor",
     **{name: f"sensor {name}" for name in ("camera", "imu", "gps", "beacons", "positioning")},
 }
-"""Sensors in older checkpoints, by what they were called there."""
+"""Present names of sensor parts, by their names in older checkpoints."""
 
 
 class ChangingPart(Protocol):

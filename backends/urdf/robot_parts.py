@@ -63,11 +63,11 @@ class PartSpec(FileModel):
     onto: str
     """The link that carries its root link."""
     xyz_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Position of the root link in that link."""
+    """Position of the root link in the frame of the link `onto`."""
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Its roll, pitch and yaw there."""
+    """Roll, pitch and yaw of the root link in the frame of the link `onto`."""
     prefix: str = ""
-    """Put before the names of its links and joints, where two parts share some."""
+    """Prefix of the names of its links and joints, needed where two parts share a name."""
 
     def part(self, text: str) -> Part:
         """Return the part that these keys describe, with the URDF's text."""
@@ -88,16 +88,16 @@ class ReadPart(NamedTuple):
 
 
 def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
-    """Read a URDF and look whether it can be used.
+    """Read a URDF and check that it can be used.
 
     Args:
         urdf: as in a robot's file.
-        folder: where that lies.
+        folder: folder of the robot's file.
         without: joints that are removed with everything that they carry.
 
     Raises:
-        FileError: something is wrong in it, or with a link's mesh.
-        UrdfError: it isn't there, or has no such joint.
+        FileError: the URDF, or a mesh of a link, is faulty.
+        UrdfError: the URDF is missing, or has no joint of `without`.
     """
     path, root, shown = _found(urdf, folder)
     if not path.is_file():

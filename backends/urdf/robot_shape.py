@@ -28,9 +28,9 @@ class TrayShape(NamedTuple):
     """The tray: a box, level, its sides along those of the base. In the base frame, in [m]."""
 
     middle: tuple[float, float]
-    """x and y."""
+    """x and y of the tray's middle."""
     size: tuple[float, float, float]
-    """Along x, y, z."""
+    """Size along x, y, z."""
     top: float
     """Height of the upper side, which carries things."""
 
@@ -46,11 +46,11 @@ class FingerShape(NamedTuple):
     tip: float
     """x of the finger tips."""
     length: float
-    """Along x."""
+    """Length along x."""
     thickness: float
-    """Along y."""
+    """Thickness along y."""
     height: float
-    """Along z; as much above the frame's x axis as below."""
+    """Height along z, half of it above the frame's x axis."""
 
 
 def tray_shape(arm: ArmModel) -> TrayShape:

@@ -71,8 +71,8 @@ def robot_urdf(
     Args:
         specs: its own URDF, then its parts.
         folder: of the robot's file.
-        roles: of links, with the names that the URDFs have for them.
-        joints: that the file names: where, the URDFs' name, and the name that is expected of it.
+        roles: roles of links, each with the name of the link in the URDFs.
+        joints: joints that the file names: key path, name in the URDFs, and the expected name.
         allowed: pairs of links that may touch, by the robot's file.
         still: joints that are never moved, and their positions in [deg] or [mm], by their names in the URDF.
 
@@ -162,7 +162,7 @@ def _mapped(
     named: Sequence[tuple[KeyPath, str, str]],
     places: Mapping[tuple[str, str], SourcePlace],
 ) -> tuple[list[Pair], list[Pair]]:
-    """Links and joints that the robot's file calls otherwise than their URDF: old names and new ones."""
+    """Return the links, and the joints, that the robot's file renames: (name in the URDF, new name) each."""
     links = [(key, ("links", role), role) for role, key in roles.items()]
     joints = [(joint, key, name) for key, joint, name in named]
     for kind, asked in (("link", links), ("joint", joints)):

@@ -72,7 +72,7 @@ class BackendPlant(Plant):
         return axis.units.position(drives[axis.spec.node].driven)
 
     def _roll(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """Drive the base by what the wheels are turned in this period."""
+        """Drive the base by the turns of its wheels in this period."""
         if self._base is None:
             return
         drive = self._robot.drive

@@ -18,7 +18,7 @@ from .backend_plant import BackendPlant
 from .bench_bus import BenchBus
 
 Act = Callable[["Bench", DriveNode], None]
-"""Lets something go wrong, with a drive or with the bus."""
+"""Function that causes a fault of a drive or of the bus."""
 
 
 class Bench:
@@ -87,7 +87,7 @@ class Bench:
             self._plant.place(self.drives)
 
     def go_wrong(self, act: Act, node: int | None = None) -> None:
-        """Let something go wrong now, at a drive; None: that of the first axis."""
+        """Cause a fault now, at the drive with a node ID; None for the drive of the first axis."""
         act(self, self.drives[self.spec.left.node if node is None else node])
 
     def go_wrong_at(self, at_s: float, act: Act, node: int | None = None) -> None:

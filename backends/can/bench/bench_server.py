@@ -28,7 +28,7 @@ class BenchServer:
         clock: Callable[[], float] = time.monotonic,
         look: Look | None = None,
     ) -> None:
-        """Begin.
+        """Prepare a server for a bench.
 
         Args:
             bench: on a bus of its own, not on one in this process.

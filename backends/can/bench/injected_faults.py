@@ -29,7 +29,7 @@ class InjectedFault(NamedTuple):
     what: str
     """Description of the fault."""
     act: Act
-    """Lets it happen, to a drive or to the bus."""
+    """Function that causes the fault of a drive or of the bus."""
 
 
 def injected_fault(name: str) -> InjectedFault:

@@ -56,8 +56,8 @@ class CanLine(canopen.Network):
         """Send a frame; one that the interface has no room for is lost.
 
         Raises:
-            QueueFull: that has happened several times in a row.
-            can.CanError: of the interface.
+            QueueFull: several frames in a row were lost.
+            can.CanError: the interface reports an error.
         """
         # A copy: frames in the interface's queue must not change when the buffer is refilled.
         frame = can.Message(
@@ -77,12 +77,12 @@ class CanLine(canopen.Network):
             heard(frame, True)
 
     def wait(self, done: Callable[[], bool | None], seconds: float) -> bool:
-        """Take frames in until `done`; whether that came true within `seconds` of the wall clock.
+        """Receive frames until `done()` is true; return whether it was within `seconds` of the wall clock.
 
         Simulated nodes have answered before this returns, or never will: then no time passes.
 
         Raises:
-            can.CanError: of the interface.
+            can.CanError: the interface reports an error.
         """
         if self._serve is not None:
             self._serve()

@@ -70,7 +70,7 @@ def _first_heard(
 
 
 def _sender(frame: can.Message, nodes: Collection[int], is_shared: bool) -> str:
-    """Return who has sent a frame, "" if that does not matter."""
+    """Return a description of the sender of a frame, "" if our nodes would not disturb it."""
     if frame.is_error_frame or frame.is_extended_id:
         return ""
     kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES

@@ -3,26 +3,26 @@
     HandcartError
     ├── InputError
     │   ├── NoDrives            the robot's file has no section `can`, or not all of it
-    │   ├── TooManyCounts       what an axis can be told doesn't fit into 32 bits
+    │   ├── TooManyCounts       a possible set-point of an axis doesn't fit into 32 bits
     │   ├── NoInterface         the CAN interface can't be opened
     │   └── ChannelTaken        another robot or bench is on the channel
     └── RobotFault
         └── CanFault            the robot is stopped, as far as the bus allows, and stays so
             ├── BusFault            the interface doesn't send or receive
-            │   ├── QueueFull           it has no room for what is to be sent
-            │   └── ControllerFault     it has gone, or is about to go, off the bus
+            │   ├── QueueFull           the interface has no room for frames to be sent
+            │   └── ControllerFault     the CAN controller has gone off the bus, or is about to
             ├── SilentDrive (TimeoutError)  a drive doesn't answer
-            ├── LostAnswers         it does, but not reliably
+            ├── LostAnswers         too many answers of a drive get lost
             ├── DriveNotReady       a drive isn't in OPERATION ENABLED, or in another mode
             ├── WrongDrive          a drive isn't what the robot's file needs
             ├── EncoderWraps        a drive's counts start over inside the travel of its axis
             ├── ReadBackDiffers     settings are not what was written
-            ├── Emergency           a node tells of a fault
+            ├── Emergency           a node reports a fault (EMCY)
             ├── NodeRestarted       a node has booted, or left OPERATIONAL
             ├── TwoNodes            two nodes have one node ID
-            ├── Stranger            somebody else commands the drives
+            ├── Stranger            another node commands the drives
             ├── Overloaded          the bus is too busy, or full of nonsense
-            ├── OffDemand           an axis doesn't do what it is told
+            ├── OffDemand           an axis doesn't follow its commands
             ├── LateLoop            this program doesn't keep its periods
             └── BrokenOff           something else ended a period before it was over
 
@@ -142,7 +142,7 @@ class Difference:
     """Name in the drive's EDS file."""
     wanted: int
     got: int | str
-    """Or why nothing was read."""
+    """Value that was read back, or the reason why none was."""
 
     def __str__(self) -> str:
         at = f"{self.index:04X}h" + (f":{self.subindex}" if self.subindex else "")

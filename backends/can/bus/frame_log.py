@@ -43,7 +43,7 @@ class _Line:
         return len(text)
 
     def flush(self) -> None:
-        """There is nothing to hand on."""
+        """Do nothing, because the line is kept in memory."""
 
 
 class FrameLog(Recording):

@@ -1,4 +1,4 @@
-"""Whose frames there are on a bus, and what their data mean."""
+"""Names of the nodes on a bus, and of the data in their frames."""
 
 from __future__ import annotations
 

@@ -33,9 +33,9 @@ class FrameDescription(NamedTuple):
     """Description of a frame as text."""
 
     who: str
-    """The node that it is from, or for."""
+    """Node that sends or receives the frame."""
     what: str
-    """PDO, SDO, EMCY, NMT ..."""
+    """Kind of the frame, such as PDO, SDO, EMCY or NMT."""
     words: str
     """Content of the frame in words."""
     state: str | None

@@ -20,7 +20,7 @@ class Heartbeat:
         """Set up a heartbeat without sending one.
 
         Args:
-            line: to the drives.
+            line: network of the drives.
             node: node ID of this program.
             every: time between two heartbeats, in [s].
             clock: returns the time in [s].

@@ -24,9 +24,9 @@ class LineSdoClient(SdoClient):
     """
 
     RESPONSE_TIMEOUT = 0.8
-    """[s]"""
+    """Time-out of an answer, in [s]."""
     MAX_RETRIES = 2
-    """One more try: no drive is asked under way."""
+    """Number of tries; a repeated one delays no motion, because objects are not read while a drive moves."""
     _left = _FRAMES
 
     def upload(self, index: int, subindex: int) -> bytes:

@@ -37,7 +37,7 @@ class EchoFreeBus(can.BusABC):
         return frame, True
 
     def _is_own(self, frame: can.Message) -> bool:
-        """Own frames come back in order; one that is found takes those before it, which got lost, along."""
+        """Return whether a frame is an own one come back; own frames sent before it count as lost."""
         own = (frame.arbitration_id, bytes(frame.data))
         if own not in self._sent:
             return False

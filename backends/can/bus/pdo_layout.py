@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 AT_ONCE, ON_SYNC = 255, 1
-"""Transmission types (CiA 301): when it comes; with the next SYNC."""
+"""Transmission types (CiA 301) of a PDO that takes effect on arrival, or with the next SYNC."""
 PROFILE_POSITION, PROFILE_VELOCITY, CYCLIC_POSITION, CYCLIC_VELOCITY = 1, 3, 8, 9
 """Modes of operation (6060h)."""
 CIA402_MODES = {
@@ -49,7 +49,7 @@ class Layout(NamedTuple):
     """The process data frames (PDOs) of one drive."""
 
     commands: tuple[Pdo, ...]
-    """To it, COB-IDs 200h, 300h ... + node. Those after the first go out only when they change."""
+    """PDOs that the drive receives, COB-IDs 200h, 300h ... + node; all but the first are sent on change."""
     answers: tuple[Pdo, ...]
     """PDOs that the node sends after each SYNC, COB-IDs 180h, 280h ... + node."""
 

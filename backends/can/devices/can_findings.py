@@ -21,7 +21,7 @@ _CYCLIC = ("csp", "csv")
 
 
 def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Everything wrong, each at its place: in the robot's file, or in a drive's EDS file."""
+    """Return all findings, each at its place in the robot's file or in a drive's EDS file."""
     spec = robot.can
     if spec is None:
         return []
@@ -84,7 +84,7 @@ def _eds_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[F
 
 
 def _wrap_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[Finding]:
-    """Return what an EDS file says of counts that start over inside the travel of an axis."""
+    """Return findings on axes inside whose travel the counts start over, by the drive's EDS file."""
     if all(axis.eds is None for _, axis in placed_axes(spec)):
         return []
     from .eds_needs import wrap_findings

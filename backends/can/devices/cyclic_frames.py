@@ -42,6 +42,6 @@ def _pdos(name: str, axis: AxisSpec, period: float) -> Iterator[CyclicFrame]:
 
 
 def mode_of(axis: AxisSpec) -> int:
-    """Return its mode of operation (6060h)."""
+    """Return the mode of operation (6060h) of an axis."""
     kind = "velocity" if isinstance(axis, WheelDriveSpec) else "position"
     return CIA402_MODES[kind, getattr(axis, "mode", "profile")]

@@ -38,11 +38,11 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
     """Return the faults of a drive's EDS file.
 
     Args:
-        path: of the file, which exists.
-        axis: whose drive it describes.
+        path: path of the EDS file, which exists.
+        axis: axis whose drive the file describes.
 
     Returns:
-        What is wrong, each at its place in that file; and what the drive lacks that its robot's file doesn't
+        Faults, each at its place in the EDS file; and lacks of the drive that the robot's file doesn't
         accept.
     """
     try:

@@ -140,7 +140,7 @@ class Axes(Mapping[str, Axis]):
 
 
 def _each(acts: Iterable[Callable[[], None]]) -> None:
-    """Do all, whatever one raises; that is raised in the end."""
+    """Call all functions, even if one raises; its exception is raised at the end."""
     with ExitStack() as all_of_them:
         for act in reversed(list(acts)):
             all_of_them.callback(act)

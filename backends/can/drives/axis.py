@@ -192,7 +192,7 @@ class Axis(canopen.RemoteNode):
         self.expected.stand_at(position)
 
     def hold(self) -> None:
-        """Hold where its ramps are, from the next period on."""
+        """Stop at the position that the drive's ramps have reached, from the next period on."""
         self._target = self.expected.position if self.positioned else 0.0
 
     def send(self) -> None:
@@ -213,7 +213,7 @@ class Axis(canopen.RemoteNode):
         self._send(word, 0x607A, counts)
 
     def _plan_speed(self) -> None:
-        """So fast that the drive is there when the period is over."""
+        """Set the profile velocity with which the drive reaches its set-point at the end of the period."""
         way = abs(self._target - self.expected.position)
         self._top = min(self.limits.speed, max(way / self.period, _CREEP * self.limits.speed))
         speed = self.rpdo[2]
@@ -292,7 +292,7 @@ class Axis(canopen.RemoteNode):
             self._take_position(self._reported[0x6064])
 
     def _take_position(self, counts: int) -> None:
-        """Take a position over, unless it can't be."""
+        """Accept a measured position in [counts], unless the drive cannot have moved so far."""
         speed = self._reported[0x606C]
         self._jumps.note(speed, self._intended())
         self._reported_travel += speed * self.period
@@ -352,7 +352,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def torque(self) -> float:
-        """Share of its rated torque, positive where its position grows; 0 if the drive reports none."""
+        """Share of the rated torque, positive where the position grows; 0 if the drive reports none."""
         return math.copysign(1.0, self.units.scale) * self._reported.get(0x6077, 0) / 1000.0
 
     @property

@@ -11,7 +11,7 @@ from handcart.backends.can.bus.pdo_layout import Pdo
 from .axis import ENABLED, Axis
 
 STATUS_TIMEOUT_S = 0.1
-"""[s] for which a statusword counts at most; two periods where those are longer."""
+"""Maximum age of a statusword, in [s]; two periods if those are longer."""
 _NAMES = {
     0x6041: "statusword",
     0x6064: "position",
@@ -97,7 +97,10 @@ class AxisCheck:
             )
 
     def _contradiction(self, off: float) -> str:
-        """Return that position and velocity contradict each other, "" if they do not explain a deviation."""
+        """Return, as text, by how much position and velocity contradict each other.
+
+        "" if the contradiction does not explain a deviation `off`, in [m] or [rad].
+        """
         between = max(self._contradictions) - min(self._contradictions)
         if between < _EXPLAINS * off:
             return ""

@@ -31,7 +31,7 @@ class AxisLimits(NamedTuple):
     window: float
     """Largest following error; infinity: the axis may be blocked."""
     torque: int
-    """The most, in thousandths of the rated one."""
+    """Maximum torque, in thousandths of the rated torque."""
 
 
 def rim_speed(robot: RobotFile) -> float:

@@ -12,7 +12,7 @@ from handcart.backends.description.can_spec import CanSpec
 from .axis import HOLD_COMMAND, Axis
 
 QUICK_STOP_AND_STAY, QUICK_STOP_AND_DISABLE = 6, 2
-"""Quick stop option codes (605Ah): slow down on the quick stop ramp, then ..."""
+"""Quick stop option codes (605Ah): slow down on the quick stop ramp, then stay, or disable."""
 _SLOW_DOWN = 2  # fault reaction (605Eh): on the quick stop ramp
 _QUICK_STOP = 3  # abort connection option (6007h)
 _PRE_OPERATIONAL = 0  # error behaviour (1029h): commands that were queued are not taken any more
@@ -44,7 +44,7 @@ def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
 
 
 def mapping(axis: Axis) -> Iterator[ObjectValue]:
-    """Yield the values that the objects of its PDOs must have when they are read back."""
+    """Yield the values that the objects of an axis' PDOs must have when they are read back."""
     for first, mapped, pdos in (
         (0x1400, 0x1600, axis.layout.commands),
         (0x1800, 0x1A00, axis.layout.answers),

@@ -69,7 +69,7 @@ def _withdraw(axes: Sequence[Axis]) -> None:
 
 
 def _prepare(axis: Axis) -> str:
-    """Nothing is to move when it is enabled."""
+    """Set the axis to its present position, so that enabling moves nothing; return `ENABLED`."""
     counts = axis.read(0x6064)
     position, before = axis.units.position(counts), axis.position
     if axis.positioned and abs(position - before) > axis.slack:
@@ -85,7 +85,7 @@ def _prepare(axis: Axis) -> str:
 
 
 def _advance(axis: Axis) -> str:
-    """Ask for the next state; gives the one it is in."""
+    """Request the drive's next CiA 402 state; return the present one."""
     state = _state(axis)
     if state in (FAULT, "FAULT REACTION ACTIVE"):
         raise DriveNotReady(axis.name, FAULT, _fault(axis))

@@ -17,15 +17,15 @@ class ExpectedMotion:
     mode: int
     limits: AxisLimits
     position: float = 0.0
-    """[m] or [rad]"""
+    """Position of the axis, in [m] or [rad]."""
     velocity: float = 0.0
-    """[m/s] or [rad/s]"""
+    """Velocity of the axis, in [m/s] or [rad/s]."""
     way: float = 0.0
     """Travel in the last period [m] or [rad]."""
     speed: float = 0.0
     """Speed in the last period [m/s] or [rad/s]."""
     _next: float = 0.0
-    """The cyclic target that the next SYNC makes count."""
+    """Cyclic set-point that becomes valid with the next SYNC."""
 
     def stand_at(self, position: float) -> None:
         """Set the axis to rest at `position`."""

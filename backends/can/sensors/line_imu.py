@@ -17,7 +17,7 @@ _MOST = 100.0  # [rad/s], [m/s²]: no robot turns or falls like that
 
 
 class LineImu(LineSensor, Imu):
-    """Lines `$IMU`, several a period or one in several; its axes are those of the base."""
+    """IMU that sends lines `$IMU`, at a higher or lower rate than the control's; its axes are the base's."""
 
     KIND = "IMU"
 

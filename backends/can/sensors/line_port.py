@@ -16,12 +16,12 @@ class LinePort:
     """A serial port or a socket that delivers lines of text; reading never waits."""
 
     def __init__(self, sensor: str, port: str, baud: int) -> None:
-        """Open it.
+        """Open the port.
 
         Args:
-            sensor: how people call what is behind it.
+            sensor: name of the connected sensor, for people.
             port: such as /dev/ttyUSB0 or socket://HOST:PORT.
-            baud: bits a second; sockets don't look at it.
+            baud: bits a second; ignored for sockets.
 
         Raises:
             NoSensor: it can't be opened.

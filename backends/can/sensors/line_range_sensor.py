@@ -19,7 +19,7 @@ from .line_sensor import LineSensor
 
 
 class LineRangeSensor(LineSensor, RangeSensor):
-    """Lines `$RANGE`: one scan each, beams evenly spread over the field of view, counter-clockwise."""
+    """Lidar that sends lines `$RANGE`, each a scan with evenly spread beams, counter-clockwise."""
 
     KIND = "RANGE"
 
@@ -29,9 +29,9 @@ class LineRangeSensor(LineSensor, RangeSensor):
         """Open its port.
 
         Args:
-            source: where it is.
+            source: port of the sensor.
             spec: how many beams a scan has, and between which angles.
-            base_T_sensor: (4, 4), where it sits.
+            base_T_sensor: (4, 4) pose of the sensor.
             clock: gives the time in [s].
 
         Raises:

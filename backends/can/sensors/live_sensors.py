@@ -51,10 +51,10 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
 
 
 def await_first(sensors: list[LiveSensor], seconds: float = _FIRST) -> None:
-    """Wait until each has given a reading, but a satellite receiver, which may see the sky later.
+    """Wait until each sensor has delivered a reading; a satellite receiver may have its first fix later.
 
     Raises:
-        NoSensor: one gave none.
+        NoSensor: a sensor delivered none.
     """
     end = time.monotonic() + seconds
     waited = [sensor for sensor in sensors if not isinstance(sensor, Gps)]

@@ -78,7 +78,7 @@ class NmeaGps(LiveSensor, Gps):
         self._good()
 
     def _is_good_enough(self, position: Position) -> bool:
-        """Return whether its quality is what the robot's file needs, and note why not."""
+        """Return whether a position's quality is enough for the robot's file; note the reason if not."""
         if not position.is_fix:
             kind = NO_SATELLITE_FIXES.get(position.quality, "unknown in NMEA 0183")
             self.doubt = f"it sends places of quality {position.quality}, {kind}: they are no satellite fixes"
@@ -90,7 +90,7 @@ class NmeaGps(LiveSensor, Gps):
         return not self.doubt
 
     def _sigma(self, position: Position) -> float:
-        """Return the receiver's sigma for that time, otherwise that of the satellites' geometry [m]."""
+        """Return the sigma in [m] that the receiver sent for this time, otherwise one from the HDOP."""
         accuracy = self._accuracy
         if accuracy is not None and abs(position.utc - accuracy.utc) <= self._stale:
             return accuracy.sigma

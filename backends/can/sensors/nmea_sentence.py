@@ -36,9 +36,9 @@ class Position(NamedTuple):
     utc: float
     """Time of day, in [s]."""
     lat: float
-    """North positive, in [deg]."""
+    """Latitude, north positive, in [deg]."""
     lon: float
-    """East positive, in [deg]."""
+    """Longitude, east positive, in [deg]."""
     quality: int
     """A key of `SATELLITE_FIXES` or `NO_SATELLITE_FIXES`; others are not in the standard."""
     hdop: float
@@ -50,7 +50,7 @@ class Position(NamedTuple):
 
 
 class Accuracy(NamedTuple):
-    """GST: how sure a fix is."""
+    """Accuracy of a fix, an NMEA sentence GST."""
 
     utc: float
     """Time of day to which it belongs [s]."""

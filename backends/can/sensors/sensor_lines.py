@@ -30,7 +30,7 @@ _STAMP = re.compile(r"\d{1,15}", re.ASCII)
 
 
 class SensorLine(NamedTuple):
-    """A line that came through whole."""
+    """A line that was received undamaged."""
 
     kind: str
     """RANGE or IMU."""

@@ -57,7 +57,10 @@ class UtcOrder:
         return True
 
     def _come_sooner(self, by: float) -> None:
-        """Reduce the least delay by what all of the last times came earlier: a single one may be wrong."""
+        """Reduce the least delay by the time in [s] that all of the last sentences came earlier than it.
+
+        A single one may be wrong.
+        """
         self._sooner.append(by)
         least = min(self._sooner)
         if len(self._sooner) > _BEARS_OUT and least > 0.0:
@@ -76,5 +79,5 @@ class UtcOrder:
 
 
 def _wrapped(seconds: float) -> float:
-    """Within half a day."""
+    """Return a difference of times of day, wrapped to half a day either way, in [s]."""
     return (seconds + _DAY / 2) % _DAY - _DAY / 2

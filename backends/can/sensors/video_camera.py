@@ -27,7 +27,7 @@ class VideoCamera(LiveSensor, PlacedCamera):
     """
 
     def __init__(self, source: CameraSource, mounted: MountedCamera, clock: Clock = time.monotonic) -> None:
-        """Open it.
+        """Open the device, URL or file.
 
         Args:
             source: where pictures come from.
@@ -82,7 +82,7 @@ class VideoCamera(LiveSensor, PlacedCamera):
             self._image, self._came = grabbed if not self._is_file else (grabbed[0], self._now)
 
     def _grab(self) -> bool:
-        """Take the next picture; whether one came."""
+        """Take the next picture; return whether one came."""
         came, picture = self._video.read()
         if not came:
             return False
@@ -101,7 +101,7 @@ class VideoCamera(LiveSensor, PlacedCamera):
         return True
 
     def _go_on(self) -> None:
-        """Beside the control loop: whatever goes wrong here lets the last picture grow old."""
+        """Grab pictures in a thread; after a fault here the last picture becomes stale."""
         try:
             while not self._over.is_set():
                 if not self._grab():

@@ -30,9 +30,9 @@ class DriveFaults:
     drops: float = 0.0
     """Share of its answers that get lost."""
     short: bool = False
-    """Its answers are a byte too short."""
+    """True if its answers are a byte too short."""
     keeps: dict[tuple[int, int], int] = field(default_factory=dict)
-    """Objects that stay what they are, whatever is written: index and sub-index to value."""
+    """Values that objects keep whatever is written, by index and sub-index."""
 
     _behind: deque[float] = field(default_factory=deque)
     _dropped: float = 0.0

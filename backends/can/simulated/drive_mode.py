@@ -20,9 +20,9 @@ class Demand:
     """Set-points that the drive's own planning gives its motor."""
 
     position: float = 0.0
-    """[counts], of the motor: homing doesn't change it."""
+    """Position of the motor, in [counts]; homing doesn't change it."""
     velocity: float = 0.0
-    """[counts/s]"""
+    """Velocity of the motor, in [counts/s]."""
     home: float = 0.0
     """Offset between the motor's position and the reported one (6064h) [counts]."""
     switch: float = field(default=-50_000.0)

@@ -21,7 +21,7 @@ class ControllerWatch(Watch):
     """Watch for faults of the CAN interface: error frames, bus-off, error-passive, a long warning."""
 
     def __init__(self, state: Callable[[], can.BusState]) -> None:
-        """Watch; `state` is asked once a period."""
+        """Watch a CAN controller, whose state `state` returns; it is called once a period."""
         self._state = state
         self._trouble = ""
         self._warned: float | None = None

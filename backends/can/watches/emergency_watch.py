@@ -23,7 +23,7 @@ class EmergencyWatch(Watch):
     """
 
     def __init__(self, names: Mapping[int, str], allowed: Collection[int]) -> None:
-        """Watch; `names` are those of nodes that are known, `allowed` error codes that don't matter."""
+        """Watch a bus; `names` are those of known nodes by node ID, `allowed` are ignored error codes."""
         self._names, self._allowed = names, allowed
         self._seen: tuple[int, int] | None = None
         self._begun = False

@@ -25,8 +25,8 @@ class NodeWatch(Watch):
         """Watch nodes.
 
         Args:
-            names: by node ID.
-            allowed: without a heartbeat, in [s].
+            names: names of the nodes, by node ID.
+            allowed: longest time without a heartbeat, in [s].
         """
         self._names, self._allowed = names, allowed
         self._begun = False

@@ -13,7 +13,7 @@ from handcart.backends.can.bus.errors import Overloaded
 from .watch import Watch
 
 BUSIEST, WINDOW = 0.7, 0.1
-"""Share of the bus, over that time in [s]."""
+"""Largest share of the bus that may be in use, and the time in [s] over which it is averaged."""
 MAX_MALFORMED_PER_S = 10
 """Malformed frames a second."""
 _FRAME, _STUFFING = 47, 8  # bits around the data; every how manieth bit is stuffed on the whole
@@ -26,7 +26,7 @@ class TrafficWatch(Watch):
     def __init__(
         self, bitrate: int, malformed: Callable[[], int], last_malformed: Callable[[], str] = str
     ) -> None:
-        """Watch.
+        """Watch a bus.
 
         Args:
             bitrate: of the bus, in [bit/s].

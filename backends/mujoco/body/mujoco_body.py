@@ -47,12 +47,12 @@ _FOLLOWS = 0.1  # of the way to where it belongs that a joint that is held makes
 
 
 class MujocoBody(RobotBody):
-    """See `RobotBody`. Its drives have the inertia that drives have: it holds their motion steady."""
+    """See `RobotBody`. Joints have the rotor inertia of real drives, which steadies their motion."""
 
     COUPLES_MIMICS = True
 
     def __init__(self, engine: MujocoEngine, robot: RobotFile, base: Pose2) -> None:
-        """Load it with `base` as world_T_base."""
+        """Load the robot with `base` as world_T_base."""
         self._engine = engine
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
         self._radius = robot.footprint_radius_m
@@ -122,7 +122,7 @@ class MujocoBody(RobotBody):
             _add_drive(robot, YIELDING_DRIVE_NAME.format(name), name)
 
     def _leave_out(self, robot: RobotFile) -> None:
-        """Have links pass through those that carry them, that they can't move against, and that may touch."""
+        """Exclude contacts of links with those that carry them, that are rigid to them, or that may touch."""
         spec = self._engine.world.spec
         pairs = {frozenset(pair) for pair in robot.whole.allowed if set(pair) <= set(self.link_index)}
         pairs |= {frozenset(pair) for pair in passing_pairs(self._urdf.text, held_still(robot))}
@@ -135,7 +135,7 @@ class MujocoBody(RobotBody):
             spec.add_exclude(bodyname1=ROBOT_PREFIX + one, bodyname2=ROBOT_PREFIX + other)
 
     def _above(self, link: str) -> Iterator[str]:
-        """Links that carry a link."""
+        """Yield the links that carry a link, the nearest first."""
         body = self._engine.world.spec.body(ROBOT_PREFIX + link).parent
         while body.name.startswith(ROBOT_PREFIX):
             yield body.name.removeprefix(ROBOT_PREFIX)

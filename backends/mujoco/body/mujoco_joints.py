@@ -111,7 +111,7 @@ class MujocoJoints(JointGroup):
         self._engine.data.qfrc_applied[self._speed] = torques
 
     def _alone(self, pull: float | FloatArray, most: FloatArray, torques: float | FloatArray = 0.0) -> None:
-        """Have the stiff drives do all that is done."""
+        """Drive the joints by the stiff drives alone."""
         self._stiff.serve(pull, self._gain, most, torques)
         if self._giving is not None:
             self._giving.serve(0.0, 0.0, np.full(len(most), _OFF))
@@ -133,7 +133,7 @@ class _Drives:
         most: FloatArray,
         torques: float | FloatArray = 0.0,
     ) -> None:
-        """Put `torques` on, and `pull` times what set-points are ahead, less `damping` times speeds."""
+        """Apply `torques`, plus `pull` times the set-points' lead, less `damping` times the speeds."""
         model, mine = self._engine.model, self._numbers
         model.actuator_gainprm[mine, 0] = pull
         bias = model.actuator_biasprm
@@ -145,7 +145,7 @@ class _Drives:
         limits[mine, 1] = most
 
     def set_out(self, positions: FloatArray, rates: FloatArray) -> None:
-        """Have the set-points begin there, and move so."""
+        """Start the set-points at `positions` (n,), to move at `rates` (n,)."""
         data = self._engine.data
         data.act[self._goals] = positions
         data.ctrl[self._numbers] = rates

@@ -22,7 +22,7 @@ def read_robot(urdf: SoundUrdf, visuals: bool = False) -> Any:
 
     Args:
         urdf: of the robot.
-        visuals: whether what is only seen is in it as well.
+        visuals: whether the result contains visual shapes as well.
 
     Raises:
         ValueError: MuJoCo can't read it.

@@ -17,7 +17,7 @@ _FAR = 1e10  # [m], beyond any real range: MuJoCo ignores what is farther
 
 
 class _Field(NamedTuple):
-    """Rough but level ground for `ground_ahead`."""
+    """Height field of rough ground, its frame level, for `ground_ahead`."""
 
     corner: FloatArray
     cell: float

@@ -20,13 +20,13 @@ class Leaning:
     """
 
     def __init__(self) -> None:
-        """No model is there yet."""
+        """Begin without a model."""
         self._robot: int | None = None
-        """Its tree of bodies."""
+        """Kinematic tree of the robot."""
         self.trees = np.zeros(0, np.bool_)
         """(trees,) True for things that touch the robot, directly or through others."""
         self._seen = b""
-        """Islands when it was last looked."""
+        """Islands at the last call of `look`."""
 
     def compiled(self, model: Any, link: int | None) -> None:
         """Adopt a model with more trees than before; `link` is one of a robot's."""

@@ -86,7 +86,7 @@ class MujocoEngine(Engine):
         self._grown.changed()
 
     def link_body(self, number: int, link: int) -> int:
-        """MuJoCo's number of a link."""
+        """Return MuJoCo's number of a link."""
         return self._bodies[number, link]
 
     def name_links(self, number: int, bodies: dict[str, int]) -> None:
@@ -102,14 +102,14 @@ class MujocoEngine(Engine):
         self._number(model)
 
     def _number(self, model: Any) -> None:
-        """Whose is what in a model."""
+        """Find the owners of the geometries and coordinates of a new model."""
         things = [number for number, form in enumerate(self._forms) if form is not None]
         self._numbering, self._seen = Numbering(model, self._links, things), None
         self._pressing, self._beams = Pressing(self._numbering.owners), LidarBeams(model)
         self._leaning.compiled(model, next(iter(self._links), None))
 
     def links(self) -> Any:
-        """MuJoCo's data, poses of all links as of now."""
+        """Return MuJoCo's data with the current poses of all links."""
         return self._grown.links()
 
     def displaced(self) -> None:
@@ -266,7 +266,7 @@ class MujocoEngine(Engine):
         return self.pins.force(self.data)
 
     def _joined(self, pinned: Pinned) -> tuple[int, int]:
-        """MuJoCo's numbers of what is held together."""
+        """Return MuJoCo's numbers of the two bodies that are held together."""
         return self.link_body(pinned.body, pinned.link), self._numbering.things[pinned.other].body
 
     # Bodies of the model
@@ -289,7 +289,7 @@ class MujocoEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """See `Engine`: to the last bit."""
+        """See `Engine`: a restored run continues to the last bit."""
         pinned = to_plain(self.pinned, Pinned | None)
         leans = self._leaning.trees.astype(np.int64)
         return {**saved(self.model, self.data), "pinned": pinned, "leans": leans}

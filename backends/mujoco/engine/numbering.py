@@ -64,7 +64,7 @@ class Numbering:
         self._where: IntArray = np.minimum(first[:, None] + np.arange(FREE_COORDINATES), last[:, None])
 
     def moved(self, changed: BoolArray) -> frozenset[int]:
-        """Things of which some of all coordinates (n,) have `changed`."""
+        """Return the things with a changed coordinate; `changed` is a mask (n,) of all coordinates."""
         return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())
 
 

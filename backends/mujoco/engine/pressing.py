@@ -19,7 +19,7 @@ class Pressing:
     """
 
     def __init__(self, owners: Sequence[Owner]) -> None:
-        """Whose each geometry is."""
+        """Prepare the index; `owners` has the body and link of each geometry."""
         self._owners = owners
         self._seen = b""
         self._found: dict[int, frozenset[Touching]] = {}

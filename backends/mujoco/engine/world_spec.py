@@ -43,12 +43,12 @@ inverse mass at the contact. In motion it acts as if 9 times that mass moved alo
 slowly.
 """
 HOLDS_ON_SOFT = 100.0
-"""Times as hard as it gives, ground that gives holds wheels along it (`impratio`): with 1, a car creeps."""
+"""Ratio of frictional to normal impedance on soft ground (`impratio`); with 1, a car creeps."""
 AXLE_FRICTION_RATIO = 2.0
-"""Times as much friction along an axle as is asked for: the ATRV then turns on the spot by 0.99 to 1.02
+"""Factor on the requested friction along an axle. The ATRV then turns on the spot by 0.99 to 1.02
 of what its file has, without this by 1.06 to 1.10."""
 ROBOT_PREFIX = "robot/"
-"""Before the names of the robot's links and joints."""
+"""Prefix of the names of the robot's links and joints."""
 ROBOT_GROUP = 1
 """Group of the robot's geometries: no beam of its range sensor meets it."""
 GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
@@ -151,10 +151,10 @@ class WorldSpec:
         return body
 
     def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
-        """Give a geometry its friction.
+        """Add a geometry with a coefficient of friction to a body.
 
-        MuJoCo has the larger one of two frictions for a pair: with others of their like, all have what the
-        product of two would be.
+        MuJoCo takes the larger friction of a pair. Each geometry gets the square of its coefficient, which
+        for a pair of equal ones is the product of both.
         """
         body.add_geom(
             name=name,
@@ -227,7 +227,7 @@ def rod_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float
 
 
 def _corners(wedge: Wedge) -> FloatArray:
-    """Return (8, 3) in [m]."""
+    """Return the corners (8, 3) of a wedge, in [m]."""
     y, z, narrow = wedge.thickness / 2, wedge.height / 2, wedge.thickness / 2 - wedge.chamfer
     outline = ((wedge.base, -y), (wedge.base, y), (wedge.end, narrow), (wedge.end, -narrow))
     return np.array([(x, across, up) for up in (-z, z) for x, across in outline])

@@ -10,7 +10,7 @@ from typing import Any
 from handcart.files.errors import InputError
 
 _WAYS = {"egl": "EGL", "osmesa": "OSMesa"}
-"""MuJoCo's name of it, and of the library."""
+"""MuJoCo's name of each OpenGL platform, with the name of its library."""
 
 
 class NoPictures(InputError):

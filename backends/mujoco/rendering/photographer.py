@@ -80,7 +80,10 @@ class Photographer:
         return whole
 
     def _point(self, eye: Any, world_T_camera: Transform, K: FloatArray) -> None:
-        """Have one of the scene's two eyes see so; OpenGL counts pixels from their edges."""
+        """Set one of the scene's two eyes to a camera's pose and intrinsics.
+
+        OpenGL counts pixels from their edges, not from their centres.
+        """
         width, height = self._size
         (fx, _, cx), (_, fy, cy), _ = K.tolist()
         eye.pos = world_T_camera[:3, 3]
@@ -92,7 +95,7 @@ class Photographer:
         eye.frustum_bottom = -NEAREST * (height - (cy + 0.5)) / fy
 
     def close(self) -> None:
-        """Let go of OpenGL; a second call does nothing."""
+        """Release OpenGL; a second call does nothing."""
         if self._gl is not None:
             self._gl.make_current()
             self._context.free()

@@ -25,7 +25,7 @@ class PictureStage:
     """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style, engine_model: Any) -> None:
-        """Build it as things are now; it is out of date once `looks.count` is another."""
+        """Build the stage as the world is now; it is out of date once `looks.count` changes."""
         self._looks, self.count = looks, looks.count
         spec = StageSpec(looks, robot, style)
         self.model = spec.spec.compile()
@@ -38,7 +38,7 @@ class PictureStage:
         self._drawn = np.zeros(0)
 
     def follow(self, engine_data: Any, middle: FloatArray) -> bool:
-        """Put everything where it is in the engine, light about `middle` (3,) in [m]; whether it moved."""
+        """Copy all poses from the engine, light about `middle` (3,) in [m]; return True if any changed."""
         data = self.data
         data.mocap_pos[self._mine] = engine_data.xpos[self._theirs]
         data.mocap_quat[self._mine] = engine_data.xquat[self._theirs]
@@ -63,7 +63,7 @@ class PictureStage:
         return changed
 
     def _texture(self, number: int, picture: ByteArray) -> int:
-        """Paint a thing's texture, if it has one of that size; gives its number or -1."""
+        """Paint a thing's texture, if it has one of that size; return the texture's number, or -1."""
         model = self.model
         found = int(mujoco().mj_name2id(model, mujoco().mjtObj.mjOBJ_TEXTURE, f"{number}"))
         if found < 0 or (model.tex_height[found], model.tex_width[found]) != picture.shape:

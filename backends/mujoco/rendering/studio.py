@@ -71,7 +71,7 @@ class Studio:
         return self._stage, self._photographer
 
     def close(self) -> None:
-        """Let go of OpenGL; a second call does nothing."""
+        """Release OpenGL; a second call does nothing."""
         if self._photographer is not None:
             self._photographer.close()
         self._stage = self._photographer = self._last = None

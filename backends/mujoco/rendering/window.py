@@ -26,7 +26,7 @@ class Window:
     """Shows a stage in real time; dragging things in it moves nothing. Closing it does not end the run."""
 
     def __init__(self, engine: MujocoEngine, body: MujocoBody, world_T_base: Transform) -> None:
-        """Open it; see `check_display`."""
+        """Open the window; see `check_display`."""
         self._engine, self._robot = engine, body.looks()
         self._due = time.monotonic()
         self._open(world_T_base)
@@ -64,7 +64,7 @@ class Window:
         time.sleep(self._due - now)
 
     def close(self) -> None:
-        """Close it; a second call does nothing."""
+        """Close the window; a second call does nothing."""
         self._handle.close()
         for thread in self._threads:  # it draws in a thread of its own, which mustn't outlive it
             thread.join(_PATIENCE)

@@ -48,7 +48,7 @@ class PhysicsArm(SimulatedArm):
             model: arm model.
             body: the robot in an engine.
             felt: returns the true force on the hand, (3,) in [N] in its frame.
-            ahead: delay after which torques fit best, in [s].
+            ahead: time from now for whose posture the torques are computed, in [s].
             seed: seed of its errors.
         """
         self._drives = body.joints(model.joint_names)

@@ -44,7 +44,7 @@ class RobotBody(ABC):
     COUPLES_MIMICS: ClassVar[bool] = False
     """True if the engine couples joints with those that they mimic; otherwise their own drives do."""
     id: int
-    """The engine's number of it."""
+    """The engine's number of the robot."""
     sprung: bool
     """True if it has a suspension."""
     wheels: DrivenWheels
@@ -81,11 +81,11 @@ class RobotBody(ABC):
 
     @abstractmethod
     def joints(self, names: Sequence[str]) -> JointGroup:
-        """Joints, to read and to drive."""
+        """Return the group of the joints with these names, to read and to drive."""
 
     @abstractmethod
     def reset(self, joint: str, position: float) -> None:
-        """Put a joint elsewhere, at rest."""
+        """Put a joint to a position in [rad] or [m], at rest."""
 
     @abstractmethod
     def cover(self, links: Iterable[str], surface: ContactSurface) -> None:

@@ -96,7 +96,7 @@ class ContactReader:
     def _named(
         self, mine: Collection[Touching], its: Collection[Touching], held: int | None, riding: Collection[int]
     ) -> Iterator[tuple[str, str]]:
-        """Pairs of what the robot, and what it holds, touches."""
+        """Yield the touching pairs of robot or held object, and another body, by name."""
         for point in mine:
             link, other = self._body.link_names[point.link], point.other
             if other in (held, self._body.id) or (

@@ -34,7 +34,7 @@ class Pinned:
     points: tuple[Point, ...]
     other_points: tuple[Point, ...]
     force_n: float
-    """With which each point is held, at most."""
+    """Largest force that holds each point."""
 
 
 class Touching(NamedTuple):
@@ -55,14 +55,14 @@ class ContactPoint(NamedTuple):
     normal: Point
     """Normal from the other body towards this one, in the world."""
     force: Point
-    """On the body, in the world, in [N]."""
+    """Force of the other body on this one, in the world, in [N]."""
 
 
 class Engine(ABC):
     """A physics engine with its clock, its bodies and its saved states. Bodies have numbers."""
 
     CHUNK: ClassVar[float]
-    """[s] between two looks of the drives at their encoders, where that is less than a control period. An
+    """Time between two readings of the encoders by the drives, in [s], if less than a control period. An
     engine whose own drives follow set-points in each of its steps has none: infinity."""
     CONTACTS_CARRY: ClassVar[float]
     """Share of the friction of the fingers' pads that contacts have.
@@ -94,20 +94,21 @@ class Engine(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of the engine; a second call does nothing."""
+        """Release the engine; a second call does nothing."""
 
     # Bodies
 
     @abstractmethod
     def add_floor(self, friction: float) -> int:
-        """Return a plane through the origin."""
+        """Add a level floor at height 0; return its body."""
 
     @abstractmethod
     def add_box(
         self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
-        """Return a box that nothing moves; only one that `moves` may be put elsewhere. `material` is for
-        people.
+        """Add a box that nothing moves; return its body. Only a box that `moves` may be put elsewhere.
+
+        `material` is for pictures for people.
         """
 
     @abstractmethod
@@ -142,7 +143,7 @@ class Engine(ABC):
         """Return the pose (4, 4) of a body's middle of mass in the world."""
 
     def moved(self) -> Collection[int] | None:
-        """Things that may be elsewhere than when this was last asked; None: any."""
+        """Return the things that may have moved since the last call; None: any of them."""
         return None
 
     @abstractmethod
@@ -164,7 +165,7 @@ class Engine(ABC):
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
-        """Keep this rigid connection and no other; None releases it."""
+        """Make `wanted` the only rigid connection; None releases the current one."""
 
     def pin_force(self) -> FloatArray:
         """Return the force (3,) of the rigid connection on its first body, in the world, in [N]."""

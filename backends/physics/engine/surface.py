@@ -11,17 +11,17 @@ class ContactSurface(NamedTuple):
     """Contact properties of a link; None leaves a property unchanged."""
 
     friction: float | None = None
-    """Coulomb's."""
+    """Coulomb's coefficient of friction."""
     stiffness: float | None = None
     """Stiffness of each contact point, in [N/m], as of rubber."""
     damping: float | None = None
-    """[Ns/m]"""
+    """Damping of each contact point, in [Ns/m]."""
     sticks: bool = False
     """True if a touched body keeps its place on it while friction holds."""
     along_axle: float | None = None
-    """Share of the friction that it has along its y."""
+    """Share of the friction that acts along the link's y axis, a wheel's axle."""
     against: float = 1.0
-    """Friction of what it mostly touches: an engine may have one figure for a pair."""
+    """Coefficient of the surface that it mostly touches, for engines with one coefficient for a pair."""
     sinks: float = 0.0
     """Compliance of the ground under it, in [m/N], in addition to its own."""
 
@@ -36,7 +36,7 @@ class ContactSurface(NamedTuple):
 
 
 TYRE_SURFACE = ContactSurface(friction=1.0)
-"""Rubber."""
+"""Tyre of rubber."""
 CASTER_SURFACE = ContactSurface(friction=0.0, stiffness=1e6, damping=2e4)
 """Frictionless surface on springs, as a model of a wheel that turns in any direction.
 
@@ -46,9 +46,9 @@ base would slide on.
 SCRUBBING_SURFACE = ContactSurface(
     stiffness=CASTER_SURFACE.stiffness, damping=CASTER_SURFACE.damping, sticks=True, along_axle=0.1
 )
-"""A wheel that must slide sideways for its base to turn: one of several a side. They share the base's weight
+"""Tyre of one of several wheels a side, which slide sideways in a turn. They share the base's weight
 as they give a little, and at rest they stick."""
 SOFT_TYRES = ContactSurface(stiffness=3e5, damping=6e3, sticks=True)
 """Tyres of a car on rough ground; they stick at rest."""
 PAD_SURFACE = ContactSurface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
-"""Rubber, at each corner: rigid pads would press with one corner each."""
+"""Finger pad of rubber, soft so that it presses with all corners; a rigid one would press with one."""

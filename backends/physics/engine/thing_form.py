@@ -34,7 +34,7 @@ class Cuboid(NamedTuple):
     """A box, its sides along the axes of the thing's middle."""
 
     size: tuple[float, float, float]
-    """[m]"""
+    """Size along x, y and z, in [m]."""
     ahead: float = 0.0
     """Offset of its middle along x, in [m]."""
 
@@ -43,9 +43,9 @@ class Rod(NamedTuple):
     """A cylinder along z of the thing's middle."""
 
     radius: float
-    """[m]"""
+    """Radius, in [m]."""
     length: float
-    """[m]"""
+    """Length along z, in [m]."""
 
 
 class Wedge(NamedTuple):
@@ -65,9 +65,9 @@ class Sticks(NamedTuple):
     """Contact points of a body that stays at its place under small forces."""
 
     stiffness: float
-    """[N/m]"""
+    """Stiffness of each contact point, in [N/m]."""
     damping: float
-    """[Ns/m]"""
+    """Damping of each contact point, in [Ns/m]."""
 
 
 class OnJoint(NamedTuple):
@@ -83,26 +83,26 @@ class WorldJoint(NamedTuple):
 
     slides: bool
     point: tuple[float, float, float]
-    """On the axis, in the world, in [m]."""
+    """Point (3,) on the axis, in the world, in [m]."""
     axis: tuple[float, float, float]
-    """Unit vector, in the world."""
+    """Unit vector (3,) along the axis, in the world."""
     limits: tuple[float, float]
-    """[rad] or [m]"""
+    """Lowest and highest reading, in [rad] or [m]."""
     friction: float
-    """[Nm] or [N]"""
+    """Coulomb friction of the joint, in [Nm] or [N]."""
     damping: float
-    """[Nms/rad] or [Ns/m]"""
+    """Viscous damping of the joint, in [Nms/rad] or [Ns/m]."""
 
 
 class ThingForm(NamedTuple):
     """A rigid body with its pose and its appearance."""
 
     middle: Transform
-    """World pose (4, 4) of its middle, which is that of its mass."""
+    """World pose (4, 4) of its middle, which is its centre of mass."""
     size: tuple[float, float, float]
     """Size of its bounding box, in [m]."""
     mass: float
-    """[kg]"""
+    """Mass, in [kg]."""
     pieces: tuple[Piece, ...]
     friction: float
     uvs: tuple[Uvs, ...]
@@ -119,7 +119,7 @@ class ThingForm(NamedTuple):
     material: Material = PALE_WOOD
     """Material of the unprinted faces, in pictures for people."""
     printed: Callable[[], ByteArray] | None = None
-    """All that its faces show to a camera that is near, laid out as `uvs` says; None: as `picture`."""
+    """Picture that its faces show to a near camera, laid out as `uvs` says; None for `picture`."""
     is_round: bool = False
     """True if it looks like a cylinder along z; only its ends can be printed."""
     portrait: Callable[[], ByteArray | None] | None = None

@@ -30,6 +30,6 @@ class PhysicsFieldImu(FieldImu):
 
 
 def physics_imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
-    """Return the unit that a simulation with physics has: on rough ground that of a car."""
+    """Return the IMU of a simulation with physics: `PhysicsFieldImu` for a car on rough ground."""
     rough = site.robot.drive.kind == "ackermann" and site.world.ground is not None
     return PhysicsFieldImu.build(site) if rough else PhysicsImu.build(site)

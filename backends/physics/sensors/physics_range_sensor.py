@@ -21,7 +21,7 @@ from .physics_site import physics_of
 
 
 class PhysicsRangeSensor(SimulatedRangeSensor):
-    """Beams are tested in one batch against all bodies but the robot."""
+    """Lidar whose beams are tested in one batch against all bodies but the robot."""
 
     def __init__(
         self,

@@ -29,7 +29,7 @@ class SoundUrdf(NamedTuple):
     """The URDF that engines get."""
 
     text: str
-    """Its collision meshes named as in `hulls`."""
+    """The URDF as text; its collision meshes are named as in `hulls`."""
     hulls: Mapping[str, HullMesh]
     repairs: Sequence[Repair]
     """Differences from the robot's files."""

@@ -65,7 +65,7 @@ def _make_light(link: Element) -> None:
 
 
 def _widen(link: Element, by: float) -> None:
-    """Put as much, in [kg m²], on each moment of inertia."""
+    """Add the same amount, in [kg m²], to each moment of inertia of a link."""
     inertial = next(link.iter("inertial"))
     inertia = inertial.find("inertia")
     if inertia is None:

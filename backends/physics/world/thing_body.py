@@ -30,7 +30,7 @@ class ThingBody:
     """Contact properties, if softer than the engine's."""
 
     def __init__(self, engine: Engine, thing: Thing) -> None:
-        """Make it where the thing is; asleep until something touches it."""
+        """Add the body at the pose of its thing; it may sleep until something touches it."""
         self.engine, self.thing = engine, thing
         self._mass = thing.mass
         self.id = engine.add_thing(self.form())
@@ -59,7 +59,7 @@ class ThingBody:
         return (Rod(width / 2, height) if self.thing.is_round else Cuboid(self.thing.size),)
 
     def friction(self) -> float:
-        """Return its friction; the product with that of what it touches counts."""
+        """Return its coefficient of friction; its product with that of a touched body counts."""
         return THING_FRICTION
 
     def uvs(self) -> tuple[Uvs, ...]:

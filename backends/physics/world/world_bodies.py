@@ -113,7 +113,7 @@ class WorldBodies:
 
     @made.setter
     def made(self, wanted: Sequence[tuple[int, int] | str]) -> None:
-        """Make what is missing of what another run had made, in its order; the scene has the things."""
+        """Create the bodies of another run that are missing, in the order of that run."""
         begun = list(wanted[: len(self._made)]) == self._made
         if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MAX_LATE_BODIES:
             raise NotAState("no saved state: its world was made in another order")

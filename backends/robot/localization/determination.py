@@ -146,8 +146,8 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
 def _reach(covariance: FloatArray, axes: FloatArray, shift: FloatArray) -> FloatArray:
     """Return the limits (k,) of errors that are kept as often as 3 sigma, in [m].
 
-    Walls that lie apart in their cells are what lets matches at one place scatter: that part of the
-    covariance is in their shifts already.
+    Matches at one place scatter because walls are at different places in their cells: that part of the
+    covariance is in the walls' shifts already.
 
     Args:
         covariance: (2, 2) or (3, 3), of x and y in [m²] first, with that scatter.

@@ -26,10 +26,10 @@ class LiftWatch:
         """Return the evidence that the base was lifted in the last periods, or None.
 
         Args:
-            lidar: its first lidar.
+            lidar: first lidar of the robot.
             rolled: travel of the wheels in this period, in [m].
             still: periods that the base has been at rest.
-            crowd: people around it: they change scans, too.
+            crowd: people around the base, who change scans, too.
             pose: estimated map_T_base.
         """
         self._may_slide = max(0, self._may_slide - 1)

@@ -110,7 +110,7 @@ class Localization(ABC):
 
     @property
     def displacement(self) -> Belief | None:
-        """Motion of the base since `set_origin`; None where two poses alone can be compared.
+        """Motion of the base since `set_origin`; None if it is only known as the difference of two poses.
 
         Ahead and left in [m], and turn in [rad]: mean (3,) and covariance (3, 3).
         """
@@ -203,7 +203,7 @@ class Localization(ABC):
         """Update the estimate with the readings of the period that has passed.
 
         Args:
-            driven: command of the base in it.
+            driven: command of the base in that period.
         """
         travel = self._base.wheel_travel()
         if not all(map(math.isfinite, travel)):
@@ -230,7 +230,7 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Check whether the base, but for `rolled` since it rested, is still at its pose; if not, find it."""
+        """Check whether the base has moved by `rolled` alone since it came to rest; if not, find its pose."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -265,13 +265,13 @@ class Localization(ABC):
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Compare scans with a map that was drawn of them from now on; `pose` and `covariance` are there."""
+        """Compare scans from now on with a map drawn from scans; `pose` and `covariance` are on that map."""
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
-        """Correct the pose at rest by a measured motion since `set_origin`; scans then show a push alone."""
+        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect a push."""
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1
 

@@ -28,7 +28,7 @@ LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
 
 
 def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldNoise:
-    """Return the figures in SI units; `antenna` is where it is in the base frame, in [m]."""
+    """Return the outdoor errors in SI units; `antenna` is its position in the base frame, in [m]."""
     ground, gps, imu = robot.ground, robot.gps, robot.imu
     noise = REFERENCE_NOISE._replace(
         roughness=math.radians(ground.roughness_deg),
@@ -84,7 +84,7 @@ def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
 
 
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
-    """Return the one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
+    """Return the outdoor localizer of a robot's file, starting at world_T_base `start`."""
     noise = field_noise(robot, antenna)
     if math.isinf(noise.start_heading):
         start = Pose2(start.x, start.y, 0.0)

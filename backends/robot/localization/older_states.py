@@ -28,8 +28,8 @@ def local_map_of(echoes: list[float], pose: Pose2) -> LocalMap:
     """Return the local map of a checkpoint.
 
     Args:
-        echoes: x and y of each, alternating, in [m].
-        pose: of the base on it.
+        echoes: x and y of each echo on the map, alternating, in [m].
+        pose: pose of the base on the map.
 
     Raises:
         NotAState: a coordinate is missing.

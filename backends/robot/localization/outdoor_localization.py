@@ -75,7 +75,7 @@ class OutdoorLocalization(Localization):
 
     @property
     def displacement(self) -> Belief | None:
-        """See `Localization`: what is wrong with all fixes alike doesn't count."""
+        """See `Localization`: errors that all fixes share don't count."""
         return self._filter.displacement
 
     @property
@@ -90,7 +90,7 @@ class OutdoorLocalization(Localization):
 
     @property
     def repeatability(self) -> FloatArray:
-        """Covariance (3, 3) of how exactly a pose is found again, x, y in [m] and heading in [rad].
+        """Covariance (3, 3) of a pose that is measured again, x, y in [m] and heading in [rad].
 
         Before the heading is known, poses are by wheels and gyros alone.
         """
@@ -115,7 +115,7 @@ class OutdoorLocalization(Localization):
 
     @property
     def lost(self) -> Lost | None:
-        """See `Localization`: by its wheels alone the base doesn't know how it turns."""
+        """See `Localization`: without gyros the heading gets lost, because wheels don't measure it well."""
         rolled = self.travel.away(self._felt_at)
         if rolled <= MAX_TRAVEL_WITHOUT_GYRO_M:
             return None

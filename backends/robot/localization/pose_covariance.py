@@ -23,7 +23,7 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
 
 
 def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
-    """Return how exactly a pose by scans is found again: `Localization.repeatability` (3, 3).
+    """Return the covariance (3, 3) of a pose that scans measure again; see `Localization.repeatability`.
 
     Args:
         covariance: (3, 3) of the pose, x, y in [m] and heading in [rad].

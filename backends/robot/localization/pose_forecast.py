@@ -101,7 +101,7 @@ def forecast_pose(
 
 
 def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:
-    """Poses along a route, no farther than `step` [m] from each other, each heading to where it came from."""
+    """Yield poses along a route, about `step` [m] apart, each heading in the direction of travel."""
     last = start
     for one, other in pairwise(route):
         way = float(np.hypot(*(other - one)))

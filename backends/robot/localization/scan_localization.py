@@ -139,6 +139,6 @@ class ScanLocalization(Localization):
 
 
 def _turned(heading: float) -> FloatArray:
-    """Return (3, 3) rotation from the map to the frame of a base with that heading, in [rad]."""
+    """Return the rotation (3, 3) from the map to the frame of a base with a heading in [rad]."""
     cos, sin = math.cos(heading), math.sin(heading)
     return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

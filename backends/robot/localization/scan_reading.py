@@ -44,13 +44,13 @@ def read_scan(raw: Scan, spec: RangeSpec, footprint: Footprint) -> Scan:
 
 
 def _least_sound(raw: Scan, spec: RangeSpec, footprint_radius: float) -> float:
-    """Return a range in [m] beyond which a reading is a return or none, whatever its angle."""
+    """Return the range in [m] beyond which no reading is too close, whatever its angle."""
     within = footprint_radius - WITHIN_FOOTPRINT_M + math.hypot(*raw.base_T_sensor[:2])
     return max(0.0, spec.range_min_m, within)
 
 
 def _missing(ranges: FloatArray, spec: RangeSpec) -> BoolArray:
-    """Return (n,) of which beams nothing came back."""
+    """Return a mask (n,), True for beams without a return."""
     missing: BoolArray = ranges > spec.reach_m
     if "zero" in spec.no_return:
         missing |= np.isfinite(ranges) & (ranges <= 0.0)
@@ -62,7 +62,7 @@ def _missing(ranges: FloatArray, spec: RangeSpec) -> BoolArray:
 
 
 def _within(raw: Scan, footprint: Footprint) -> BoolArray:
-    """(n,) which readings end well inside the footprint."""
+    """Return a mask (n,), True for readings that end well inside the footprint."""
     mount = raw.base_T_sensor
     reach = np.where(np.isfinite(raw.ranges), raw.ranges, 1e6)
     if footprint.is_disc and mount.x == 0.0 and mount.y == 0.0:

@@ -12,11 +12,11 @@ class Sensed(NamedTuple):
     """Outdoor readings of the last period."""
 
     rates: FloatArray
-    """(3,) of the gyros, in [rad/s]."""
+    """Turn rates (3,) of the gyros, in [rad/s]."""
     accelerations: FloatArray
-    """(3,) in [m/s²]."""
+    """Readings (3,) of the accelerometers, in [m/s²]."""
     rolled: FloatArray
-    """(2,) by the left and right wheel, in [m]."""
+    """Travel (2,) of the left and right wheel in the period, in [m]."""
     fix: Fix | None
     ranges: FloatArray | None = None
-    """(k,) to the beacons, in [m]; NaN of those that weren't heard."""
+    """Ranges (k,) to the beacons, in [m]; NaN for beacons that were not heard."""

@@ -35,9 +35,9 @@ HEARD_KINDS = (
 """Types of which one message is read."""
 DISCOVERED_KINDS = (*READING_KINDS, *COMMAND_KINDS)
 SETTLED_S = 1.0
-"""[s] without a new topic or action after which all nodes have been discovered."""
+"""Time without a new topic or action after which all nodes have been discovered, in [s]."""
 MAX_DISCOVERY_S = 5.0
-"""[s] for which further topics and actions are waited for, beyond the time to listen."""
+"""Longest wait for further topics and actions, beyond the time to listen, in [s]."""
 
 
 class AirDescription(NamedTuple):

@@ -30,7 +30,7 @@ class AirReport(NamedTuple):
     """Nodes that publish or take each topic, by its name."""
     faults: tuple[AirFinding, ...]
     remarks: tuple[AirFinding, ...]
-    """Findings that stop nothing."""
+    """Findings that do not prevent a run."""
 
 
 def listen(
@@ -49,7 +49,7 @@ def listen(
         link: connection to its topics.
         wait: waits for a short time, well below a period of a sensor.
         seconds: time in [s] to listen, once each topic is there or should be.
-        over: returns True once a recording is over, in which the robot may drive; None: it is here.
+        over: returns True once a recording is over, in which the robot may drive; None: no recording.
 
     Raises:
         UnknownJoints: the section names joints that the arm lacks, or leaves some out.

@@ -15,7 +15,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 from .air_finding import AirFinding
 
 MAX_RAY_ERROR_PX = 5.0
-"""Distance between where both models see the same ray."""
+"""Largest distance between the pixels at which two models see the same ray."""
 RECTIFIED_TOPIC_PART = "rect"
 
 

@@ -14,7 +14,7 @@ from handcart.backends.ros2.bench.robot_differences import RobotDifferences
 from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
 
 PAUSE_S = 0.005
-"""[s] between two looks for messages."""
+"""Time between two looks for messages, in [s]."""
 
 
 @contextmanager

@@ -32,14 +32,14 @@ class HeardRobot:
         link: ListeningLink,
         over: Callable[[], bool] | None = None,
     ) -> None:
-        """Take what is heard of a robot.
+        """Prepare to listen to a robot.
 
         Args:
             robot: its file.
             spec: its section `ros2`.
-            topics: of the section.
+            topics: topics of that section.
             link: connection to them.
-            over: returns True once a recording is over, in which the robot may drive; None: it's here.
+            over: returns True once a recording is over, in which the robot may drive; None: no recording.
         """
         self._over = over
         self.frames = FrameTree()
@@ -82,7 +82,7 @@ class HeardRobot:
 
     @property
     def may_drive(self) -> bool:
-        """Return whether it need not be at rest: it is a recording."""
+        """Return whether the robot may move, because it is a recording."""
         return self._over is not None
 
     def _ended(self) -> bool:

@@ -49,7 +49,7 @@ class TopicMeter:
         self._frames: dict[str, None] = {}
 
     def heard(self, message: Any) -> None:
-        """Note a message."""
+        """Count a message, and note its time of arrival, stamp and frame."""
         self.last = message
         self._arrivals.append(self._clock())
         frames = getattr(message, "transforms", None)

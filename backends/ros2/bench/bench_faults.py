@@ -35,14 +35,14 @@ class TopicFault(NamedTuple):
     """One of `FAULT_KINDS`."""
     topic: str
     at_s: float
-    """Time of the bench from which on it is there."""
+    """Time of the bench from which the fault is present."""
 
     @classmethod
     def read(cls, words: str) -> TopicFault:
         """Return the fault that `KIND@TOPIC@SECONDS` means.
 
         Raises:
-            InputError: it means none.
+            InputError: the text is not of this form, or names no kind of fault.
         """
         kind, _, rest = words.partition("@")
         topic, _, at = rest.partition("@")
@@ -58,7 +58,7 @@ class TopicFault(NamedTuple):
 
 
 class BenchFaults:
-    """Faults that are due change the messages of their topics."""
+    """Planned faults, which change the messages of their topics once they are due."""
 
     def __init__(self, period: float, planned: tuple[TopicFault, ...] = ()) -> None:
         """Plan faults; `period` is the time between two messages, in [s]."""
@@ -67,19 +67,19 @@ class BenchFaults:
 
     @property
     def any_planned(self) -> bool:
-        """True if a message may be changed or kept."""
+        """True if faults are planned, so that messages may be changed or held back."""
         return bool(self._planned)
 
     def add(self, fault: TopicFault) -> None:
-        """Plan one more."""
+        """Plan one more fault."""
         self._planned = (*self._planned, fault)
 
     def is_due(self, kind: str, name: str, now_s: float) -> bool:
-        """Return whether a fault of a topic or action is there at a time of the bench in [s]."""
+        """Return whether a fault of a topic or action is present at a time of the bench in [s]."""
         return any(pair.kind == kind and pair.topic == name and now_s >= pair.at_s for pair in self._planned)
 
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
-        """Return what is sent instead of a message, at a time of the bench in [s]."""
+        """Return the messages that are sent instead of a message, at a time of the bench in [s]."""
         sent = [message]
         for fault in self._planned:
             if fault.topic == topic and now_s >= fault.at_s and fault.kind not in ACTION_KINDS:

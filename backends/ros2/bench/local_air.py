@@ -22,7 +22,7 @@ class LocalAir:
         self.latched: dict[str, Any] = {}
         """Last message of the topics that keep it for those who come later."""
         self.time = 1.0
-        """[s]"""
+        """Time of the topics, in [s]."""
         self.listeners: dict[str, list[tuple[LocalLink, str, deque[Any]]]] = {}
         """Listeners of each topic, with the type of their messages and those not received yet."""
         self.publishers: dict[str, list[tuple[LocalLink, str]]] = {}

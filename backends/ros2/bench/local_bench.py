@@ -104,5 +104,5 @@ class LocalBench(OtherEnd):
 
     @override
     def close(self) -> None:
-        """Let go of the robot."""
+        """Close the simulated robot."""
         self._drivers.close()

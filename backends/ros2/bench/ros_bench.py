@@ -49,7 +49,7 @@ from .wheel_odometry import WheelOdometry
 
 CapabilityT = TypeVar("CapabilityT", bound=Capability)
 COMMAND_TIMEOUT_S = 0.25
-"""[s] after which the base of the bench forgets its speeds, as a real one must."""
+"""Time without a command after which the base of the bench stops, as a real one must, in [s]."""
 
 
 class RosBench:
@@ -147,7 +147,7 @@ class RosBench:
             set_attributes(joints, joints.STATE, state[joints.name])
 
     def close(self) -> None:
-        """Leave the air, and let go of the robot."""
+        """Leave the topics, and close the simulated robot."""
         self._link.close()
         self.inner.close()
 

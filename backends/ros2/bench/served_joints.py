@@ -17,9 +17,9 @@ from .bench_faults import BenchFaults
 
 SUCCESSFUL, INVALID_GOAL, GOAL_TOLERANCE_VIOLATED = 0, -1, -5
 GOAL_TOLERANCE = 0.05
-"""[rad] or [m] by which a joint may miss the end of a trajectory."""
+"""Largest deviation of a joint from the end of a trajectory, in [rad] or [m]."""
 GOAL_TIME_S = 1.0
-"""[s] after the end of a trajectory in which its joints have to be there."""
+"""Time after the end of a trajectory within which its joints have to arrive, in [s]."""
 PREEMPTED = "Current goal cancelled due to new incoming action."
 
 
@@ -27,7 +27,7 @@ class JointPlan(NamedTuple):
     """Positions of joints over time, linear between points."""
 
     begun_s: float
-    """Time of the bench."""
+    """Time of the bench at which the plan begins, in [s]."""
     names: tuple[str, ...]
     times_s: tuple[float, ...]
     """(n) times after the beginning, the first 0."""

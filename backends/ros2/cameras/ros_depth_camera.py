@@ -31,7 +31,7 @@ TO_COLOUR = {
 """Encodings of colour: channels, and OpenCV's conversion to RGB."""
 KEPT_PICTURES = 5
 PAIR_S = 0.1
-"""[s] by which the stamps of depth and colour of one picture may differ."""
+"""Largest difference of the stamps of depth and colour of one picture, in [s]."""
 
 
 class PictureTopic(TopicSensor):

@@ -74,5 +74,5 @@ class ServedGoal(Protocol):
 
 
 Accepts = Callable[[Any], bool | None]
-"""Returns whether a goal is accepted; None to leave it without an answer."""
+"""Function that returns whether a goal is accepted; None to leave it without an answer."""
 TakesGoal = Callable[[ServedGoal], None]

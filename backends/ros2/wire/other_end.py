@@ -1,4 +1,4 @@
-"""What stands at the other end of topics within this process."""
+"""Drivers at the other end of topics within this process."""
 
 from __future__ import annotations
 
@@ -33,4 +33,4 @@ class OtherEnd(Protocol):
         """Restore what `state` returned."""
 
     def close(self) -> None:
-        """Let go of all."""
+        """Release all resources."""

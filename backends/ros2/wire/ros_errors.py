@@ -49,7 +49,7 @@ class NoRos(InputError):
 
 
 def _elsewhere(package: str) -> str:
-    """Return how a package is had where no distribution is."""
+    """Return how to get a package on a machine without a ROS distribution."""
     if package.partition(".")[0] in UNPUBLISHED:
         return "it is to be built from its definitions, because no wheel of it is published"
     return "pip install 'handcart[ros2]'"
@@ -64,4 +64,4 @@ class NotOnTheAir(InputError):
 
 
 class RosFault(RobotFault):
-    """The robot is not driven any more: a topic is silent, lies, or has a second master."""
+    """The robot is stopped because a topic is silent or implausible, or has a second master."""

@@ -28,7 +28,7 @@ UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 KEPT_IDS = 1000
 """Number of the last goals that count as this program's own."""
 Came = Callable[[], None]
-"""Notes that something has arrived."""
+"""Function that notes that something has arrived."""
 
 
 class RosGoalSender(GoalSender):

@@ -16,13 +16,13 @@ from .ros_goals import RosGoalSender, action_servers, actions_of, node_of, serve
 from .transports import RANGE, environment, shares_memory, transport_variables
 
 Take = Callable[[Any], None]
-"""Receives a message."""
+"""Function that receives a message."""
 EMPTY_PASSES = 3
 """Passes without a message after which all have arrived: one pass takes one message of each topic."""
 MAX_PASSES = 200
 KEPT_MESSAGES = 5
 SPUN_PERIODS = 10
-"""Periods after which parameters of a node without actions are answered: each wait of an executor gives the
+"""Periods between two spins of a node without actions; a spin answers requests for parameters, but gives the
 processor away, and a busy machine returns it late."""
 SERVICE_TIMEOUT_S = 1.0
 
@@ -87,7 +87,7 @@ class Link(Protocol):
         """Return a time in [s] that only grows, by which the age of a message is measured."""
 
     def close(self) -> None:
-        """Leave; a second call does nothing."""
+        """Leave ROS; a second call does nothing."""
 
 
 class RosLink(Link):

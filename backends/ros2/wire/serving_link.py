@@ -45,7 +45,7 @@ class ServingLink(Protocol):
         """Answer the calls that arrive within so many seconds."""
 
     def close(self) -> None:
-        """Leave; a second call does nothing."""
+        """Leave ROS; a second call does nothing."""
 
 
 class RosServingLink(RosLink, ServingLink):

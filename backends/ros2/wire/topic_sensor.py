@@ -39,7 +39,7 @@ class TopicSensor(LiveSensor):
         """Begin without a message.
 
         Args:
-            name: how people call it.
+            name: name of the sensor, for people.
             source: its topic.
             stamps: gives the time by which messages are stamped, in [s]; None where that is another clock's.
             clock: gives the time of arrival, in [s].

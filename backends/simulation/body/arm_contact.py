@@ -67,11 +67,11 @@ class Touch(NamedTuple):
     """The deepest overlap with a solid."""
 
     depth: float
-    """[m]"""
+    """Depth of the overlap, in [m]."""
     body: str
     other: str
     normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Along which the body leaves the other by the shortest way, in the world; zero if unknown."""
+    """Unit vector in the world along which the body leaves the other soonest; zero if unknown."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Contact point in the world, in [m]."""
 
@@ -249,7 +249,7 @@ class ArmContact:
         return _Bodies([LOAD_NAME], [_rigid(thing, 2 * _GIVE)], pose[None], np.array([radius]))
 
     def _near(self, bodies: _Bodies) -> IntArray:
-        """Bodies, and the numbers of those boxes that may be in their way."""
+        """Return the pairs (m, 2) of the numbers of a body and of a present box near it."""
         there = (self._appears <= self._scene.time) & (self._scene.time < self._leaves)
         return near_boxes(bodies.poses, bodies.radii, self._arrays, there)
 
@@ -288,7 +288,7 @@ class ArmContact:
         return self._hands_among[count]
 
     def _refresh(self) -> None:
-        """Take things from where they are now."""
+        """Update the boxes of things to their present poses."""
         key = self._scene.changes
         if key == self._changes:
             return
@@ -333,7 +333,7 @@ def _rigid(thing: Thing, less: float) -> RigidBody:
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:
-    """Names of the links that no joint of the arm moves."""
+    """Return the names of the links that no joint of the arm moves."""
     here = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper))}
     there = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper) + 0.1)}
     return {name for name, pose in here.items() if np.allclose(pose, there[name])}

@@ -33,7 +33,7 @@ def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozen
 
 
 def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
-    """Return the touching pairs of the base and those who have walked into it, or it into them."""
+    """Return the touching pairs of the base and of passers that walked into it, or that it drove into."""
     if not scene.passers:
         return frozenset()
     touched = scene.passers.touched(scene.base, scene.robot.footprint_shape)

@@ -47,7 +47,7 @@ class Fingers:
         return Pads(self._scene.world_T("hand"), self._scene.width, self._shape)
 
     def _thickness(self, thing: Thing) -> float:
-        """Between the pads, in [m]."""
+        """Return the thickness of a thing between the pads, in [m]."""
         return self._scene.props_of(thing).thickness(thing, self._pads())
 
     def _between(self) -> Thing | None:

@@ -47,7 +47,7 @@ class SimulatedHand:
     def move(self, target: FloatArray) -> frozenset[tuple[str, str]]:
         """Strive for the joint angles `target` (n,) in [rad], coming from `scene.joints`.
 
-        Sets joints, the pose of what is held and the force; gives the pairs that touch.
+        Set the joints, the pose of the held object and the force; return the touching pairs.
         """
         scene, start = self.scene, self.scene.joints
         for rule in self.rules.values():
@@ -147,7 +147,7 @@ class SimulatedHand:
         return 0.0, 1.0, NO_TOUCH
 
     def _skip(self, body: str, other: str) -> bool:
-        """Pairs that a rule decides instead of rigid geometry."""
+        """Return whether a rule, instead of rigid geometry, decides a pair of bodies."""
         return any(rule.decides(body, other) for rule in self.rules.values())
 
     def _reaction(self, target: FloatArray, posture: FloatArray, pushed: float) -> FloatArray:

@@ -25,7 +25,7 @@ class MecanumWheels:
     """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:
-        """Draw what stays the same for a run."""
+        """Draw the errors that stay the same for a run."""
         self._seed, errors = seed, robot.errors
         *radii, arm, sideways = keyed(seed, "mecanum wheels").standard_normal(6)
         self._scales = 1.0 + errors.wheel_radius_percent / 100 * np.array(radii)

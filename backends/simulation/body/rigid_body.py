@@ -28,7 +28,7 @@ class RigidBody(NamedTuple):
 
     @classmethod
     def of(cls, shape: Shape) -> Self:
-        """About the origin of the shape's frame."""
+        """Return the body of a shape, about the origin of the shape's frame."""
         return cls(fcl_body(shape), coal_body(shape))
 
     @classmethod
@@ -42,9 +42,9 @@ class Meeting(NamedTuple):
     """Overlap of two bodies."""
 
     depth: float
-    """[m]; 0 where they don't touch."""
+    """Depth of the overlap, in [m]; 0 if they don't touch."""
     normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Along which the first one leaves the other by the shortest way, of length 1; zero if unknown."""
+    """Unit vector along which the first body leaves the other soonest; zero if unknown."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Contact point, in [m]."""
 
@@ -103,7 +103,7 @@ def _for_fcl(geometry: object, pose: Transform) -> object:
 
 @lru_cache(maxsize=1024)
 def _box(x: float, y: float, z: float) -> RigidBody:
-    """Bodies are never changed: things of one size may share one."""
+    """Return a box of that size in [m]; all of one size share a body, because bodies are never changed."""
     return RigidBody.of(Box(np.eye(4), (x, y, z), ""))
 
 

@@ -35,7 +35,7 @@ class RoughRide:
     }
 
     def __init__(self, robot: RobotFile, ground: GroundSpec, seed: int) -> None:
-        """On some ground; a robot whose simulation errs nowhere doesn't slip on it."""
+        """Prepare rides on a ground; a robot simulated without errors does not slip on it."""
         self._seed, self._period, self._ground = seed, robot.period_s, ground
         self._errs = 0.0 if robot.errors.none else 1.0
         scale, *waves = keyed(seed, "ground").standard_normal(5).tolist()

@@ -149,7 +149,7 @@ class SimulatedArm(ForceArm):
         return changed
 
     def _hand_on_floor(self) -> FloatArray:
-        """x and y (2,) of the hand in the base frame where it is commanded to, in [m]."""
+        """Return the commanded position (2,) of the hand in the base frame, x and y in [m]."""
         return self._model.forward(self._from)[:2, 3].copy()
 
     def _read(self, sensor: str, truth: Callable[[], FloatArray], sigma: float) -> FloatArray:
@@ -168,7 +168,7 @@ class SimulatedGripper(CommandedGripper):
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: GripperSpec, errors: Errors, width: float, seed: int) -> None:
-        """`width` is the opening at first, in [m]."""
+        """Create a gripper with an opening of `width` at first, in [m]."""
         self._spec, self._seed = spec, seed
         self._sigma = errors.opening_mm / 1e3
         self._command = width

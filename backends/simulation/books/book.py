@@ -47,7 +47,7 @@ class SimulatedBook(Thing):
 
     @property
     def accession(self) -> int:
-        """The number in its tag."""
+        """Number that its tag encodes."""
         return self.spec.accession
 
     @cached_property

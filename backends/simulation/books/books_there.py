@@ -31,11 +31,11 @@ class Waiting(NamedTuple):
     """Progress of a person who hands books over."""
 
     given: int = 0
-    """Books so far."""
+    """Number of books handed over so far."""
     stood: Pose2 = Pose2(0.0, 0.0, 0.0)
     """Pose at which the robot rests, or was last seen moving."""
     since: float = 0.0
-    """[s]"""
+    """Simulated time since which the robot rests there and can receive a book, in [s]."""
 
 
 class BooksThere(Props[BooksSection]):

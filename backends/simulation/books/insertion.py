@@ -30,7 +30,7 @@ class Entry:
 
 
 def entry_chance(error: float, clearance: float) -> float:
-    """Chance that a book with chamfered edges enters: the coupled rule.
+    """Return the chance, from 0 to 1, that a book with chamfered edges enters its slot.
 
     `error` in [m] is that of the leading edge against the slot's middle, |lateral - 75 mm * sin(yaw)| of a
     book's middle; `clearance` in [m] how much wider the slot is. Certain below half the clearance plus the

@@ -19,7 +19,7 @@ class Person:
         self._books, self._start = books, books.scene.base
 
     def step(self) -> None:
-        """One period passes."""
+        """Let a period pass, and hand over the next book if it is time."""
         books, scene, waits = self._books, self._books.scene, self._books.waits
         if not books.to_come or not scene.robot.has_tray:
             return

@@ -62,7 +62,7 @@ class Pusher(NamedTuple):
     low: float
     high: float
     friction: float
-    """With which each book that it meets resists, in [N]."""
+    """Force with which each book that it meets resists, in [N]."""
 
 
 class Push(NamedTuple):

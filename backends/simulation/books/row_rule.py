@@ -59,7 +59,7 @@ class RowRule(HandRule):
 
     @property
     def entered(self) -> tuple[str, FreeInterval, bool] | None:
-        """`entry` in a checkpoint: the shelf by its name."""
+        """`entry` as a checkpoint keeps it, with the name of the shelf; None outside a slot."""
         return None if self.entry is None else (self.entry.shelf.name, self.entry.slot, self.entry.admitted)
 
     @entered.setter

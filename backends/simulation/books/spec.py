@@ -17,7 +17,7 @@ class BookSpec(FileModel):
     """Book: text on its spine, and its dimensions."""
 
     accession: Annotated[int, Field(ge=0)]
-    """The number in its tag."""
+    """Number that its tag encodes."""
     call: Annotated[str, Field(min_length=3, max_length=16)]
     """Call number on the label, "512.7 NAG"."""
     title: str = ""
@@ -34,10 +34,10 @@ class BookSpec(FileModel):
     gloss: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     """Share of a lamp's light that the spine mirrors: 1 outshines paper."""
     lean_deg: Annotated[float, Field(ge=-40.0, le=40.0)] = 0.0
-    """On a shelf, to the left, about the lower edge of that side; the list must leave it room."""
+    """Lean on a shelf, to the left, about the lower edge of that side; the list must leave it room."""
     tag: Literal["readable", "smeared", "none"] = "readable"
     tags: TagFamily = DEFAULT_FAMILY
-    """The family that its tag is of."""
+    """Family of its tag."""
 
     @model_validator(mode="after")
     def _prints_fit(self) -> Self:
@@ -63,11 +63,11 @@ class ObjectSpec(FileModel):
     """Immovable object on the board other than a book: a box in front of, in or behind the row."""
 
     at_mm: Annotated[float, Field(ge=0.0, le=3000.0)]
-    """Its left side, from the left panel."""
+    """Distance of its left side from the left panel."""
     width_mm: Annotated[float, Field(gt=0.0, le=500.0)]
     height_mm: Annotated[float, Field(gt=0.0, le=330.0)]
     front_mm: Annotated[float, Field(ge=-100.0, le=230.0)] = 0.0
-    """Behind the board's front edge."""
+    """Distance of its front behind the board's front edge."""
     depth_mm: Annotated[float, Field(gt=0.0, le=250.0)] = 20.0
     grey: Annotated[int, Field(ge=0, le=255)] = 120
 
@@ -83,7 +83,7 @@ class ShelfSpec(FloorPose):
 
     name: Name
     width_m: Annotated[float, Field(ge=0.1, le=3.0)] = 1.0
-    """Between the side panels."""
+    """Width between the side panels."""
     books: tuple[BookSpec | GapSpec, ...] = ()
     """Books and gaps from left (+y) to right; a book end fills the rest on the right."""
     objects: tuple[ObjectSpec, ...] = ()

@@ -80,7 +80,7 @@ class BoxDepth:
         shown[window] = np.where(hit, number, shown[window])
 
     def _window(self, camera_T_box: Transform, size: FloatArray) -> tuple[slice, slice] | None:
-        """Rows and columns that may show a box; None if none does."""
+        """Return the rows and columns that may show a box; None if no pixel does."""
         corners = (_CORNERS * size) @ camera_T_box[:3, :3].T + camera_T_box[:3, 3]
         if (corners[:, 2] <= NEAREST_M).all():
             return None

@@ -21,7 +21,7 @@ class DepthNoise:
     """Conversion of true depths to those that a camera reads, by its section of the robot's file."""
 
     def __init__(self, spec: DepthCameraSpec, seed: int) -> None:
-        """Draw what stays the same for a run."""
+        """Draw the errors that stay the same for a run."""
         self._spec, self._errors, self._seed = spec, spec.errors, seed
         self._scale = 1.0 + spec.errors.scale_percent / 100 * keyed(seed, "depth scale").standard_normal()
         self._rays = _rays(spec.model)
@@ -92,6 +92,6 @@ def _neighbours(values: NDArray[Scalar], axis: int) -> tuple[NDArray[Scalar], ND
 
 
 def _padded(slopes: FloatArray, axis: int, at: int) -> FloatArray:
-    """Slopes with their first (0) or last (-1) ones along an axis twice, one for each pixel."""
+    """Return slopes with the first (0) or last (-1) ones along an axis twice, so that each pixel has one."""
     twice = np.take(slopes, [at], axis=axis)
     return np.concatenate((twice, slopes) if at == 0 else (slopes, twice), axis=axis)

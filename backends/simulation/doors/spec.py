@@ -20,14 +20,14 @@ class SimulatedDoorSpec(DoorShape):
     friction_n: Annotated[float, Field(ge=0.0, le=500.0)] = 5.0
     """Force at the handle that moves it slowly."""
     damping_n_s_m: Annotated[float, Field(ge=0.0, le=1000.0)] = 10.0
-    """Further force by the speed of the handle, in physics."""
+    """Additional force for each m/s of the handle's speed, in physics."""
     mass_kg: Annotated[float, Field(gt=0.0, le=200.0)] = 8.0
     locked: bool = False
-    """It does not move at all."""
+    """True if the door does not move at all."""
     jams_deg: Annotated[float, Field(gt=0.0, le=180.0)] | None = None
     """Opening of a hinged door beyond which something blocks it."""
     jams_mm: Annotated[float, Field(gt=0.0, le=2000.0)] | None = None
-    """Likewise of a drawer."""
+    """Opening of a drawer beyond which something blocks it."""
     grey: Annotated[int, Field(ge=0, le=255)] = 170
 
     @model_validator(mode="after")

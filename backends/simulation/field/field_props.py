@@ -87,7 +87,7 @@ class FieldProps(Props[FieldSection]):
         return float(np.abs(self.scene.joints - self._home).max()) < HOME_TOLERANCE
 
     def _seat(self, sensor: Sensor) -> None:
-        """Bring it between the fingers."""
+        """Put a sensor between the fingers."""
         scene = self.scene
         sensor.pose, sensor.rest = scene.world_T("hand") @ self._hand_T_foot(sensor), Rest.TRAY
         sensor.base_T_thing = inverse(scene.world_T_base) @ sensor.pose

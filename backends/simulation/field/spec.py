@@ -15,7 +15,7 @@ class SeismicSensorSpec(FileModel):
 
     count: Annotated[int, Field(ge=0, le=2000)]
     size_mm: tuple[Millimetres, Millimetres, Millimetres] = (60.0, 60.0, 120.0)
-    """Along its x, y and z."""
+    """Size along its x, y and z."""
 
 
 class StationSpec(FileModel):
@@ -26,7 +26,7 @@ class StationSpec(FileModel):
     height_m: Annotated[float, Field(gt=0.0, le=10.0)] = 1.5
     period_s: Annotated[float, Field(gt=0.0)] = 0.3
     accuracy_mm: Annotated[float, Field(ge=0.0)] = 10.0
-    """Within which its readings lie, an axis: two sigma."""
+    """Two sigma of its readings, along each axis."""
 
 
 class FieldSection(FileModel):

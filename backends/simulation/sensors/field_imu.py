@@ -75,5 +75,5 @@ class FieldImu(SimulatedImu):
 
 
 def imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
-    """Return the unit that a simulation without physics has: on open ground that of a car."""
+    """Return the IMU of a simulation without physics: `FieldImu` on open ground."""
     return (FieldImu if site.scene.open_ground else SimulatedImu).build(site)

@@ -50,7 +50,7 @@ def _pairs(
     heading: FloatArray,
     angles: FloatArray,
 ) -> tuple[IntArray, IntArray]:
-    """Outlines (k,) and beams (k,) that may meet: the beam's angle is between those of the corners.
+    """Return numbers of outlines (k,) and beams (k,) that may meet, by the angles of the corners.
 
     `here` (m, 2) is the sensor in the outlines' frames, `heading` (m,) theirs in the sensor frame.
     """
@@ -72,7 +72,7 @@ def _pairs(
 
 
 def _wrapped(angle: FloatArray) -> FloatArray:
-    """Into -pi to pi."""
+    """Return an angle wrapped to -pi to pi, in [rad]."""
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 

@@ -23,13 +23,13 @@ from .simulated_sensor import SensorSite, SimulatedSensor
 
 
 class SimulatedCamera(PlacedCamera, SimulatedSensor):
-    """Takes a picture as the true camera sees, on demand, once a period; model and mount are those known."""
+    """Camera that takes pictures on demand with its true lens and pose, but states the known ones."""
 
     STATE: ClassVar[Kinds] = {"_now": int}
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel | None, seed: int) -> None:
-        """Mounted at its link in the URDF, unless `errors` has its mount or focal length off."""
+        """Mount the camera at its link of the URDF, with the errors of mount and focal length in `errors`."""
         self._errors, self._spec, self._seed = robot.errors, spec, seed
         self._mount = camera_mount(robot, robot.link_of(spec), arm)
         self._known = known_camera(spec, self._mount)
@@ -58,7 +58,7 @@ class SimulatedCamera(PlacedCamera, SimulatedSensor):
 
 
 class SceneCamera(SimulatedCamera):
-    """Renders the scene's faces."""
+    """Camera whose pictures are painted from the scene, without a physics engine."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, scene: Scene, seed: int) -> None:
         super().__init__(robot, spec, scene.arm, seed)

@@ -21,7 +21,7 @@ from .simulated_sensor import SensorSite, SimulatedSensor
 
 
 class SimulatedGps(Gps, SimulatedSensor):
-    """White and slow errors by the receiver; reflections, outliers and outages by the sky above it."""
+    """Receiver with white and slow errors of its own; reflections, outliers and outages are the world's."""
 
     STATE: ClassVar = {
         "_fix": Fix | None,

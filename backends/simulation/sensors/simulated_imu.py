@@ -71,7 +71,7 @@ class SimulatedImu(Imu, SimulatedSensor):
         self._turn, self._now = turn, period
 
     def _carried(self) -> FloatArray:
-        """Return the acceleration (3,) in [m/s²], in the world, with which the robot is kept from falling
-        freely.
+        """Return the specific force (3,) in [m/s²], in the world: the robot's acceleration less that of a
+        free fall.
         """
         return np.array([0.0, 0.0, GRAVITY_M_S2])

@@ -31,7 +31,7 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         "_under_way": tuple[tuple[int, Pose2, float], ...],
         "_last": tuple[int, Pose2, float] | None,
     }
-    """Attributes that change, with their types."""
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: PositioningSpec, scene: Scene, period: float, seed: int) -> None:
         """Take the first measurement; `period` is the control period, in [s]."""
@@ -60,7 +60,7 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         self._take()
 
     def _take(self) -> None:
-        """Measure if it is time to, and hand on what has arrived."""
+        """Measure at the system's own rate, and report the readings whose latency is over."""
         time = self._now * self._period
         due = math.floor(time * self._spec.rate_hz + _ROUNDING) + 1
         if due > self._taken:

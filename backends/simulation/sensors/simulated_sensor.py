@@ -71,4 +71,4 @@ class SimulatedSensor(ABC):
         """Update after a period; `period` is the number of periods so far."""
 
     def close(self) -> None:
-        """Let go of everything; a second call does nothing."""
+        """Release all resources; a second call does nothing."""

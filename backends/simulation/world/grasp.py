@@ -23,9 +23,9 @@ class Pads(NamedTuple):
     """Two fingers around a place."""
 
     world_T_hand: Transform
-    """(4, 4); they close along y, and point along x."""
+    """Pose (4, 4) of the hand; the fingers close along its y, and point along its x."""
     width: float
-    """Between them, in [m]."""
+    """Opening between the pads, in [m]."""
     finger: FingerShape
 
     def outer(self) -> float:

@@ -21,7 +21,7 @@ class Met(NamedTuple):
     joints: FloatArray
     """Joints (n,) at which it stops, in [rad] or [m]: the given array itself, if nothing stops it."""
     force: float = 0.0
-    """With which it is pushed back along the hand's x, in [N]."""
+    """Force that pushes the hand back along its x, in [N]."""
     pairs: frozenset[tuple[str, str]] = frozenset()
     """Touching pairs."""
 
@@ -37,7 +37,7 @@ class HandRule:
     strain: float = 0.0
     """Torsion of the held object by the hand, as a share of the value that stops the arm."""
     strained_by = ""
-    """Name of the body that then stops it."""
+    """Name of the body that stops the arm by that torsion."""
 
     def aim(self, joints: FloatArray) -> None:
         """Note the joints (n,), in [rad] or [m], that the arm moves towards."""

@@ -22,11 +22,11 @@ class PlacedSpec(FloorPose):
 
     name: Name
     on: Literal["world", "robot"] = "world"
-    """Whose frame its place is in: the world's, or that of the robot's base, on its own table."""
+    """Frame of its place, the world's or, for a thing on the robot's own table, the base's."""
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
     """Height of its foot."""
     size_mm: tuple[Millimetres, Millimetres, Millimetres] = (25.0, 80.0, 40.0)
-    """Length, width, height: along its x, y and z."""
+    """Length, width and height, along its x, y and z."""
     grey: Annotated[int, Field(ge=0, le=255)] = 190
 
 
@@ -35,7 +35,7 @@ class PlacedThing(Thing):
     """A box by its spec. Its frame: origin in the middle of its foot; x along its length, z up."""
 
     KIND: ClassVar[str] = "thing"
-    """Before the name in its file, in its name."""
+    """Prefix of its name, before the name in the world's file."""
 
     spec: PlacedSpec
 

@@ -33,7 +33,7 @@ class Contact(NamedTuple):
     """The beginning of a contact."""
 
     time: float
-    """[s]"""
+    """Simulated time at which the contact began, in [s]."""
     body: str
     """Part of the robot: "base", a link, "load" (the held object), "fingers"."""
     other: str
@@ -102,9 +102,9 @@ class Scene:
     changes: int = 0
     """Number of times that a thing was moved; caches of values derived from poses compare it."""
     _leant: tuple[tuple[Pose2, tuple[float, float]], Transform] | None = field(default=None, repr=False)
-    """The last base and lean asked for, and world_T_base (4, 4): it is asked many times in a period."""
+    """Cache of the last base and lean, with their world_T_base (4, 4), needed many times in a period."""
     _owners: dict[int, tuple[Thing, SceneProps]] = field(default_factory=dict, repr=False)
-    """Things that `props_of` was asked about, by their `id`, and whose they are: asked in each period."""
+    """Cache of `props_of`, each thing by its `id` with its props."""
 
     @cached_property
     def body_plan(self) -> FloorPlan:
@@ -227,7 +227,7 @@ class Scene:
         self._carry_along()
 
     def lean_to(self, lean: tuple[float, float]) -> None:
-        """Let the base lean otherwise: roll and pitch in [rad]."""
+        """Set the lean of the base on its suspension, roll and pitch in [rad]."""
         if lean != self.lean:
             self.lean = lean
             self._carry_along()

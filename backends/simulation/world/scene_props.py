@@ -92,4 +92,4 @@ class SceneProps(ABC):
 
     @abstractmethod
     def rested(self, thing: Thing) -> None:
-        """Physics has put a thing, which isn't held, where its pose is: set what carries it."""
+        """Set the support of a thing that is not held, after physics has set its pose."""

@@ -15,7 +15,7 @@ Levels = Sequence[tuple[ByteArray, float]]
 
 
 class Sheet:
-    """Can be seen from above, and not touched.
+    """Picture on a level surface that is seen from above, and that nothing touches.
 
     Its frame: origin in the middle, x to the right of the picture, y up, z upwards.
     """

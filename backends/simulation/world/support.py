@@ -70,7 +70,7 @@ def rest_of(scene: Scene, thing: Thing) -> Rest:
 
 
 def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
-    """On its foot, which lies as the ground below it does."""
+    """Return whether a thing is on its foot, parallel to the ground below it."""
     x, y, z = thing.pose[:3, 3]
     half = max(thing.size[:2]) / 2
     ahead, behind, left, right = (
@@ -85,7 +85,7 @@ def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
 
 
 def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]]:
-    """Level tops right below: height in [m], outline (n, 2) of where it rests, whether the robot's."""
+    """Return the tops below a thing: height in [m], outline (n, 2) of the contact, and True on the robot."""
     foot = float(thing.pose[2, 3])
     outline = _round_outline(thing) if thing.is_round else _outline(Box(thing.pose, thing.size))
     boxes = [(solid.box, False) for solid in scene.solids]

@@ -24,7 +24,7 @@ def leaning(lean: tuple[float, float], pivot: float) -> Transform:
 
 
 def lean_of(reach: tuple[float, float], mrad_per_m: float) -> tuple[float, float]:
-    """Roll and pitch in [rad] with the hand `reach` away from the base's centre along x and y, in [m].
+    """Return roll and pitch in [rad] with the hand `reach` from the base's centre along x and y, in [m].
 
     The side that the hand is on sinks, in proportion to how far out it is: the centre of gravity moves with
     the arm and the springs are linear (paper of Hatano et al. 2000, section 4).

@@ -62,7 +62,7 @@ class Furniture(FloorPose):
 
     name: Name
     size_m: tuple[Length, Length, Length]
-    """Along its own x, along its own y, height."""
+    """Size along its own x and y, and its height."""
     above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
     """Height of its underside above the floor, if the piece hangs or lies on another one."""
 
@@ -88,7 +88,7 @@ class TableSpec(FloorPose):
     size_m: tuple[Length, Length, Length]
     """Size of the slab along its own x and y, and the height of its top."""
     slab_m: Length = 0.04
-    """Its thickness."""
+    """Thickness of the slab."""
     foot_m: tuple[Length, Length]
     """Size of the pedestal along x and y."""
 

@@ -53,6 +53,6 @@ def _composed(sections: tuple[type[FileModel], ...]) -> type[WorldFile]:
 
 
 def _names(section: type[FileModel]) -> set[str]:
-    """Keys and validators: of two that are alike, a common subclass would lose one."""
+    """Return the names of keys and validators: a common subclass would lose one of two that are alike."""
     found = section.__pydantic_decorators__
     return {*section.model_fields, *found.model_validators, *found.field_validators}
