@@ -85,7 +85,7 @@ class Backend(ABC):
 
     @classmethod
     def read_world(cls, path: Path, start: Pose2) -> Any:
-        """Return what `build` accepts instead of a world's file, or of a map on which the robot is at
+        """Return a world that `build` accepts, read from a world's file, or from a map with the robot at
         `start`.
 
         None if `build` reads the file itself; then `build` gets a world's file in place of a map.

@@ -307,7 +307,7 @@ class CanBackend(Backend):
     def _stop_for_good(self) -> None:
         """Stop all axes for good: drop queued frames; an interface that fails gets no commands.
 
-        Each step is done whatever the one before it has raised.
+        Each of these actions is done even if the one before it has raised an error.
         """
         self.epoch += 1
         axes = self.axes

@@ -38,7 +38,7 @@ class Arm(Capability):
     def hand_force(self) -> FloatArray:
         """Return the force of the surroundings on the hand or its object, (3,) in [N], in the hand frame.
 
-        It comes from a wrist sensor or from the joints' efforts; zero where neither is there. The weight of
+        It comes from a wrist sensor or from the joints' efforts; zero without either. The weight of
         the arm is subtracted, that of a held object is not.
         """
 

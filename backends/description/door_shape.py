@@ -91,7 +91,7 @@ class DoorShape(FileModel):
     hinge: Literal["left", "right"] = "left"
     """Side of the hinge, for somebody in front of the door."""
     opens: Literal["towards", "away"] = "towards"
-    """Direction in which it opens, for somebody in front of it."""
+    """Direction in which a hinged door opens, for somebody in front of it."""
     radius_m: Annotated[float, Field(ge=0.1, le=3.0)] | None = None
     """Distance from the hinge's axis to the handle."""
     travel_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 90.0

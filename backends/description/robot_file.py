@@ -155,7 +155,7 @@ class RobotFile(SensorTable, OutlinedFile):
     allowed_contacts: tuple[tuple[str, str], ...] = ()
     """Pairs of links that may touch: those of the hull of a concave mesh, say. `handcart check --allow`."""
     parts: tuple[PartSpec, ...] = ()
-    """Further URDFs, as they are, each fixed onto a link of those before it."""
+    """Further URDFs, unchanged, each fixed onto a link of an earlier one."""
     period_s: Positive
     """The control period."""
     localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter", "beacons"]

@@ -174,7 +174,7 @@ def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[
 
 
 def posture_faults(model: ArmModel, units: JointUnits, posture: Sequence[float]) -> list[str]:
-    """Yield the reasons why an arm can't take a posture, as text."""
+    """Return the reasons why an arm can't take a posture, as texts."""
     if len(posture) != len(units.names):
         return [f"{len(posture)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
     limits = zip(units.names, units.si(posture), posture, model.lower, model.upper, strict=True)

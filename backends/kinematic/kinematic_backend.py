@@ -135,7 +135,7 @@ class KinematicBackend(SimulatedBackend):
         return {"ride": self._ride, **{f"rule {name}": rule for name, rule in rules.items()}}
 
     def close(self) -> None:
-        """See `Backend`; there is nothing to let go of."""
+        """See `Backend`; there is nothing to release."""
 
 
 def _not_simulated(world: WorldFile) -> Iterator[str]:

@@ -41,7 +41,7 @@ class NoWorldJoints(InputError):
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Discard what C code writes to stdout and stderr inside this context."""
+    """Discard the output of C code to stdout and stderr inside this context."""
     flush = ctypes.CDLL(None).fflush
     sys.stdout.flush()
     sys.stderr.flush()

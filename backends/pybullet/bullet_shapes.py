@@ -16,7 +16,7 @@ _HULL_MARGIN = 0.001  # margin that Bullet adds around a hull [m]
 
 
 def floor_look(client: int) -> int:
-    """Bullet's visual shape of a level floor."""
+    """Return the number of Bullet's visual shape of a level floor."""
     p = bullet()
     return int(
         p.createVisualShape(
@@ -31,7 +31,7 @@ def floor_look(client: int) -> int:
 
 
 def plain_box(client: int, size: Sequence[float], grey: int) -> tuple[int, int]:
-    """Bullet's collision and visual shape of a box of a size (3,) in [m]."""
+    """Return the numbers of Bullet's collision and visual shape of a box of a size (3,) in [m]."""
     p, half, shade = bullet(), [length / 2 for length in size], grey / 255
     shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client)
     visual = p.createVisualShape(
@@ -104,7 +104,7 @@ def thing_shape(client: int, pieces: Sequence[Piece]) -> int:
 
 
 def _wedge_mesh(wedge: Wedge) -> str:
-    """Wavefront OBJ of a wedge, smaller by what Bullet adds."""
+    """Return a wedge as Wavefront OBJ, smaller by the margin that Bullet adds."""
     y, z = wedge.thickness / 2 - _HULL_MARGIN, wedge.height / 2 - _HULL_MARGIN
     blunt, in_y = wedge.end - _HULL_MARGIN, wedge.chamfer
     corners = [(wedge.base, -y), (wedge.base, y), (blunt, y - in_y), (blunt, in_y - y)]

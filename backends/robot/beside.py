@@ -17,7 +17,7 @@ class Holding(Protocol):
     time: float
 
     def wait(self, seconds: float) -> Generator[None, None, None]:
-        """Hold for that long, in [s]."""
+        """Hold still for a time in [s]."""
 
 
 def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:

@@ -261,7 +261,7 @@ class GuardedBase(HolonomicBase):
     def _touched(
         self, pose: Pose2, scan: FloatArray, speed: float, turn_rate: float, direction: float
     ) -> HoldingObstacle | None:
-        """Return what the base would touch until it could stop; None if that is free."""
+        """Return the obstacle that the base would touch until it could stop; None if its way is free."""
         way = self._way_to_stop(speed)
         if isinstance(self._guard, FootprintGuard):
             view = None if self._unseen is None else self._unseen.view

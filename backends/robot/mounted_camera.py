@@ -87,7 +87,7 @@ def camera_model(spec: CameraSpec) -> CameraModel:
 
 
 def stated_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
-    """Return the camera as the robot's file and its URDF have it, without what a calibration found."""
+    """Return the camera as the robot's file and its URDF state it, without the result of a calibration."""
     return MountedCamera(camera_model(spec), mount.carrier_T_frame, mount.carrier)
 
 

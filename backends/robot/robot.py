@@ -327,7 +327,7 @@ class Robot:
         return Photo(self.picture(), camera.model, self.base_T_camera(camera), self.time)
 
     def _carried_by(self) -> FloatArray:
-        """Return what moves the camera: distances driven by the wheels in [m], then the arm's command."""
+        """Return the position of the camera's carrier: travel of the wheels [m], then the arm's command."""
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 
@@ -387,7 +387,7 @@ class Robot:
         return result
 
     def wait(self, seconds: float) -> Generator[None, None, None]:
-        """Hold for that long, in [s] of the robot's time."""
+        """Hold still for a time, in [s] of the robot's time."""
         end = self.time + seconds
         while self.time < end - 1e-9:
             yield

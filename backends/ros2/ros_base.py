@@ -31,7 +31,7 @@ class OdometryTopic(TopicSensor):
     """Distance by which the odometry jumped, as text; "" if it did not."""
 
     def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
-        """Set what the base is, and what a jump is, before the first message."""
+        """Set the drive of the base, and the limits of a jump, before the first message."""
         self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None
 
@@ -84,7 +84,7 @@ class _TopicWheels:
     """Common part of both kinds of bases: the command of a period, and the odometry."""
 
     def __init__(self, drive: Drive, odometry: OdometryTopic, limits: RosOdometrySpec) -> None:
-        """Take over its odometry; `limits` say what a jump of it is."""
+        """Take over the odometry of a base; `limits` are those of a jump."""
         self._drive, self._odometry = drive, odometry
         self._command = DriveCommand()
         odometry.fit(drive, limits)

@@ -27,7 +27,7 @@ class ChargerSpec(FileModel):
 
 
 class BatterySpec(SensorSpec):
-    """A battery whose charge is read, and what discharges it in a simulation."""
+    """A battery whose charge is read, and the loads that discharge it in a simulation."""
 
     kind: Literal["battery"] = "battery"
 
@@ -40,7 +40,7 @@ class BatterySpec(SensorSpec):
     drive_j_m: NotNegative = 100.0
     """Energy for each metre that the base drives."""
     turn_j_rad: NotNegative = 30.0
-    """Energy for each radian that it turns."""
+    """Energy for each radian that the base turns."""
     sigma_percent: NotNegative = 0.2
     """Sigma of a reading."""
     charger: ChargerSpec | None = None

@@ -102,7 +102,7 @@ class _Hulls:
 
 
 def _off_the_floor(hull: HullMesh, floor_T_mesh: Transform) -> HullMesh | None:
-    """Return the hull without what is near the floor; None where it is higher, or lower altogether."""
+    """Return the hull with its points near the floor lifted; None if all points are higher, or all lower."""
     up, height = floor_T_mesh[2, :3], float(floor_T_mesh[2, 3])
     heights = hull.points @ up + height
     if heights.min() > REACHES_DOWN_M or heights.max() <= FLOOR_CLEARANCE_M:

@@ -234,7 +234,7 @@ def read_urdf_file(path: Path, shown: str | None = None, without: Sequence[str] 
     Args:
         path: path of the file.
         shown: file name in the findings (default: `path`).
-        without: joints that are not looked at, nor what they carry.
+        without: joints that are not checked, nor the links that they carry.
 
     Raises:
         FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a sound

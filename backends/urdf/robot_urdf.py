@@ -77,8 +77,8 @@ def robot_urdf(
         still: joints that are never moved, and their positions in [deg] or [mm], by their names in the URDF.
 
     Raises:
-        FileError: what is wrong in a URDF or SRDF.
-        UrdfError: one is missing, can't be put there, or lacks what is mapped.
+        FileError: a URDF or SRDF is faulty.
+        UrdfError: a URDF is missing, can't be mounted at its link, or lacks a mapped link or joint.
     """
     text, pairs = "", []
     places: dict[tuple[str, str], SourcePlace] = {}

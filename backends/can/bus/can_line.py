@@ -36,7 +36,7 @@ class CanLine(canopen.Network):
         Args:
             bus: open; closed by `close`.
             serve: lets simulated nodes on the same bus answer at once; None: nodes answer by themselves.
-            heard: called with each frame that is sent or received, whatever it is.
+            heard: called with each frame that is sent or received, of any kind.
         """
         super().__init__(bus)
         self._bus = bus

@@ -66,7 +66,7 @@ def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def _eds_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[Finding]:
-    """Return the faults in the EDS files of its drives, and what those drives lack."""
+    """Return the faults in the EDS files of a robot's drives, and needed features that the drives lack."""
     named = [
         (place, axis, robot.folder / axis.eds) for place, axis in placed_axes(spec) if axis.eds is not None
     ]

@@ -12,7 +12,7 @@ from handcart.backends.description.can_spec import CanSpec
 from .axis import HOLD_COMMAND, Axis
 
 QUICK_STOP_AND_STAY, QUICK_STOP_AND_DISABLE = 6, 2
-"""Quick stop option codes (605Ah): slow down on the quick stop ramp, then stay, or disable."""
+"""Quick stop option codes (605Ah) that slow down on the quick stop ramp, then stay, or disable."""
 _SLOW_DOWN = 2  # fault reaction (605Eh): on the quick stop ramp
 _QUICK_STOP = 3  # abort connection option (6007h)
 _PRE_OPERATIONAL = 0  # error behaviour (1029h): commands that were queued are not taken any more

@@ -14,7 +14,7 @@ DRIVE_EDS = Path(__file__).parent / "drive.eds"
 
 @cache
 def drive_dictionary(node: int, eds: Path = DRIVE_EDS) -> ObjectDictionary:
-    """Return the objects of a drive with that node ID; without a file those of CiA 402 that are used here.
+    """Return the objects of a drive by its EDS file (default: the objects of CiA 402 that are used here).
 
     Raises:
         FileError: the file can't be read.

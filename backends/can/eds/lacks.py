@@ -82,5 +82,5 @@ def accepting(index: int) -> str:
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
-    """Return what the missing objects that the robot's file accepts for an axis leave unchecked, as text."""
+    """Return, as texts, the checks that an axis loses by missing objects that its robot's file accepts."""
     return [f"without {DEVICE_LACKS[item].what}: {DEVICE_LACKS[item].then}" for item in axis.without]

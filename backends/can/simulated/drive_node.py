@@ -209,7 +209,7 @@ class DriveNode(canopen.LocalNode):
     # Time
 
     def advance(self, seconds: float) -> None:
-        """Let time pass, in [s]: the drive plans its motion, and looks at what it supervises."""
+        """Let time pass, in [s]: the drive plans its motion, and checks bus and motor."""
         before, left = self.demand.position, seconds
         while left > 1e-9:
             part = min(_SLICE, left)

@@ -11,7 +11,7 @@ from .drive_mode import NEW_SETPOINT, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
 HOME_HERE_METHODS = (35, 37)
 """Homing methods that make the current position home."""
 NEGATIVE_SWITCH = 17
-"""Method: towards the negative limit switch, and back until it opens: there is home."""
+"""Homing method that moves to the negative limit switch, and back until it opens, which is home."""
 _FAILED = 1 << 13
 
 

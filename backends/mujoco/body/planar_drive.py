@@ -16,7 +16,7 @@ SITE_NAME = "planar drive"
 DRIVE_AXES = ("ahead", "left", "turn")
 AXIS_GEARS = ((1, 0, 0, 0, 0, 0), (0, 1, 0, 0, 0, 0), (0, 0, 0, 0, 0, 1))
 CATCHES_UP_S = 0.005
-"""Time constant in which the base comes to a commanded speed, unless the limits of the drive hold."""
+"""Time constant with which the base reaches a commanded speed, within the limits of the drive."""
 
 
 class MujocoPlanarDrive(PlanarDrive):

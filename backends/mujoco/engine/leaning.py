@@ -14,9 +14,9 @@ _NO_ISLAND = -2
 
 
 class Leaning:
-    """Lets nothing sleep that leans on the robot: it would not fall when the robot goes away.
+    """Keeps things awake that lean on the robot, because sleeping ones would not fall when it drives off.
 
-    All else sleeps when it comes to rest; a robot never does.
+    Other things sleep when they come to rest; a robot never sleeps.
     """
 
     def __init__(self) -> None:

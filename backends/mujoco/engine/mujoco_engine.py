@@ -38,7 +38,7 @@ TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is look
 class MujocoEngine(Engine):
     """A model and its data of MuJoCo's. Bodies are numbered as they are made.
 
-    Drives are MuJoCo's: Python acts once a period, and looks at what touches, and slips, in between.
+    Drives are MuJoCo's: Python commands them once a period, and reads contacts and slip in between.
     """
 
     CHUNK = math.inf

@@ -69,7 +69,7 @@ class Numbering:
 
 
 def _numbers(model: Any, number: int, geometries: tuple[int, ...]) -> ThingNumbers:
-    """Return the indices of a thing; one that is fixed to another one has the joint of that."""
+    """Return the indices of a thing; a thing that is fixed to another one has the other one's joint."""
     body = int(model.body(f"{number}").id)
     carrier = body if model.body_jntnum[body] else int(model.body_parentid[body])
     joint = int(model.body_jntadr[carrier])

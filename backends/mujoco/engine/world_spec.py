@@ -46,7 +46,7 @@ HOLDS_ON_SOFT = 100.0
 """Ratio of frictional to normal impedance on soft ground (`impratio`); with 1, a car creeps."""
 AXLE_FRICTION_RATIO = 2.0
 """Factor on the requested friction along an axle. The ATRV then turns on the spot by 0.99 to 1.02
-of what its file has, without this by 1.06 to 1.10."""
+of the turn that its file predicts, without the factor by 1.06 to 1.10."""
 ROBOT_PREFIX = "robot/"
 """Prefix of the names of the robot's links and joints."""
 ROBOT_GROUP = 1

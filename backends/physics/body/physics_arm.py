@@ -27,7 +27,7 @@ class PhysicsArm(SimulatedArm):
     """Joints under position control with torque limits, their own weight and the load's compensated.
 
     Between two commands the set-point moves evenly. A drive is a velocity servo whose torque is limited by
-    how far it is off, up to the URDF's effort: it gives like a spring where something is in its way.
+    its distance from the set-point, up to the URDF's effort: against an obstacle it yields like a spring.
     """
 
     STATE: ClassVar = {**SimulatedArm.STATE, "load": tuple[float, FloatArray]}

@@ -73,7 +73,7 @@ class ContactReader:
         return total
 
     def _force_of_fixed(self) -> FloatArray:
-        """Return the force on the hand, likewise, of a world whose joint the held body moves with."""
+        """Return the force (3,) on the hand by a held body on a joint of the world, in the world, in [N]."""
         total = self._engine.pin_force()
         for point in self._engine.contacts(self._body.id):
             if point.link in self._hand and point.other != self._body.id:

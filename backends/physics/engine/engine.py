@@ -152,7 +152,7 @@ class Engine(ABC):
 
     @abstractmethod
     def pull(self, body: int | None, force: FloatArray) -> None:
-        """Pull at the middle of a thing from now on, and at no other; None ends it.
+        """Pull at the middle of one thing from now on; None ends the pull.
 
         Args:
             body: the thing.

@@ -13,7 +13,7 @@ from handcart.backends.simulation.world.thing import Rest
 
 
 class ObjectPulls(PropsBody):
-    """Person who pulls at what the hand holds, and carries what was taken."""
+    """Person who pulls at the object in the hand, and carries it away once it is taken."""
 
     @override
     def step(self) -> None:

@@ -12,7 +12,7 @@ from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFact
 
 MIN_MASS_KG = 1e-6  # of a link without mass [kg], and its inertia [kg m²]
 MIN_INERTIA_RATIO = 1e-6
-"""Least share of its largest moment of inertia that each other moment has: engines reject what is thinner."""
+"""Least ratio of a link's other moments of inertia to its largest one; engines reject lower ratios."""
 
 
 class Repair(NamedTuple):

@@ -26,7 +26,7 @@ class HeldBase:
 
     @property
     def compares_scans(self) -> bool:
-        """True if scans show what the wheels do not: that the base is held while they turn."""
+        """True if scans are compared, which show that the base is held while its wheels turn."""
         return self._lidar is not None
 
     @property

@@ -27,7 +27,7 @@ def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArra
 
     Args:
         covariance: (3, 3) of the pose, x, y in [m] and heading in [rad].
-        map_error: (3, 3) part of it that errors of the map cause.
+        map_error: (3, 3) part of the covariance that errors of the map cause.
     """
     return np.asarray(remove_part(covariance, map_error) + SCAN_REPEATABILITY)
 

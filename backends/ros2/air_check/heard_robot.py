@@ -22,7 +22,7 @@ CAMERA_INFO, FRAMES = "sensor_msgs/CameraInfo", "tf2_msgs/TFMessage"
 
 
 class HeardRobot:
-    """Topics of a robot's file, and what they said in the time of a check."""
+    """Topics of a robot's file, and their messages during a check."""
 
     def __init__(
         self,

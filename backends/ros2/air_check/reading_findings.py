@@ -39,7 +39,7 @@ def reading_findings(heard: HeardRobot) -> Iterator[AirFinding]:
 
 
 def _wire_words(heard: HeardRobot, sensor: TopicSensor) -> Iterator[str]:
-    """Yield what the graph of nodes shows."""
+    """Yield the faults that the graph of nodes shows for a topic, as text."""
     topic = sensor.source.topic
     nodes = heard.link.publishers(topic)
     kinds = {node.rpartition(" ")[2] for node in nodes}

@@ -60,7 +60,7 @@ class TopicMeter:
         self._frames[header.frame_id] = None
 
     def measured(self) -> MeasuredTopic:
-        """Return what was measured until now."""
+        """Return the measurements until now."""
         times = np.array([self._begun, *self._arrivals, self._clock()])
         count = len(self._arrivals)
         span = times[-2] - times[1] if count > 1 else 0.0

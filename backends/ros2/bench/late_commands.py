@@ -10,12 +10,12 @@ class LateCommands:
     """Delays the wanted positions of joints by some periods, as slow controllers do."""
 
     def __init__(self, periods: int) -> None:
-        """Delay by so many periods; 0 for none."""
+        """Delay positions by a number of periods; 0 for no delay."""
         self._periods = periods
         self._kept: deque[Mapping[str, float]] = deque(maxlen=periods + 1)
 
     def passed(self, wanted: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions that take effect in this period, for those that were received last."""
+        """Return the positions that take effect in this period, given those received last."""
         if not self._periods:
             return wanted
         self._kept.append(dict(wanted))

@@ -37,7 +37,7 @@ class LocalBench(OtherEnd):
             robot: the robot's file.
             spec: its section `ros2`.
             inner: the simulated robot.
-            faults: what goes wrong between both; None: nothing.
+            faults: planned faults of the topics; None: none.
             differences: how the simulated robot differs from the file; None: it doesn't.
         """
         self.air = LocalAir()
@@ -58,7 +58,7 @@ class LocalBench(OtherEnd):
 
     @override
     def wait(self, seconds: float) -> None:
-        """Publish what the sensors read at rest, and let the time of the topics pass, in [s].
+        """Publish the sensors' readings at rest, and let the time of the topics pass, in [s].
 
         The time of the robot passes only for a satellite receiver, which has a fix now and then.
         """

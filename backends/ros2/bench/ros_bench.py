@@ -53,7 +53,7 @@ COMMAND_TIMEOUT_S = 0.25
 
 
 class RosBench:
-    """Drivers of a simulated robot: each period it obeys what has arrived, and publishes its readings."""
+    """Drivers of a simulated robot, which each period obey the received commands and publish readings."""
 
     STATE: ClassVar[Kinds] = {
         "time": float,
@@ -78,7 +78,7 @@ class RosBench:
             spec: its section `ros2`.
             inner: the simulated robot, owned by the bench from now on.
             link: the drivers' node, owned by the bench from now on.
-            faults: what goes wrong on the wire; None: nothing.
+            faults: planned faults of the topics; None: none.
             differences: how the simulated robot differs from the file; None: it doesn't.
         """
         self._robot, self._spec, self.inner, self._link = robot, spec, inner, link
@@ -102,7 +102,7 @@ class RosBench:
         self._describe()
 
     def step(self) -> None:
-        """Obey what has arrived, let a period pass, and publish the readings."""
+        """Obey the commands that have arrived, let a period pass, and publish the readings."""
         self._link.receive()
         measured = dict(zip(*self._joint_readings()[:2], strict=True)) if self._served else {}
         for joints in self._served:

@@ -61,7 +61,7 @@ class ServedJoints:
             kind: type of the action.
             name: name of the action.
             joints: names in ROS of the joints that it moves.
-            faults: what goes wrong.
+            faults: planned faults of the action.
         """
         self.name, self._kind, self._joints, self._faults = name, kind, tuple(joints), faults
         self._goal: ServedGoal | None = None
@@ -71,10 +71,10 @@ class ServedJoints:
         link.serve_action(kind, name, self._accepts, self._take)
 
     def wanted(self, now_s: float, period: float, measured: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions at the end of a period in [s]; empty while nothing was asked for.
+        """Return the positions at the end of a period in [s]; empty before the first goal.
 
         Args:
-            now_s: time of the bench at its beginning.
+            now_s: time of the bench at the beginning of the period.
             period: its length.
             measured: positions of the joints now.
         """

@@ -25,18 +25,18 @@ ACTIVE_NUMBERS = (1, 2, 3)
 
 
 class SentGoal(Protocol):
-    """A goal that was sent, by what has arrived of it.
+    """A goal that was sent, with the answers that have arrived.
 
     Attributes:
         state: stage that it has reached.
-        result: what it ended with; None before its end.
+        result: result of the goal; None before its end.
     """
 
     state: GoalStage
     result: Any
 
     def cancel(self) -> None:
-        """Ask for its end; one that is not accepted yet is cancelled once it is."""
+        """Ask the server to cancel the goal; one that is not accepted yet is cancelled as soon as it is."""
 
 
 class GoalSender(Protocol):
@@ -60,7 +60,7 @@ class ServedGoal(Protocol):
 
     @property
     def request(self) -> Any:
-        """Return what is asked for."""
+        """Return the message of the goal."""
 
     @property
     def is_cancel_asked(self) -> bool:
@@ -70,7 +70,7 @@ class ServedGoal(Protocol):
         """Return an empty result."""
 
     def end(self, state: GoalStage, result: Any) -> None:
-        """End it, with its result."""
+        """End the goal, with its result."""
 
 
 Accepts = Callable[[Any], bool | None]

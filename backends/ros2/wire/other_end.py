@@ -21,7 +21,7 @@ class OtherEnd(Protocol):
         """Return the simulated robot; None without one."""
 
     def wait(self, seconds: float) -> None:
-        """Let so many seconds pass before the first step."""
+        """Let a time in [s] pass before the first step."""
 
     def step(self) -> None:
         """Let a period pass."""

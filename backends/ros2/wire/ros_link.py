@@ -170,7 +170,7 @@ class RosLink(Link):
             self._spin()
 
     def _spin(self) -> None:
-        """Execute what only an executor does, such as actions and the services of the node's parameters."""
+        """Execute callbacks that need an executor, such as those of actions and of the node's parameters."""
         empty = 0
         for _ in range(MAX_PASSES):
             before = self._came

@@ -196,7 +196,7 @@ class ArmContact:
         )
 
     def _extent_on_base(self) -> float:
-        """Radius about the base's centre that what is mounted and what rides on it stay in, in [m]."""
+        """Return the radius about the base's centre that contains mounted parts and load, in [m]."""
         reach = self._mounted_reach
         for thing in self._scene.riding():
             middle = thing.base_T_thing @ thing.thing_T_middle[:, 3]
@@ -204,7 +204,7 @@ class ArmContact:
         return reach
 
     def _extent(self, joints: FloatArray) -> float:
-        """Radius about the base's centre that the arm and its load stay in, in [m], on the safe side."""
+        """Return an upper bound of the radius about the base's centre that contains arm and load, in [m]."""
         key = (joints.tobytes(), self._scene.held)
         if self._reach[0] != key:
             poses = self._link_poses(joints)[self._links]
@@ -232,7 +232,7 @@ class ArmContact:
         return links if held is None else links.and_more(held)
 
     def _link_poses(self, joints: FloatArray) -> FloatArray:
-        """base_T_link (g, 4, 4): asked several times in a period for the same joints."""
+        """Return base_T_link (g, 4, 4), cached because it is needed several times for the same joints."""
         key = joints.tobytes()
         if key not in self._last_poses:
             if len(self._last_poses) >= _POSTURES:
@@ -281,7 +281,7 @@ class ArmContact:
         return worst
 
     def _hand_numbers(self, count: int) -> IndexArray:
-        """Return the numbers of the hand's links and of what it holds, among so many moved bodies."""
+        """Return the numbers of the hand's links and of the held object, among `count` moved bodies."""
         if count not in self._hands_among:
             held = range(len(self._links), count)
             self._hands_among[count] = np.array([*self._hands, *held], dtype=np.intp)

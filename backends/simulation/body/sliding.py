@@ -8,7 +8,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 HAND_FRICTION = 0.4
-"""Coulomb's coefficient between the hand, or what it holds, and what it meets."""
+"""Coulomb's coefficient between the hand, or the held object, and a touched body."""
 _ROUNDS = 3  # of Newton's method
 _DAMPING = 1e-6
 
@@ -60,7 +60,7 @@ def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
 
 
 def _moved_by(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
-    """Joint steps (n,) that move the hand by a way and don't turn it, by damped least squares."""
+    """Return joint steps (n,) that move the hand by a way and don't turn it, by damped least squares."""
     J = arm.jacobian(joints)
     twist = np.concatenate((way, np.zeros(3)))
     return np.asarray(J.T @ np.linalg.solve(J @ J.T + _DAMPING * np.eye(6), twist))

@@ -14,7 +14,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 NEAREST_M = 0.005
 MIN_RAY_COMPONENT = 1e-12
 NOTHING, FLOOR = -2, -1
-"""Numbers of what a pixel shows that is not one of the boxes."""
+"""Numbers of a pixel that shows nothing, or the floor, instead of a box."""
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
 

@@ -50,7 +50,7 @@ class SceneDepthCamera(SimulatedDepthCamera):
 
 
 def bodies_of(scene: Scene) -> Iterator[Body]:
-    """Yield what a depth camera may see: solids that are there, things, tray and fingers."""
+    """Yield the bodies that a depth camera may see: present solids, things, tray and fingers."""
     for solid in scene.solids:
         if solid.appears <= scene.time < solid.leaves:
             yield solid.box, solid.material

@@ -34,7 +34,7 @@ CARRIED_OFF_M = 3.0  # height at which a person keeps what was taken, out of the
 class ObjectProps(Props[ObjectsSection]):
     """Objects by their names in the world's file: a person sets them down, hands carry them.
 
-    A person pulls at what the hand holds as the file says, and keeps what the hand then lets go.
+    A person pulls at the held object as the file says, and keeps it if the hand then releases it.
     """
 
     section = ObjectsSection
@@ -136,7 +136,7 @@ class ObjectProps(Props[ObjectsSection]):
         super().rested(thing)
 
     def _was_taken(self, thing: Thing) -> bool:
-        """Return whether the person who pulls keeps what the hand lets go; note it if so."""
+        """Return whether the person who pulls keeps an object that the hand releases; note it if so."""
         if not self.puller.takes():
             return False
         thing.rest, thing.pose = Rest.PERSON, carried_off(thing.pose)

@@ -40,7 +40,7 @@ class OfferingHand(NamedTuple):
 
 
 class Puller:
-    """Person who pulls at what the hand holds, as a world's file or a fault says.
+    """Person who pulls at the held object, as a world's file or a fault says.
 
     Pulls with `waits_s` begin in their order, each once the hand holds an object out for so long.
     """
@@ -69,7 +69,7 @@ class Puller:
         self.force = self._force_now(now)
 
     def takes(self) -> bool:
-        """Return whether the person has what the hand lets go now."""
+        """Return whether the person gets the object if the hand releases it now."""
         return any(_is_on(pull) and pull.spec.takes for pull in self.pulls)
 
     def released(self) -> None:
@@ -81,8 +81,8 @@ class Puller:
         """Return whether the pull is stronger than the fingers hold by friction.
 
         Args:
-            mass: of what they hold, in [kg].
-            friction: its coefficient.
+            mass: mass of the held object, in [kg].
+            friction: coefficient of friction between fingers and object.
         """
         gripper = self._scene.robot.gripper
         if gripper is None or not self.force.any():

@@ -165,7 +165,7 @@ class Passers:
         return nearest, whose
 
     def touched(self, base: Pose2, footprint: Footprint) -> list[str]:
-        """Return the names of those who touch a footprint at world_T_base."""
+        """Return the names of the passers who touch a footprint at world_T_base."""
         return [name for name, gap in self._gaps(base, footprint) if gap < 0.0]
 
     def gap(self, base: Pose2, footprint: Footprint) -> tuple[float, str]:

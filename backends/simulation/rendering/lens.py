@@ -69,7 +69,7 @@ class Lens:
 
 @lru_cache(maxsize=4)
 def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> FloatArray:
-    """Rays (n, 2) of all pixels, row by row: half of what a lens takes to make."""
+    """Return the rays (n, 2) of all pixels, row by row; cached because they are costly."""
     camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height, lens)
     rows, columns = np.indices((height, width), dtype=np.float64)
     return camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))

@@ -21,7 +21,7 @@ class RangeFaults(NamedTuple):
     zero: float = 0.0
     nan: float = 0.0
     too_close: float = 0.0
-    """-infinity."""
+    """Share of beams that read -infinity, as if something were too close."""
     own_body: float = 0.0
 
     @classmethod

@@ -88,7 +88,7 @@ def extent(axis: FloatArray, size: tuple[float, float, float]) -> FloatArray:
 
 
 def _squareness(thing: Thing, hand_T_middle: Transform) -> float:
-    """Return the cosine between the closing direction and the normal of what the pads close on."""
+    """Return the cosine between the closing direction and the normal of the side that the pads meet."""
     along = abs(float(hand_T_middle[1, 2]))
     if thing.is_round:
         return max(along, float(np.sqrt(max(0.0, 1.0 - along**2))))
@@ -96,7 +96,7 @@ def _squareness(thing: Thing, hand_T_middle: Transform) -> float:
 
 
 def _side(thing: Thing, hand_T_middle: Transform, across: int) -> FloatArray:
-    """Return the normal (3,) of what the pads close on, in the hand's frame."""
+    """Return the normal (3,) of the side that the pads meet, in the hand's frame."""
     if not thing.is_round or across == 2:
         return np.asarray(hand_T_middle[:3, across])
     axis = hand_T_middle[:3, 2]

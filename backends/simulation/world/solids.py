@@ -147,20 +147,20 @@ class FloorPlan:
 
     @cached_property
     def _corners(self) -> FloatArray:
-        """(n, 4, 2) corners of all outlines, in [m]."""
+        """Return the corners (n, 4, 2) of all outlines, in [m]."""
         along = self.half[:, None] * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
         x = self.middle[:, None, 0] + self.cos[:, None] * along[..., 0] - self.sin[:, None] * along[..., 1]
         y = self.middle[:, None, 1] + self.sin[:, None] * along[..., 0] + self.cos[:, None] * along[..., 1]
         return np.ascontiguousarray(np.stack([x, y], axis=-1))
 
     def _distances(self, x: float, y: float) -> FloatArray:
-        """(n,) signed distances of a point to all outlines, in [m]; below 0 inside."""
+        """Return the signed distances (n,) of a point to all outlines, in [m]; below 0 inside."""
         out_x, out_y = (np.abs(self.local(x, y)) - self.half).T
         distance = np.hypot(np.maximum(out_x, 0.0), np.maximum(out_y, 0.0))
         return np.asarray(distance + np.minimum(np.maximum(out_x, out_y), 0.0))
 
     def clearance(self, x: float, y: float, time: float) -> tuple[float, str]:
-        """Distance of a point to the nearest outline in [m] (below 0: inside), and that one's name."""
+        """Return the distance of a point to the nearest outline in [m], below 0 inside, and its name."""
         if not self.names:
             return math.inf, ""
         distance = self._distances(x, y)
