@@ -110,7 +110,7 @@ def _loops(table: ActionTable) -> list[list[int]]:
 
 
 def table_absorption(table: ActionTable, p: float) -> Absorption:
-    """Return the ends and the number of primitives, if each primitive succeeds with probability `p`."""
+    """Return a table's ends and expected number of primitives, each succeeding with probability `p`."""
     rows: dict[str, Mapping[str, float]] = {}
     for number, row in table.rows.items():
         chances: dict[str, float] = {}

@@ -1,4 +1,4 @@
-"""Findings on interrupts: whether routes lead to their goals, and on from there."""
+"""Findings on interrupts: routes that are missing to their goals, or from there to the task's goal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handcart.networks.task.task_file import Task
 
 
 def aim_findings(task: Task) -> Iterator[Finding]:
-    """Yield the interrupts whose goal cannot be reached from everywhere, or from which nothing leads on."""
+    """Yield the interrupts without a route to their goal, or from there on to the task's goal."""
     network, graph = task.network, ways_of(task.network)
     reached = nx.descendants(graph, network.start) | {network.start}
     leads_on = nx.ancestors(graph, network.goal) | {network.goal}

@@ -1,4 +1,4 @@
-"""Findings on the causes in `on_fail`: those that no Fail of the action has, and where others lead."""
+"""Findings on the causes in `on_fail` that no Fail of the action has; actions that fail into a situation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handcart.primitives.contract.raised_causes import possible_causes
 
 
 def cause_findings(task: Task) -> Iterator[Finding]:
-    """Yield the causes that no attempt of the action's primitive can have, by its code."""
+    """Yield the causes in `on_fail` that no attempt can have, by the code of the action's primitive."""
     kinds = {
         number: action.binding.kind
         for number, action in zip(task.entries, task.network.actions, strict=True)
@@ -29,7 +29,7 @@ def cause_findings(task: Task) -> Iterator[Finding]:
 
 
 def causes_into(network: ActionNetwork, situation: str) -> list[str]:
-    """Return the actions whose Fails of a certain cause lead to a situation, with the cause, in words."""
+    """Return the actions and named causes whose Fails lead to a situation, in words."""
     found = {
         f"{action.do} by {ending.cause!r}"
         for action in network.actions

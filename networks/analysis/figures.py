@@ -31,7 +31,9 @@ class Influence:
     starts: float
     """Average number of times that a run starts the action."""
     slope: float
-    """Derivative of P(goal) by the action's probability of Success, with that of Fail shrinking as much."""
+    """Derivative of P(goal) by the action's probability of Success, with its probability of Fail reduced
+    as much.
+    """
     one_more: Forecast | None
     """Forecast with one more attempt of the action; unchanged if it has the maximum already.
 
@@ -40,7 +42,10 @@ class Influence:
     alternative: Forecast | None
     """Forecast with a second action next to it, of the same cost, attempts and probabilities; or None."""
     bounds: tuple[float, float] = (0.0, 0.0)
-    """Least and largest change of P(goal) by either: both change only runs in which the action fails."""
+    """Least and largest change of P(goal) by one more attempt or by the alternative.
+
+    Both change only runs in which the action fails.
+    """
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,7 @@ class Figures:
 
     forecast: Forecast
     influences: tuple[Influence, ...]
-    """Influences of the actions, that with the largest effect on P(goal) first."""
+    """Influences of the actions, the one with the largest effect on P(goal) first."""
 
     def for_programs(self) -> dict[str, Any]:
         """Return the figures as `handcart check --json` prints them."""
@@ -129,8 +134,9 @@ class _Changes:
 
 
 def _bounds(now: Forecast, fails: float) -> tuple[float, float]:
-    """Return bounds on the change of P(goal), by the average number of Fails: at least as many runs as that
-    have one.
+    """Return bounds on the change of P(goal), given the average number of Fails in a run.
+
+    The share of runs with a Fail is at most that number, and only these runs change.
     """
     return -min(now.goal_high, fails), min(1.0 - now.goal, fails + now.unknown)
 

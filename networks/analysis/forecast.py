@@ -19,11 +19,11 @@ from handcart.networks.graph.network import MAX_COST_S, ActionNetwork
 IMPOSSIBLE_SHARE = 0.05
 """Share of the budget for states that only Fails of probability 0 lead to; slopes need them."""
 LIKELY_SHARE = 0.3
-"""Share of the rest of the budget for likely states, where a flow follows many more of them."""
+"""Share of the remaining budget for likely states, if a `RuleFlow` follows many more of them afterwards."""
 STAGE_STEPS = 20
 """Steps of effort for a stage whose chain is known already."""
 Change = Callable[[Stage, Collection[int]], Stage]
-"""Function that returns a stage with its actions of these numbers changed."""
+"""Function that takes a stage and numbers of its actions, and returns the stage with these changed."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Forecast:
     goal: float
     """Probability that the goal is reached, with nothing left undone (status 0)."""
     left_undone: float
-    """Probability that it is reached with elements of a repeat left undone (status 3)."""
+    """Probability that the goal is reached with elements of a repeat left undone (status 3)."""
     no_way: float
     """Probability that nothing is left to try (status 3)."""
     give_up: float
@@ -45,7 +45,7 @@ class Forecast:
     unknown: float = 0.0
     """Probability that a run comes to a state that was not looked at; 0: all figures are exact.
 
-    Each of the probabilities above is too small by at most this, and the cost leaves out what follows.
+    Each of the probabilities above is too small by at most this, and the cost ends at such states.
     """
     cost_high_s: float = 0.0
     """Upper bound of the expected cost, in [s]."""
@@ -65,7 +65,7 @@ class Forecaster:
     """Forecaster that cuts a network into stages and computes equal stages once.
 
     A stage's chain has the states (situation, Fails of each action that can still come up). If there are
-    too many, the most likely ones are looked at, and `Forecast.unknown` is what they leave open.
+    too many, the most likely ones are looked at; `Forecast.unknown` is the probability of the others.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort | None = None) -> None:
@@ -171,10 +171,10 @@ class Forecaster:
 
 
 def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bool) -> Chain:
-    """Return the chain of a stage: of all states, or if they are too many, of possible or of likely ones.
+    """Return the chain of a stage: of all states, or if they are too many, of possible or likely states.
 
     Raises:
-        TooLarge: the budget does not suffice, and the likely ones alone were not asked for.
+        TooLarge: the budget does not suffice, and `partly` does not allow a chain of likely states only.
     """
     certain = any(chance is not None and chance.fail <= 1e-12 for chance in chances)
     found = explored(network, effort=effort.part(IMPOSSIBLE_SHARE) if certain else effort.half())
@@ -188,7 +188,7 @@ def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bo
 
 
 def _likely(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Chain:
-    """Return the chain of likely states, with the ends of a flow if one can follow more of them."""
+    """Return the chain of likely states, with the ends of a `RuleFlow` if that follows more states."""
     flows = can_flow(network)
     states = effort.part(LIKELY_SHARE) if flows else effort
     chain = policy_chain(likely_policy(network, chances, states, start), chances)

@@ -77,7 +77,7 @@ def denied_hand_facts(task: Task) -> list[Finding]:
 
 
 def _uses(task: Task) -> dict[int, _Use]:
-    """Return for each action that runs a primitive what that needs of the hand, by the action's number."""
+    """Return the hand use of each action that runs a primitive, by the action's number."""
     known = task.knowledge
     model = WorldModel(nowhere(), known.all_places(), sections=known.fresh_sections())
     return {action.index: _use_of(action.binding, model) for action in task.network.actions if action.binding}
@@ -92,7 +92,7 @@ def _use_of(binding: Binding, model: WorldModel) -> _Use:
 
 
 def _reached(task: Task, uses: dict[int, _Use]) -> dict[str, list[Held]]:
-    """Return for each situation that a run comes to what the hand may hold there."""
+    """Return the possible contents of the hand in each situation that a run can reach."""
     network = task.network
     leaving: dict[str, list[Action]] = {}
     for action in network.actions:
@@ -119,7 +119,7 @@ def _follow(task: Task, action: Action, use: _Use | None, held: Held) -> Iterato
 
 
 def _agreed(state: Held, said: Held) -> Held:
-    """Return what the hand holds by what was done and by the facts; not known where they contradict."""
+    """Return the content of the hand by earlier actions and by facts; ANY if these contradict each other."""
     if said.hand is Hand.ANY or said.hand is state.hand:
         return state
     return said if state.hand is Hand.ANY else Held(Hand.ANY)
@@ -134,7 +134,7 @@ def _after(task: Task, action: Action, use: _Use, held: Held) -> Held:
 
 
 def _unmet(use: _Use, held: Held) -> str:
-    """Return why an action can't start, in words; empty where it may."""
+    """Return why an action can't start, in words; empty if it can."""
     needed = use.use.before
     if needed is Hand.ANY or held.hand is Hand.ANY:
         return ""

@@ -17,7 +17,7 @@ class Longest(NamedTuple):
     through: float
     """Most actions of runs that reach the part's goal."""
     ended: float
-    """Most actions of runs that end in the part."""
+    """Most actions of runs that end in the part, short of its goal."""
 
     def then(self, rest: Longest) -> Longest:
         """Return the longest run through this part and then through another one."""
@@ -30,8 +30,8 @@ _NOWHERE = Longest(-math.inf, -math.inf)
 def longest_run(policy: Policy) -> Longest:
     """Return the longest run of a policy, computed backwards from its ends.
 
-    The policy should include Fails for good. Runs that chance may lead in circles have their bound as
-    length; of an incomplete policy the longest known run is returned.
+    The policy should include Fails for good. If chance may lead a run in circles, the length is its bound;
+    for an incomplete policy, the longest known run is returned.
     """
     if policy.circles:
         bound = float(policy.network.bound())

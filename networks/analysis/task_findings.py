@@ -76,7 +76,8 @@ def _leading_to(graph: nx.MultiDiGraph, goals: Collection[str]) -> set[str]:
 def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None = None) -> list[Finding]:
     """Return findings on actions that no run ever plans, though they can be reached and lead on.
 
-    Actions that also lead to where a run goes otherwise, once no route to the goal is left, are exempt.
+    Exempt are actions on routes to situations of `otherwise`, which a run pursues if no route to the goal
+    is left.
 
     Args:
         task: the task.

@@ -22,7 +22,7 @@ FAILS, FOR_GOOD = "fails", "fails for good"
 
 _UNLIKELY = {FAILS: 1, FOR_GOOD: 1000}
 Path = tuple[tuple[int, str], ...]
-"""Actions by their numbers, each with how it failed; the word is empty where it didn't."""
+"""Numbers of the actions of a run, each with a word for how the action failed; empty if it didn't."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,15 @@ class NoWayLeft:
     situation: str
     """Situation in which the run ends."""
     path: tuple[tuple[Action, str], ...]
-    """Its actions, each with how it failed, from the last situation through which every run comes."""
+    """Actions of the run, each with a word for how it failed.
+
+    The path begins at the last situation that every run passes.
+    """
 
     def words(self, named: Callable[[str], str] = str) -> str:
         """Return the path for people, `PICK_UP from book_known fails 3 times`.
 
-        Each action is listed where it comes first.
+        An action that is repeated is listed once, at its first occurrence.
 
         Args:
             named: function that returns the displayed name of a situation.
@@ -66,13 +69,13 @@ class WorstCases:
     longest: int
     """The most actions that a run can start, or a bound on it if parts are too large."""
     short: tuple[NoWayLeft, ...]
-    """One such run for each situation in which nothing may be left to try."""
+    """One run for each situation in which nothing may be left to try."""
     unused: tuple[Action, ...]
     """Actions that no run plans, whatever fails; skips are not counted."""
     too_large: tuple[TooLarge, ...] = ()
     """Parts whose states were not all looked at."""
     longest_low: int = 0
-    """Actions of the longest run that is known."""
+    """Number of actions of the longest run that was found."""
 
 
 def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:
@@ -139,7 +142,7 @@ class _Come(NamedTuple):
 def _ended(policy: Policy) -> list[Path]:
     """Return, for each situation in which nothing may be left, a run with the fewest Fails.
 
-    A Fail for good only counts where it takes one.
+    Fails for good are included only where no run without them gets there.
     """
     came: dict[State, _Come] = {}
     known = {policy.start: (0, 0)}

@@ -15,7 +15,7 @@ from .chain_rows import ChainEnd, ChainRows
 
 WALK_COUNT = 10_000
 MAX_WALK_STEPS = 4_000_000
-"""Actions of all walks together; long runs have fewer walks."""
+"""Maximum number of actions of all walks together; long runs have fewer walks."""
 _GOAL, _ENDED, _LOST = -1, -2, -3
 
 
@@ -33,7 +33,7 @@ def time_quantile(
     seed: int = 0,
     calls: bool = False,
 ) -> Quantile:
-    """Estimate the time within which a share of the runs ends, from walks: the same for the same seed.
+    """Estimate the time in [s] within which a share of the runs ends, from seeded random walks.
 
     With `WALKS` walks the share has a standard error of 0.002.
 
@@ -55,7 +55,7 @@ def time_quantile(
 
 
 class _Walks:
-    """Runs that are drawn side by side."""
+    """Random runs that are drawn in parallel."""
 
     def __init__(self, count: int, draws: np.random.Generator) -> None:
         self.spent = np.zeros(count)
@@ -86,7 +86,7 @@ class _Walks:
 
 
 def _outcomes(rows: ChainRows) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Return what may follow each row: upper limits of a number drawn from [row, row + 1), and nexts."""
+    """Return the rows that may follow each row, and limits to draw one with a number in [row, row + 1)."""
     after = {ChainEnd.GOAL: _GOAL, ChainEnd.UNKNOWN: _LOST}
     links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]
     links += [(row, after.get(end, _ENDED), p) for row, end, p, _ in rows.ends]

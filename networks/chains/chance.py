@@ -12,9 +12,9 @@ class Chance:
     success: float
     give_up: float = 0.0
     fail_shares: tuple[float, ...] = ()
-    """Shares of a Fail by its causes, all others first; empty: those of the file."""
+    """Share of each cause in the Fails, that of all unnamed causes first; empty: the shares of the file."""
     success_shares: tuple[float, ...] = ()
-    """Shares of a Success by its results, the usual one first; empty: those of the file."""
+    """Share of each result in the Successes, the usual one first; empty: the shares of the file."""
 
     @property
     def fail(self) -> float:

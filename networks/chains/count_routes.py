@@ -83,7 +83,7 @@ class RouteFinder:
         return self._search(counts, self._plain)
 
     def hoping(self, counts: Uint16Array) -> CountRoutes:
-        """Return the routes that need the fewest Fails, for counts (n, counters) without another one."""
+        """Return the routes that need the fewest Fails, for counts (n, counters) without any other route."""
         return self._search(counts, self._hoping)
 
     def _search(self, counts: Uint16Array, ways: Sequence[_Way]) -> CountRoutes:

@@ -24,7 +24,7 @@ class FlowStates(NamedTuple):
     place: IntArray
     """(n,) number of the situation."""
     mass: FloatArray
-    """(n, 3 or 6) moments of the runs; the second three are those that have left elements undone."""
+    """(n, 3 or 6) moments of the runs; the second three are for runs that have left elements undone."""
 
     @property
     def p(self) -> FloatArray:
@@ -32,7 +32,7 @@ class FlowStates(NamedTuple):
         return np.asarray(self.mass[:, ::3].sum(axis=1))
 
     def at(self, chosen: IntArray) -> FlowStates:
-        """Return some of the states, by their places (m,)."""
+        """Return some of the states, given by their row numbers (m,)."""
         return FlowStates(self.counts[chosen], self.place[chosen], self.mass[chosen])
 
 
@@ -88,7 +88,7 @@ class StateCodes:
         return states._replace(counts=states.counts * self._keeps[states.place])
 
     def merged(self, every: Sequence[FlowStates]) -> FlowStates:
-        """Return all states, each once, in the order of their counts."""
+        """Return all states in the order of their counts, equal ones merged into one."""
         counts, place, mass = (np.concatenate(item) for item in zip(*every, strict=True))
         if not len(place):
             return FlowStates(counts, place, mass)

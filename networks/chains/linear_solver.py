@@ -17,7 +17,7 @@ class LinearSolver:
     """Solver of (I - Q) x = b and of its transposed, with Q the transitions among transient states."""
 
     def __init__(self, size: int, links: Sequence[tuple[int, int, float]], circles: bool) -> None:
-        """Factorize.
+        """Factorize the matrix I - Q.
 
         Args:
             size: number of rows.
@@ -39,7 +39,7 @@ class LinearSolver:
         self._factors = splu(whole, permc_spec=order, diag_pivot_thresh=threshold)
 
     def solve(self, right: FloatArray, transposed: bool = False) -> FloatArray:
-        """Return the solution of the equations, in any unit.
+        """Return the solution of the equations, in the unit of `right`.
 
         Args:
             right: (n,) or (n, k) right-hand sides.

@@ -173,9 +173,7 @@ def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:
 
 
 def fail_shares(action: Action, chance: Chance) -> Sequence[float]:
-    """Return the shares of the situations that a Fail leads to, by its causes, all others first; their sum
-    is 1.
-    """
+    """Return the share of each cause in a Fail, that of all unnamed causes first; they sum to 1."""
     if chance.fail_shares:
         return chance.fail_shares
     known = [ending.p for ending in action.fail_endings]

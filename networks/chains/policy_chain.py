@@ -44,8 +44,8 @@ def policy_chain(policy: Policy, chances: Chances) -> Chain:
     """Return the exact figures, by Kemeny and Snell, Finite Markov Chains (1960), chapter 3.
 
     A transient state is an action that is about to start. States are numbered so that what follows comes
-    before, as long as chance leads no run in circles: I - Q is triangular, and what is asked of its
-    inverse comes of a few sparse solutions.
+    before, as long as chance leads no run in circles: I - Q is triangular, and the needed parts of its
+    inverse follow from a few sparse solutions.
     """
     count = len(policy.network.actions)
     rows = ChainRows(policy, chances)
@@ -116,7 +116,7 @@ class _Solution:
         return tuple(map(float, found))
 
     def _into(self, skips: bool) -> FloatArray:
-        """Return the probabilities (rows, ends) of ending in each row, with skips that lead to the goal."""
+        """Return the probabilities (rows, ends) of ending in each row; `skips` adds skips into the goal."""
         into = np.zeros((self._size, len(ChainEnd)))
         for row, end, p, _ in self._rows.ends:
             into[row, end] += p
@@ -150,7 +150,7 @@ class _Solution:
         return gain - self._after_fail(goal)
 
     def _after_fail(self, goal: FloatArray) -> FloatArray:
-        """Return for each row P(goal) after a Fail: the mean over its causes, all alike if none happens."""
+        """Return P(goal) after a Fail of each row: the mean over its causes, unweighted if all have p = 0."""
         links = [(row, p, float(goal[to])) for row, to, p in self._rows.fails]
         links += [(row, p, float(end == ChainEnd.GOAL)) for row, end, p, failed in self._rows.ends if failed]
         total, count, mean = np.zeros(self._size), np.zeros(self._size), np.zeros(self._size)

@@ -58,7 +58,7 @@ class RouteWalk:
                 self._after_fail[number, action.index] = place[to or action.source]
 
     def after(self, states: FlowStates) -> Iterator[FlowStates]:
-        """Yield the states that follow by a Fail; the given ones are in the order of their counts."""
+        """Yield the states after the next Fail of runs from `states`, which are ordered by their counts."""
         counts, place, mass = states
         first = np.append(True, (counts[1:] != counts[:-1]).any(axis=1))
         counts, tree = counts[first], np.cumsum(first) - 1
@@ -77,7 +77,7 @@ class RouteWalk:
 
         Args:
             routes: the routes.
-            counts: (trees, counters) their counts of Fails.
+            counts: (trees, counters) counts of Fails of each tree of routes.
             tree: (n,) number of the routes that each run follows.
             place: (n,) situation of each run.
             mass: (n, 3 or 6) moments of each.
@@ -116,7 +116,7 @@ class RouteWalk:
         return np.asarray(mass * self._success[action, None])
 
     def _more(self, counts: Uint16Array, action: IntArray, place: IntArray, mass: FloatArray) -> FlowStates:
-        """Return the states (n,) with one more Fail of the actions (n,), where runs come to them."""
+        """Return the states with one more Fail of the actions (n,), without the goal and unreached states."""
         comes = mass[:, ::3].sum(axis=1) > 0.0
         at_goal = place == self._goal
         self._end(place[at_goal], ChainEnd.GOAL, mass[at_goal])

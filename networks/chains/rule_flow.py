@@ -19,7 +19,7 @@ from .route_walk import RouteWalk
 from .step_maker import State, StepMaker
 
 MAX_OPEN = 1e-4
-"""Default probability of the states that are not followed, at which a flow ends."""
+"""Default of the total probability of states not followed yet, below which a flow ends."""
 FIRST_LEAST, LEAST_FACTOR = 1e-5, 0.25
 """Least probability of a state that is followed: in the first pass, and its factor from pass to pass."""
 MAX_WAYS = 300
@@ -74,7 +74,7 @@ class RuleFlow:
 
         Args:
             start: the state.
-            max_open: probability of the states that are not followed, at which it ends.
+            max_open: total probability of states not followed yet, below which the flow ends.
         """
         mass = np.zeros(self._walk.ends.shape[2])
         mass[0] = 1.0

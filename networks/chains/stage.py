@@ -23,7 +23,7 @@ class Stage:
 
     @cached_property
     def shape(self) -> tuple[object, ...]:
-        """All that planning in it depends on, without names: the copies of a `repeat` have equal ones."""
+        """All data that planning in the stage depends on, without names; equal for copies of a `repeat`."""
         place = {name: number for number, name in enumerate(self.network.situations)}
         rows = tuple(
             (
@@ -40,7 +40,7 @@ class Stage:
         return place[self.network.start], place[self.network.goal], rows
 
     def _more(self, a: Action, place: Mapping[str, int]) -> tuple[object, ...]:
-        """Return what planning depends on besides: results, shared attempts and renewals."""
+        """Return what planning with an action also depends on: results, shared attempts and renewals."""
         others = tuple((place[other.target], other.p) for other in a.others)
         p = a.p if a.others else None
         counts = a.counter, a.unlimited, a.renewals, self.network.renewed_by.get(a.index, ())

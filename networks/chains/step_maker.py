@@ -14,7 +14,7 @@ from .chance import Chance
 from .effort import Effort
 
 _NEVER = 1e-12
-"""Probability below which something does not happen; sums of decimals are rounded."""
+"""Probability below which a result counts as impossible, because sums of decimals are rounded."""
 
 
 class State(NamedTuple):
@@ -36,7 +36,7 @@ class Step(NamedTuple):
     action: Action | None
     """The action; None if no route is left."""
     succeeded: tuple[State | None, ...] = ()
-    """States after its Success, that of its target first; None for one that never happens."""
+    """States after its Success, the one at its target first; None for a result that never happens."""
     failed: State | None = None
     """State after its Fail; None if it never fails."""
     for_good: State | None = None
@@ -54,7 +54,7 @@ class Step(NamedTuple):
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
-        """States after the Fails of the action, that of causes without an own situation first."""
+        """States after the Fails of the action, first the one for all causes without their own situation."""
         return (self.failed, *self.failed_by)
 
 
@@ -140,7 +140,7 @@ class Aftermath:
             action: the action.
             fails: counts of Fails before it.
             committed: the actions that follow if it leads to its target.
-            hopes: True if its Fail was needed: then its Success uses up an attempt.
+            hopes: True if the plan needed the action's Fail: then its Success uses up an attempt.
         """
         after = self._renewed(action, fails)
         if hopes:
@@ -159,7 +159,7 @@ class Aftermath:
         return self.at(action.on_fail or action.source, {**fails, action.counter: after})
 
     def fails(self, action: Action, fails: Mapping[int, int], happens: bool = True) -> list[State | None]:
-        """Return the states after a Fail, that of causes without an own situation first."""
+        """Return the states after a Fail, first the one for all causes without their own situation."""
         if not happens:
             return [None] * (1 + len(action.fail_endings))
         after = {**fails, action.counter: action.allowance.failed(fails.get(action.counter, 0))}

@@ -12,13 +12,13 @@ from handcart.networks.graph.aims import Aims, Interrupt
 from .day_clock import DayClock, after
 
 CHARGE_HYSTERESIS = 2.0
-"""Charge above its limit from which a battery's interrupt may come again, in [%]."""
+"""Rise of the charge above an interrupt's limit after which the interrupt may come again, in [%]."""
 CHARGE_TIMEOUT_S = 300.0
 """Time without a rise of the charge after which a robot no longer waits for it, in [s]."""
 
 
 class AimWatch:
-    """Says when a round's time is over, when the next one begins, and which interrupt is due.
+    """Watch over the time-out of a round, the begin of the next one, and due interrupts.
 
     All times are the robot's, but for times of day, which are those of a clock. A time of day that passes
     during a round, or while no program runs, begins no round.
@@ -39,7 +39,8 @@ class AimWatch:
             robot: the robot.
             aims: aims of the network.
             began: when the round began, in [s].
-            handled: when interrupts came last, in [s], by their numbers; for the others, when the run began.
+            handled: time of each interrupt's last occurrence, in [s], by its number; missing for one that
+                has not occurred: its time counts from `began`.
             clock: clock of the times of day.
             waits: True if the round waits for its time of day.
         """
@@ -80,8 +81,8 @@ class AimWatch:
 
     @property
     def expected(self) -> tuple[float, str] | None:
-        """The robot's time at which the waiting round is expected, in [s], and its time of day; None if none
-        waits for one.
+        """The robot's time at which the waiting round is expected, in [s], and its time of day; None if no
+        round waits for a time of day.
         """
         if self._round_due is None:
             return None
@@ -101,7 +102,8 @@ class AimWatch:
         """Return the number of the interrupt that is due, None if none is; each is returned once.
 
         Args:
-            priority: that of the interrupt that is pursued, which has to be exceeded; None: none is.
+            priority: priority of the pursued interrupt, which the due one has to exceed; None: no interrupt
+                is pursued.
         """
         self._look_at_clock()
         numbered = sorted(enumerate(self._aims.interrupts), key=lambda interrupt: -interrupt[1].priority)
@@ -150,7 +152,7 @@ class AimWatch:
         return {number: self._clock.next(item.at, now) for number, item in numbered if item.at}
 
     def _look_at_clock(self) -> None:
-        """Expect all times of day anew if somebody has set the clock."""
+        """Compute the expected times of day again if somebody has set the clock."""
         if not self._clock.was_set():
             return
         self._times = self._next_times()

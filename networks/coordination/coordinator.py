@@ -152,7 +152,7 @@ class Coordinator:
         return end
 
     def _reach(self) -> Generator[None, None, RunEnd | None]:
-        """Run until what is pursued is reached; return the run's end, or None if another round follows."""
+        """Run until the pursued situation is reached; return the run's end, None if another round follows."""
         while not self._route.arrived:
             self._supervision.between_actions()
             self._look_at_aims()
@@ -183,7 +183,7 @@ class Coordinator:
         return None if self._route.has_next_round else self._arrived()
 
     def _arrived(self) -> RunEnd:
-        """Return the end of a run that has reached what it pursued last."""
+        """Return the end of a run that has reached its last pursued situation."""
         if self._route.unfinished:
             rounds = [*self._route.unfinished, *([self._route.round] if self._route.lost else [])]
             return self._end("Fail", f"rounds left undone: {', '.join(map(str, rounds))}")
@@ -305,7 +305,7 @@ class Coordinator:
         return outcome
 
     def _limit(self, action: Action) -> tuple[float | None, str]:
-        """Return the time that an action may take, in [s], and what is said when it took longer."""
+        """Return the time that an action may take, in [s], and the message if it takes longer."""
         left, own = self._aims.left_s, action.time_out_s
         if left is None or self._route.lost is not None or (own is not None and own <= left):
             return own, "" if own is None else f"it took longer than {own:g} s"
@@ -345,8 +345,8 @@ class Coordinator:
         self._log.restoring(action, reason)
 
     def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
-        """Return the end of a run that a fault broke off: of ours or the journal, or a GiveUp where the
-        robot's.
+        """Return the end of a run that a fault broke off: Error for a fault of the program or of the journal,
+        GiveUp for a fault of the robot.
 
         The robot has been stopped.
         """

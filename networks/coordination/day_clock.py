@@ -70,7 +70,7 @@ class LocalDay(DayClock):
     def __init__(
         self, clock: Callable[[], float] = since_1970, steady: Callable[[], float] = monotonic
     ) -> None:
-        """Read a clock, which returns [s] since 1970; one that nobody sets says when it is set."""
+        """Use a clock in [s] since 1970; a steady clock, which nobody sets, shows jumps of the first."""
         self._clock, self._steady = clock, steady
         self._ahead = clock() - steady()
 
@@ -99,7 +99,7 @@ class LocalDay(DayClock):
 
 
 def after(instant: float) -> float:
-    """Return the next later instant, in [s]."""
+    """Return the next larger number after an instant, in [s]."""
     return math.nextafter(instant, math.inf)
 
 

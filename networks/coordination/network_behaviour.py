@@ -29,8 +29,8 @@ class NetworkBehaviour(Behaviour):
 
         Args:
             name: in the tree.
-            robot: the one that the coordinators drive.
-            make: gives a coordinator for each new run.
+            robot: the robot that the coordinators drive.
+            make: returns a coordinator for each new run.
         """
         super().__init__(name)
         self.end: RunEnd | None = None

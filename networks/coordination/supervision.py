@@ -23,7 +23,7 @@ from .run_life import RunLife, RunState
 FRAMEWORK_MODULES.add(__name__)
 Attempt = Generator[None, None, Outcome]
 Periods = Generator[None, None, Outcome | NotStarted | None]
-"""Periods, and the outcome if the attempt ended in them."""
+"""Generator of periods that returns the outcome if the attempt has ended, otherwise None."""
 
 
 class Request(Enum):
@@ -148,15 +148,15 @@ class Supervision:
     def to_its_end(
         self, attempt: Attempt, time_out: float | None = None, late: str = ""
     ) -> Generator[None, None, Outcome | NotStarted]:
-        """Run the attempt of the action that begins to its outcome; `NotStarted` if called back before.
+        """Run the attempt of an action to its outcome; `NotStarted` if it is called back before it moves.
 
         Args:
-            attempt: the running one.
-            time_out: the robot's time in [s] after which it is called back; None: never.
-            late: the reason that is then given; "": that it took longer.
+            attempt: the attempt.
+            time_out: time in [s] after which the attempt is called back; None: never.
+            late: reason of that Fail in words; "": that the action took longer than `time_out`.
 
         Raises:
-            Interrupted: it was stopped; the robot holds where it is.
+            Interrupted: the attempt was stopped; the robot holds where it is.
         """
         try:
             return (yield from self._to_its_end(attempt, time_out, late))

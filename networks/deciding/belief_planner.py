@@ -19,11 +19,11 @@ from .best_policy import BestPolicy, PolicyName
 from .posterior import SwitchVerdict, judge_policies
 
 BEST_STEPS, RULE_STEPS = 60_000.0, 20_000.0
-"""Budgets of one judgement: some 0.3 s."""
+"""Budgets of one judgement, for the best policy and for the rule, in steps; some 0.3 s."""
 
 
 class BeliefPlanner(BestPlanner):
-    """Plans by the rule, or by the file's policy where it costs less in 95 % of draws from the beliefs.
+    """Planner by the rule, or by the file's policy where that costs less in 95 % of draws from the beliefs.
 
     A judgement is made for each plan, from the situation of the run on. Beliefs stay from round to round.
     """

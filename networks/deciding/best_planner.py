@@ -30,7 +30,7 @@ def _chance(action: Action) -> Chance:
 class BestPlanner(Planner):
     """Plans by the best policy; a decision that was made before is looked up.
 
-    A plan follows the usual result of each action. To another goal than the network's the rule plans.
+    A plan follows the usual result of each action. For a goal other than the network's, the rule plans.
     """
 
     def __init__(self, best: BestPolicy) -> None:

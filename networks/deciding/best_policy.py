@@ -76,9 +76,9 @@ class BestPolicy:
         return other
 
     def is_rule_better(self, forecaster: Forecaster | None = None) -> bool:
-        """Return whether the rule costs less than what was found within the budget.
+        """Return whether the rule costs less than the policy that was found within the budget.
 
-        Only a search that was not finished can find less than the rule.
+        Only an unfinished search can find a policy that is worse than the rule.
 
         Args:
             forecaster: forecaster of the same network and probabilities; None: a new one.

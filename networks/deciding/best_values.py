@@ -15,13 +15,13 @@ from .situation_values import MAX_TIGHT_SITUATIONS, SituationValues
 from .state_rows import counters_of
 
 VALUE_GAPS = (0.1, 1e-2, 8e-4, 1e-5, 1e-7, 1e-9)
-"""Differences of the bounds of a value, relative to it: reached one after the other, as the budget allows."""
+"""Relative differences between the bounds of a value, aimed at one after the other within the budget."""
 SUFFICIENT_GAP = 8e-4
 """Gap that may cost the whole budget."""
 FINER_SHARE = 0.15
 """Share of the rest that each smaller gap may cost: few decisions depend on it."""
 LATER_STEPS = 60_000.0
-"""Budget of a decision when that of the first is spent: some 0.2 s."""
+"""Budget of each further decision once the first one's is spent, in steps; some 0.2 s."""
 OPENING_STEPS, VISIT_STEPS = 50.0, 4.0
 """Effort of finding the options of a state, and of looking at them once."""
 
@@ -32,16 +32,16 @@ class Decision(NamedTuple):
     action: Action | None
     """The action; None if calling a person costs no more than any action."""
     cost: float
-    """Expected cost from here on if it is done, in [s]: at most this."""
+    """Upper bound of the expected cost from here on if the action is done, in [s]."""
     low: float
-    """No policy has a lower expected cost, in [s]."""
+    """Lower bound of the expected cost of any policy from here on, in [s]."""
 
 
 class BestValues:
     """Search for the best decisions from states on demand, remembering all that is settled.
 
-    Strongly connected components are solved in the order of what follows: `ComponentSearch` where a run may
-    come back, one step from state to state where it does not.
+    Strongly connected components are solved after those that follow them. `ComponentSearch` solves those in
+    which a run may come back to a state; in the others, each state is solved from its successors.
     """
 
     def __init__(self, process: Process, effort: Effort) -> None:
@@ -110,7 +110,7 @@ class BestValues:
         return state in self._options if search is None else search.is_likely(state)
 
     def costs(self, state: State) -> list[Decision]:
-        """Return all actions that can be started in a state, each followed by the best; the best first."""
+        """Return all actions that can be started in a state, each followed by best decisions; best first."""
         found = []
         for option in self.process.options(state):
             for _, item in option.leads:
@@ -155,7 +155,7 @@ class BestValues:
         return search.bounds(state) or (self._bounds.value[state.situation], stop)
 
     def _is_acyclic(self, situation: str) -> bool:
-        """Return whether no run comes back to a state of a situation, short of staying in it."""
+        """Return whether no run that has left a state of a situation comes back to it."""
         process = self.process
         if len(process.parts[process.part[situation]]) > 1:
             return False

@@ -37,7 +37,7 @@ class PolicyDifference(NamedTuple):
     rule: str
     best: str
     share: float
-    """Average number of times that a run of the best policy comes to it."""
+    """Average number of times that a run of the best policy comes to the state."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,10 @@ class PolicyComparison:
     follows_rule: bool = False
     """True if the search did not find anything better than the rule, which is then followed."""
     call_limit_s: float | None = None
-    """If a person is called at the start: `person_s` above which the rule costs less than that, in [s]."""
+    """Value of `person_s` above which the rule costs less than calling a person at once, in [s].
+
+    None if the best policy does not call a person at the start.
+    """
 
     @property
     def is_probability(self) -> bool:

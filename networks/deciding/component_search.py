@@ -21,9 +21,9 @@ from .state_table import STOP_CHOICE, StateTable
 LOW_SWEEPS, HIGH_SWEEPS = 4, 5
 """Sweeps over all states for each round of the search."""
 EXPANDED_SHARE = 0.9
-"""Share of the gap whose states are expanded in a round: more rounds, but fewer states."""
+"""Share of the gap whose states are expanded in a round; below 1 there are more rounds but fewer states."""
 MIN_EXPANDED = 200
-"""States that may be expanded in any round."""
+"""Limit on the states expanded in a round, as long as the search has fewer; later as many as it has."""
 SLACK_SHARE = 0.05
 """Share of the gap by which the solution of a policy may miss the optimum and still bound it."""
 ROUND_STEPS, TRANSITION_STEPS, STATE_STEPS = 300.0, 0.012, 1.5
@@ -31,9 +31,9 @@ ROUND_STEPS, TRANSITION_STEPS, STATE_STEPS = 300.0, 0.012, 1.5
 MAX_PROBABILITY = 1.0 - 1e-13
 """Factor of all probabilities, so that a policy that never ends has a solution, too: a very large one."""
 MAX_POLICY_STATES = 40_000
-"""Likeliest states of the policy that are given out as known."""
+"""Maximum number of the policy's states that are reported as known, the likeliest ones."""
 Bounds = Callable[[State], tuple[float, float] | None]
-"""Bounds of a state beyond the component; None if it is not settled."""
+"""Function that returns the bounds of a state beyond the component; None if it is not settled."""
 
 
 class _Solution(NamedTuple):
@@ -58,8 +58,8 @@ class _Decisions(NamedTuple):
 class ComponentSearch:
     """Bounds of the states of a component, improved until they meet.
 
-    In each round the states that leave most of the gap open are expanded, where the policy leads that looks
-    best by the lower bounds (LAO*, Hansen and Zilberstein 2001). Its equations are solved exactly: they are
+    Each round follows the policy that looks best by the lower bounds, and expands those of its states that
+    leave most of the gap open (LAO*, Hansen and Zilberstein 2001). Its equations are solved exactly: they are
     nearly triangular, because Fails only become more.
     """
 

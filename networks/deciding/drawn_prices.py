@@ -24,9 +24,9 @@ class DrawnAction(NamedTuple):
     """Probabilities of one action, each (draws,)."""
 
     success: Sequence[FloatArray]
-    """Of each situation that a Success leads to, as in `Step.succeeded`."""
+    """Probability of each situation that a Success leads to, as in `Step.succeeded`."""
     fail: Sequence[FloatArray]
-    """Of each situation that a Fail leads to, as in `Step.all_failed`."""
+    """Probability of each situation that a Fail leads to, as in `Step.all_failed`."""
     give_up: FloatArray
 
 

@@ -20,7 +20,7 @@ from .best_policy import BestPolicy, PolicyName
 from .process import MIN_PROBABILITY, Process
 
 VALUE_STEPS = 200_000
-"""Budget of the figures that follow one state."""
+"""Budget of the figures of one state, in steps."""
 
 
 class OptionValue(NamedTuple):
@@ -63,7 +63,7 @@ class OptionValues:
         Args:
             action: the action.
             counts: counts of Fails by counter, as the planner keeps them.
-            hopes: True if its Fail is needed: then its Success uses up an attempt.
+            hopes: True if the plan needs the action's Fail: then its Success uses up an attempt.
         """
         process, goal, mean = self._process, 0.0, action.cost_s if action.binding else 0.0
         here = process.after.at(action.source, counts)

@@ -36,9 +36,9 @@ class OutcomeCounts(NamedTuple):
     fails: int = 0
     give_ups: int = 0
     by_cause: tuple[int, ...] = ()
-    """Fails of each cause in `Action.fail_endings`; empty: the shares of the file hold."""
+    """Number of Fails of each cause in `Action.fail_endings`; empty: the shares of the file hold."""
     by_result: tuple[int, ...] = ()
-    """Successes of each result, the usual one first; empty: the shares of the file hold."""
+    """Number of Successes of each result, the usual one first; empty: the shares of the file hold."""
 
     @property
     def attempts(self) -> int:
@@ -62,7 +62,7 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def fail_weights(self) -> tuple[float, ...]:
-        """Parameters of the Dirichlet distribution of a Fail's causes, all others first.
+        """Parameters of the Dirichlet distribution of a Fail's causes, that of all unnamed causes first.
 
         The prior of Fail is divided equally, so that the sum is the weight of Fail.
         """
@@ -83,9 +83,9 @@ class SwitchVerdict(NamedTuple):
     better_share: float
     """Share of draws in which the best policy costs less than the rule."""
     saved_s: float
-    """Cost that it saves, in [s], in the mean of all draws."""
+    """Cost that the best policy saves, in [s], in the mean of all draws."""
     is_same: bool
-    """True if both decide alike wherever runs come."""
+    """True if both policies decide alike in all states that runs reach."""
 
     @property
     def is_sure(self) -> bool:

@@ -14,7 +14,7 @@ from handcart.networks.graph.ahead import ways_of
 from handcart.networks.graph.network import Action, ActionNetwork
 
 MIN_PROBABILITY = 1e-12
-"""Probability below which something does not happen; sums of decimals are rounded."""
+"""Probability below which a result counts as impossible, because sums of decimals are rounded."""
 
 
 class ProcessOption(NamedTuple):

@@ -18,19 +18,21 @@ DENSE_MAX_SITUATIONS = 60
 MAX_TIGHT_SITUATIONS = 30
 """Situations of a component up to which excluded actions tighten the lower bound."""
 MAX_TIGHT_SWEEPS, TIGHT_CHANGE_S = 40, 1e-6
-"""Sweeps that tighten it, and the improvement in [s] below which they end."""
+"""Maximum number of sweeps that tighten the bound, and the improvement in [s] below which they end."""
 _Row = tuple[float, list[tuple[float, int]]]
 """Cost of an action, and probability and place of each situation of its component that may follow."""
 _BETTER = 1e-12
-"""Relative improvement for which an action is changed."""
+"""Least relative improvement for which policy iteration changes an action."""
 
 
 class SituationValues:
     """Values over situations: V(s) = min over actions of (cost + g K + sum of p V(t)), and at most K.
 
+    K is the price of calling a person in s, g the action's probability of GiveUp.
+
     A Fail that leads back to the same situation is tried again without limit, so that V is at most the
-    expected cost with limited attempts. Components are solved in the order of what follows: one step where
-    no loop is (Knuth 1977), policy iteration where there is (Howard 1960).
+    expected cost with limited attempts. Components are solved after those that follow them: in one step
+    without a loop (Knuth 1977), otherwise by policy iteration (Howard 1960).
     """
 
     def __init__(self, process: Process) -> None:

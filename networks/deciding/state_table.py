@@ -29,7 +29,7 @@ class Choices(NamedTuple):
 class StateTable:
     """States as rows; those that were expanded have options.
 
-    The states just beyond the component are included; whoever searches sets their bounds.
+    The states just beyond the component are included; the search sets their bounds.
     """
 
     def __init__(self, rows: StateRows, bounds: SituationValues, part: int) -> None:
@@ -195,10 +195,11 @@ class StateTable:
         """Return the transitions of some options.
 
         Args:
-            options: (n,) their numbers; `STOP` has none.
+            options: (n,) numbers of the options; `STOP_CHOICE` has no transitions.
 
         Returns:
-            Place of its option in `options`, state that follows, and probability if the state is left.
+            For each transition the index of its option in `options`, the state that follows, and the
+                probability, given that the state is left.
         """
         acting = np.flatnonzero(options != STOP_CHOICE)
         chosen = options[acting]
@@ -213,7 +214,7 @@ class StateTable:
         return int(self._action.all[option])
 
     def prices(self, states: IntArray, options: IntArray) -> FloatArray:
-        """Return what states (n,) cost until they are left by options (n,), or by stopping, in [s]."""
+        """Return the costs of states (n,) until options (n,), or stopping, leave them, in [s]."""
         cost = self.stop[states].copy()
         acts = options != STOP_CHOICE
         cost[acts] = self._price.all[options[acts]] / self._left.all[options[acts]]

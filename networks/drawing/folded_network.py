@@ -25,7 +25,7 @@ class Spot:
     """Number of repeated parts around it."""
     members: tuple[str, ...]
     facts: tuple[str, ...]
-    """`key: value`; of copies that differ the first and the last value."""
+    """`key: value` of each fact; if copies differ, their first and last value."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class FoldedAction:
     costs: str
     """Its cost in words, and whether a person has to permit it."""
     parameters: tuple[str, ...]
-    """`name: value`; of copies that differ the first and the last value."""
+    """`name: value` of each parameter; if copies differ, their first and last value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def _called(situation: Situation) -> tuple[str, int]:
 
 
 def _alike(network: ActionNetwork, of: Mapping[str, Spot]) -> Iterable[list[Action]]:
-    """Return the copies of an action; out of copies of a situation they come in the same order."""
+    """Return the actions grouped by copies: those at the same position out of copies of one situation."""
     passed: Counter[str] = Counter()
     alike: dict[tuple[Spot, int], list[Action]] = {}
     for action in network.actions:
@@ -130,7 +130,7 @@ def _way(copies: Sequence[Action], of: Mapping[str, Spot]) -> FoldedAction:
 
 
 def _merged(rows: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
-    """`key: value` of each key; where values differ, the first and the last."""
+    """Return `key: value` of each key; where values differ, the first and the last."""
     values: dict[str, list[str]] = {}
     every = list(rows)
     for row in every:
@@ -176,7 +176,7 @@ _ELEMENT = re.compile(r"(?:, )?(?P<name>.*?)\[\d+\](?: \((?P<value>.*)\))?")
 
 
 def _title(elements: Sequence[str], outer: int) -> str:
-    """Name, number and values of the elements."""
+    """Return a title with the name, number and values of the elements."""
     found = [_ELEMENT.match(words[outer:]) for words in elements]
     if not all(found):
         return f"{len(elements)} times"

@@ -125,14 +125,14 @@ def _ranks(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) ->
 
 
 def _chain(number: int, edge: LayerEdge, rank: Mapping[Key, int]) -> list[Key]:
-    """Return the ends of an edge, and between them the columns that it passes, those of its ends included."""
+    """Return the ends of an edge, and between them its lanes, one in each column that it passes."""
     a, b = rank[edge.source], rank[edge.target]
     passed = range(a + 1, b) if b > a else range(a, b - 1, -1)
     return [edge.source, *(_Lane(number, column) for column in passed), edge.target]
 
 
 class _Placing:
-    """Sorts columns, and places them up and down."""
+    """Vertical arrangement of the cells, by their order within each column and by position."""
 
     def __init__(
         self,

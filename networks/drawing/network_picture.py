@@ -194,7 +194,7 @@ class _Drawing:
         self._folded, self._ended = folded, ended
 
     def part(self, part: RepeatedPart | None) -> _Drawn:
-        """Return a repeated part, or with None what is in none of them."""
+        """Return the drawing of a repeated part, or with None of everything outside repeated parts."""
         folded = self._folded
         inner = {item: self.part(item) for item in folded.parts if item.around is part}
         boxes = {spot: self._spot(spot) for spot in folded.spots if folded.part_of[spot] is part}
@@ -246,7 +246,7 @@ class _Drawing:
         inner: Mapping[RepeatedPart, _Drawn],
         sizes: Mapping[Key, Size],
     ) -> tuple[list[LayerEdge], list[tuple[bool, bool]]]:
-        """Links of this part, and of each whether it was travelled and whether a Fail leads along it."""
+        """Return the links of a part, and whether each was travelled and whether a Fail leads along it."""
         edges: list[LayerEdge] = []
         kinds: list[tuple[bool, bool]] = []
         for way in ways:
@@ -271,7 +271,7 @@ class _Drawing:
         return _Exit(spot, failed) if inside is None else inside
 
     def _inside(self, spot: Spot, part: RepeatedPart | None) -> Key:
-        """Return the box that represents a situation in the drawing of a part; None: it is outside."""
+        """Return the box that represents a situation in the drawing of a part; None if it is outside."""
         around = self._folded.part_of[spot]
         if around is part:
             return spot
@@ -350,7 +350,7 @@ def _together(drawn: _Drawn, within: Iterable[_Drawn]) -> _Drawn:
 
 
 def _framed(drawn: _Drawn, part: RepeatedPart | None) -> _Drawn:
-    """With its frame around it, the title above what is inside."""
+    """Return the drawing of a part with its frame, and the title above the content."""
     if part is None:
         return drawn
     title = Text(PAD, PAD + 10.0, part.title, SMALL, True, False)

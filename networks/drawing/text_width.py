@@ -17,7 +17,7 @@ _UNITS = 100  # of a letter's height in which is measured
 
 
 def text_width(words: str, size: float, *, bold: bool = False) -> float:
-    """Return the width of a line of text set in `FONT_FAMILY`."""
+    """Return the width of a line of text set in `FONT_FAMILY`, in the unit of `size`."""
     wide = sum(east_asian_width(letter) in "WF" for letter in words)  # not in the font: squares
     narrow = "".join(letter for letter in words if east_asian_width(letter) not in "WF")
     return size * (_font(bold).getlength(narrow) / _UNITS + wide)

@@ -15,7 +15,7 @@ from .entry import OTHER_CAUSES, EndingChance, FailChance, TaskEntry
 Values = Annotated[list[Fact], Field(min_length=1, max_length=1000)]
 """Possible values of a fact."""
 Conditions = dict[str, Fact | Values]
-"""Values of facts, or a list of values that each will do, by the fact's name."""
+"""Value of each fact by its name; a list of values means any of them."""
 
 
 class ConditionEnding(EndingChance):

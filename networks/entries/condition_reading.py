@@ -45,7 +45,7 @@ class ConditionReader:
         self._otherwise: list[Conditions] = otherwise if isinstance(otherwise, list) else [otherwise]
 
     def generated(self, entries: Mapping[int, ConditionEntry], findings: Findings) -> Generated | None:
-        """Return the network of the entries, by their numbers; None if something is wrong, which is added."""
+        """Return the network of the entries, given by number; None if wrong, with faults in `findings`."""
         before = len(findings)
         for path, fault in self._faults(entries):
             findings.add(self._document.finding(path, fault))

@@ -18,7 +18,7 @@ class Element:
     path: KeyPath
     """Position in the task's document."""
     name: str
-    """What `{each: NAME}` calls it."""
+    """Name by which `{each: NAME}` refers to the element."""
     value: Any
     words: str
     """Unique name shown to people, `place[2] (kitchen)`; nested elements begin with the one around them."""

@@ -30,7 +30,7 @@ class AttemptsEntry(FileModel):
     fresh_after: str | list[str] = Field(default_factory=list)
     """Primitives after whose Success the Fails are forgotten, in a repeat for the same element."""
     renewals: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
-    """Maximum number of times that they are forgotten."""
+    """Maximum number of times that the Fails are forgotten."""
 
 
 class EndingChance(FileModel):
@@ -50,7 +50,7 @@ class FailChance(FileModel):
 
 
 class TaskEntry(FileModel):
-    """Effect, cost and attempts of an action, wherever it leads."""
+    """Keys of an action apart from its situations, such as primitive, cost, attempts and probabilities."""
 
     do: str
     """Name of the primitive."""
@@ -61,11 +61,11 @@ class TaskEntry(FileModel):
     planned route from there to the action's place is added to `cost_s`.
     """
     attempts: Count | AttemptsEntry = 3
-    """Maximum number of Fails, after which it is excluded; or how they are counted."""
+    """Maximum number of Fails, after which the action is excluded; or how they are counted."""
     p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
     """Probability that an attempt ends in Success; `handcart check` then reports how runs end."""
     p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
-    """Probability that it ends in GiveUp; the rest is that of Fail."""
+    """Probability that an attempt ends in GiveUp; the rest is the probability of Fail."""
     permit: Literal["operator", "none"] | None = None
     """`operator`: it starts only when the operator permits it, each time; `none`: it doesn't ask (default: as
     its primitive says).

@@ -16,7 +16,7 @@ from .condition_entry import ConditionEntry, value_in_words
 State = tuple[int, ...]
 """Number of the value of each fact, in the order of the space."""
 Condition = tuple[tuple[int, frozenset[int]], ...]
-"""Facts by their numbers, each with the numbers of the values that will do."""
+"""Facts by their numbers, each with the numbers of the allowed values."""
 Change = tuple[tuple[int, int], ...]
 """Facts by their numbers, each with the number of its new value."""
 Faults = Iterator[tuple[KeyPath, str]]
@@ -164,5 +164,5 @@ class FactSpace:
 
 
 def _key(value: object) -> object:
-    """Return a value so that true and 1 differ."""
+    """Return a key for a value, in which True and 1 differ."""
     return type(value) is bool, value

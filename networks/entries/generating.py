@@ -42,7 +42,7 @@ class Generated(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """A situation to be followed."""
+    """A situation whose actions are still to be followed."""
 
     state: State
     number: int

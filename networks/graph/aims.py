@@ -20,7 +20,7 @@ class Rounds:
     """Times of day at which rounds begin; none: as `every_s` says."""
 
     def fields(self) -> dict[str, Any]:
-        """Return it, ready for JSON."""
+        """Return the fields of the rounds, ready for JSON."""
         return {"most": self.most, "every_s": self.every_s, **_at_fields(self.at)}
 
 
@@ -45,7 +45,7 @@ class Interrupt:
     """Times of day at which it is due; none: it depends on another condition."""
 
     def fields(self) -> dict[str, Any]:
-        """Return it, ready for JSON."""
+        """Return the fields of the interrupt, ready for JSON."""
         found = {
             "name": self.name,
             "goals": list(self.goals),

@@ -36,12 +36,12 @@ class Judged(NamedTuple):
     better: float
     """Share of draws in which the file's policy costs less than the rule."""
     saved_s: float
-    """Cost that it saves in the mean of the draws, in [s]."""
+    """Cost that the file's policy saves in the mean of the draws, in [s]."""
     beliefs: tuple[tuple[int, float, float], ...]
     """Number of each entry whose belief differs from the prior, and its weights a, b of Success and Fail."""
 
     def fields(self) -> dict[str, Any]:
-        """Return it, ready for a journal."""
+        """Return the judgement as fields of a journal's record."""
         beliefs = [[entry, round(a, 6), round(b, 6)] for entry, a, b in self.beliefs]
         kept = {"follows": self.follows, "better": round(self.better, 6), "saved_s": round(self.saved_s, 6)}
         return {**kept, "beliefs": beliefs}

@@ -71,7 +71,7 @@ class CheapestTree:
         """Return the intervals of the situations whose routes contain one of some failed actions.
 
         Args:
-            failed: the failed actions by their numbers; the values are not used, without unit.
+            failed: failed actions by their numbers; only the numbers are used.
         """
         sources = (self._source[index] for index in failed if index in self._source)
         return [(self._enter[here], self._leave[here]) for here in sources]

@@ -10,13 +10,13 @@ MAX_VALUE_LENGTH = 24
 
 
 class SiblingAction(NamedTuple):
-    """Text that distinguishes an action from others."""
+    """Properties of an action by which it is compared with others."""
 
     do: str
     source: str
     target: str
     given: Callable[[], Mapping[str, Any]]
-    """Returns the parameters that are not at their defaults."""
+    """Function that returns the parameters that are not at their defaults."""
     cost_s: float
 
 
@@ -24,7 +24,7 @@ def distinctions(actions: Sequence[SiblingAction | None]) -> dict[int, str]:
     """Return the text that distinguishes each action from those like it, by its place in the sequence.
 
     Actions are alike that do the same primitive between the same situations. The words are the parameters in
-    which they differ, such as `looks: 8`; where none differs, the cost. None is like nothing.
+    which they differ, such as `looks: 8`; where none differs, the cost. None entries are left out.
     """
     alike: dict[tuple[str, ...], list[int]] = {}
     for place, action in enumerate(actions):

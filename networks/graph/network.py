@@ -311,7 +311,7 @@ class ActionNetwork:
     def fingerprint(self) -> str:
         """Return a checksum of everything that planning depends on, in hexadecimal.
 
-        What a network does not use does not enter: runs of older versions then stay resumable.
+        Features that a network does not use are left out, so that runs of older versions stay resumable.
         """
         digest = hashlib.sha256(repr((self.start, self.goal)).encode())
         for situation in self.situations.values():
@@ -336,7 +336,7 @@ class ActionNetwork:
 
 
 def _numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
-    """Return the actions with their numbers, and those of their counters of Fails."""
+    """Return the actions with their numbers, and with the numbers of their counters of Fails."""
     first: dict[str, int] = {}
     found, every = [], tuple(actions)
     words = distinctions([_compared(item) for item in every])

@@ -185,7 +185,7 @@ class PlanSearch:
     def _way(
         self, start: int, weights: Mapping[int, float], most: float, spoiled: Sequence[tuple[int, int]]
     ) -> list[int]:
-        """Return the cheapest route up to where all meet; of equal routes, the one that networkx finds."""
+        """Return the cheapest route up to where all such routes meet; of equal ones, that of networkx."""
         left, goal = self._tree.left, self._goal
         seen, before, done, count = {start: 0.0}, {start: start}, set[int](), 0
         heap = [(0.0, 0, start)]
@@ -214,7 +214,7 @@ class PlanSearch:
         return self._actions[min(edges, key=lambda index: (weights.get(index, self._base[index]), index))]
 
     def _renewing(self, start: int, weights: Mapping[int, float], fails: Mapping[int, int]) -> Segment | None:
-        """Return the route up to an action that gives attempts back, where another leads on to the goal."""
+        """Return the cheapest route to an action after whose Success a route to the goal is open again."""
         found: list[tuple[float, int]] = []
         for index, fresh in self.renewing(fails).items():
             action = self._actions[index]
@@ -246,7 +246,7 @@ class PlanSearch:
         return self._searches[situation]
 
     def _hoping(self, start: int, weights: Mapping[int, float]) -> Segment | None:
-        """Return the route with the fewest Fails, or other results, that it needs; of these the cheapest."""
+        """Return the route that needs the fewest Fails or unusual results; of several the cheapest."""
         ways = self._hope_ways()
         if ways is None or start == self._goal:
             return None
@@ -291,7 +291,7 @@ class PlanSearch:
 
 
 def hopes_of(action: Action) -> list[str]:
-    """Return the situations that it may lead to besides its target, with a probability above zero."""
+    """Return the situations besides its target that an action may lead to, if their p is not 0."""
     others = [other.target for other in action.others if other.p != 0.0]
     certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12
     never = {ending.target for ending in action.fail_endings if ending.p == 0.0} - {action.on_fail}

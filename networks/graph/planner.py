@@ -32,7 +32,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class NoWay:
-    """No action that is left leads on to the goal."""
+    """Result of planning if no action that is left leads on to the goal."""
 
     situation: str
     blocking: tuple[Action, ...]
@@ -87,7 +87,7 @@ class Planner:
         self._reasons[action.index] = times + 1, reason
 
     def hoped(self, action: Action) -> None:
-        """Count a Success as a Fail, which was needed."""
+        """Count a Success of an action, whose Fail the plan needed, as a Fail."""
         Planner.failed(self, action, "it succeeded, and its Fail was needed")
 
     def succeeded(self, action: Action) -> bool:

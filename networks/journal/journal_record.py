@@ -109,9 +109,9 @@ def _wrong_words(record: dict[str, Any] | None, number: int, offset: int) -> str
 def _more_than_torn(tail: bytes, number: int) -> bool:
     """Return whether a damaged tail holds more than a crash leaves of one record.
 
-    That is a later record, or a complete one that does not begin the tail: the newline before it may be
-    damaged, or a record before it may be there twice. Or the record itself, complete, and more than one
-    further byte after it. A record that is there twice at the end hides nothing.
+    The tail holds more if it contains a later record; a complete record that is not at its begin (the
+    newline before may be damaged, or an earlier record repeated); or the complete record `number` and
+    more than one byte after it. A last record that is repeated hides nothing.
     """
     ends = [found.end() for found in _ENDS.finditer(tail)]
     for start in (found.start() for found in _BEGINS.finditer(tail)):

@@ -46,22 +46,22 @@ class RunPosition:
     done: int = 0
     """Number of the last action with a RESULT."""
     left: str = ""
-    """The situation in which that action began."""
+    """The situation in which the last action with a RESULT began."""
     at: Snapshot | None = None
     """Snapshot of the robot when the run last knew its situation."""
     round_began: float = 0.0
-    """The robot's time at the begin of the round, in [s]; expected while it waits."""
+    """The robot's time at the begin of the round, in [s]; the expected time while the round waits."""
     round_waits: bool = False
-    """True from the record that the round waits until its first plan."""
+    """True between the journal's record that the round waits and the round's first plan."""
     last_t: float = 0.0
     """The robot's time of the last record, in [s]."""
     interrupted: dict[int, float] = field(default_factory=dict)
-    """When interrupts came last, in [s], by their numbers."""
+    """Time of each interrupt's last occurrence, in [s], by its number."""
     seen: dict[str, Snapshot] = field(default_factory=dict)
     """Snapshots of the robot in earlier situations of the run, the last one at the end."""
 
     def followed(self, records: Sequence[Record]) -> RunPosition:
-        """Itself, after these records too; raises `NeedsOperator` for one that doesn't fit."""
+        """Return this position after further records; raises `NeedsOperator` for one that doesn't fit."""
         for record in records:
             try:
                 _follow(self, record)
@@ -85,7 +85,7 @@ def standing(
 
     Args:
         network: the task's network.
-        records: of the journal.
+        records: records of the journal.
         is_of: returns whether a journal's first record belongs to a network.
 
     Raises:

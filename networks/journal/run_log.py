@@ -37,8 +37,10 @@ from .measured import measured_fields
 from .retracing import RunPosition
 
 Keep = Callable[[Mapping[str, Any], str], str | None]
-"""Keeps a checkpoint; called with an action's result before the journal has it, and the checksum of the
-journal's last record. Gives the checkpoint's digest, None where none is kept."""
+"""Function that keeps a checkpoint and returns its digest, None if none is kept.
+
+It is called with an action's result, before the journal has it, and the checksum of the last record.
+"""
 
 
 _NOTHING: Mapping[str, Any] = {}
@@ -231,7 +233,7 @@ def outcome_record(number: int, outcome: Outcome) -> records.Result:
 
 
 def _add_causes(record: records.Result, evidence: Evidence, limits: records.Sizes) -> None:
-    """Why an attempt didn't succeed."""
+    """Add the causes for which an attempt didn't succeed to its record."""
     if evidence.causes:
         record["cause"] = [_cause(cause) for cause in evidence.causes]
     if limits:

@@ -85,7 +85,7 @@ class CauseWords(TypedDict):
 
     reason: str
     kind: NotRequired[str]
-    """Kind of cause; journals from before there were any have none."""
+    """Kind of cause; missing in journals of older versions."""
     check: NotRequired[str | None]
     calls: NotRequired[list[str]]
     measured: NotRequired[dict[str, Any] | None]
@@ -110,7 +110,7 @@ class Succeeded(_Result):
 
     outcome: Literal["Success"]
     result: NotRequired[str]
-    """The measured one of the primitive's `results`; missing for the usual one."""
+    """Measured result, one of the primitive's `results`; missing for the usual one."""
 
 
 class Failed(_Result):

@@ -110,7 +110,7 @@ def _answer(folder: Path, message: bytes, end: float) -> bytes:
 
 
 def _connect(line: socket.socket, folder: Path, end: float) -> None:
-    """Connect, waiting for a place in the queue where many want to."""
+    """Connect; wait for a place in the socket's queue if many clients connect."""
     with socket_path(folder / CONTROL_SOCKET) as name:
         while True:
             line.settimeout(_left(end))

@@ -31,8 +31,8 @@ DEFAULT_SENDER = "the terminal"
 class Operation(RunObserver):
     """Server of the operator's commands while the run is alive, polled once a period.
 
-    While the run waits for a permission or is paused, a period lasts as long on the wall clock: nothing has
-    to be computed, and the operator need not hurry. A context manager.
+    While the run waits for a permission or is paused, a period takes its full length on the wall clock,
+    because nothing has to be computed. A context manager.
     """
 
     def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:
@@ -140,7 +140,7 @@ class _Heard:
         self._commands.append({**said, "sim_time_s": round(time, 3)})
 
     def latest(self) -> list[dict[str, Any]]:
-        """Return the last ones, the oldest first."""
+        """Return the last commands, the oldest first."""
         return list(self._commands)
 
 
@@ -155,6 +155,6 @@ def _words(action: Action) -> dict[str, Any]:
 
 
 def _value(value: Any) -> str:
-    """Return a parameter in words; of one that the world model gives, its name there."""
+    """Return a parameter in words; for one bound to the world model, the name of the entry."""
     late = isinstance(value, dict) and value.keys() == {"model"}
     return clipped(str(value["model"] if late else value))

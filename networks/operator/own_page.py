@@ -29,7 +29,7 @@ class OwnPage:
     """Guard that detects foreign requests before anything is done for them."""
 
     def __init__(self, hosts: Collection[str]) -> None:
-        """Let those names of this machine pass, with their ports, as browsers send them."""
+        """Accept only requests to these names of this machine, `NAME:PORT` as browsers send them."""
         self.hosts = frozenset(hosts)
         self.token = secrets.token_urlsafe(24)
 

@@ -93,7 +93,7 @@ def _planned(position: RunPosition, record: Record) -> DecisionDifference | None
 
 
 def _followed(position: RunPosition, record: Record) -> DecisionDifference | None:
-    """Take another record in, and compare the end of the run."""
+    """Follow a record that is not a plan, and compare the end of the run."""
     route = position.route
     if record["kind"] == "END":
         return _ended(position, record)
@@ -157,7 +157,7 @@ def _today(plan: Plan | NoWay) -> str:
 
 
 def _why(route: RunDecisions, record: Record, plan: Plan | NoWay) -> str:
-    """Say what today's planner has against the journal's route."""
+    """Return why today's planner does not choose the journal's route."""
     planner, actions = route.planner, route.network.actions
     way = [actions[index] for index in record.get("way", ()) if 0 <= index < len(actions)]
     if out := [item for item in way if planner.is_out(item)]:

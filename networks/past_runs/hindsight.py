@@ -44,7 +44,7 @@ class Option:
     """Probability of Success by the beliefs of the run; None without beliefs."""
 
     def threshold_s(self, chosen: OpenRoute) -> float | None:
-        """Return the cost below which the rule would choose it, in [s]; None without one."""
+        """Return the cost below which the rule would choose the action, in [s]; None if there is none."""
         if self.way is None:
             return None
         cost = (self.weight - (self.way.cost - chosen.cost)) / 2.0**self.fails
@@ -61,7 +61,7 @@ class Choice:
     options: tuple[Option, ...]
     """All actions out of the situation: the chosen one first, then by cost."""
     next_best: OpenRoute | None
-    """The cheapest other way, which may part from the plan later on; None where there was none."""
+    """The cheapest other route, which may share its begin with the plan; None if there was none."""
     after_fail: OpenRoute | None
     """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
     policy: str = "rule"
@@ -146,7 +146,7 @@ class _Then:
         return Option(action, weight, fails, None, out, value, believed)
 
     def _value(self, action: Action) -> OptionValue | None:
-        """Return what a run comes to with an action; None if that is not known."""
+        """Return the expected result of a run that does an action next; None if it is not known."""
         if not self._values.are_known:
             return None
         plan = self.plan(action.source)
@@ -174,7 +174,7 @@ HOPED, ROUND = "succeeded, and had to fail", "another round began"
 
 
 def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
-    """Yield what counts before an action: the index of what ended, and how; -1 for another round."""
+    """Yield all that counted before an action: index and outcome of ended actions; -1 for a new round."""
     indices = {item.number: item.index for item in run.actions}
     started: dict[int, int] = {}
     needed: int | None = None  # the action whose Fail is needed, by the last plan

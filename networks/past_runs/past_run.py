@@ -35,9 +35,9 @@ class PastAction:
     target: str
     parameters: Mapping[str, Any]
     start: float
-    """Time of its start, in [s] of the robot's time, as are the others."""
+    """The robot's time at the start of the action, in [s]; all times here are the robot's."""
     end: float
-    """Time of its end, in [s]; if the journal has no end, the time when the run broke off."""
+    """Time at the end of the action, in [s]; if the journal has no end, the time when the run broke off."""
     broken_off: float | None
     """Time when the motion was broken off and restoring began, in [s]."""
     outcome: str

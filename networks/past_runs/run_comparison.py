@@ -11,7 +11,7 @@ from .past_run import PastAction, PastRun, Record
 
 HEADER_KEYS = ("task_sha256", "network", "settings", "robot", "robot_sha256", "backend", "seed", "handcart")
 UNCHAINED_KEYS = {"wall", "h", "p"}
-"""Keys of a record that differ between two equal runs, or follow from those before it."""
+"""Keys of a record that differ between two equal runs, or follow from the records before."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def _residuals(action: PastAction | None) -> Mapping[str, float | None]:
 
 
 def _chained(record: Record) -> dict[str, Any]:
-    """Return what a record says, without what the wall clock or the header decided."""
+    """Return a record's fields without those that depend on the wall clock or the header."""
     return {key: value for key, value in record.items() if key not in UNCHAINED_KEYS}
 
 

@@ -1,4 +1,4 @@
-"""A run's folder as it is found: nothing in it may lead out of it, block, or be larger than it ever is."""
+"""Reading of a run's folder, safe against entries that lead out of it, block, or are too large."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .socket_path import CONTROL_SOCKET, STOP_SOCKET
 
 JOURNAL_FILE = "journal.jsonl"
 SOCKET_NAMES = (CONTROL_SOCKET, STOP_SOCKET)
-"""Over which a run hears its operator: no files, and all that may be there beside them."""
+"""Sockets on which a run receives its operator's commands; only these may be no plain files."""
 _MOST = 50_000  # files of a run
 _DEEPEST = 4  # folders in it
 _KINDS = (
@@ -41,7 +41,7 @@ def check_folder(folder: Path) -> None:
     """Check that a folder holds plain files and folders alone, so that later writes stay inside it.
 
     Raises:
-        NoRun: it is not a folder, or something in it is a link, a pipe, a device or a file of two names.
+        NoRun: it is not a folder, or something in it is a link, a pipe, a device or a hard link.
     """
     try:
         if not stat.S_ISDIR(os.stat(folder).st_mode):

@@ -25,7 +25,7 @@ class ListedRun:
 
     folder: Path
     task: str
-    """Its file, as given when it was run."""
+    """Path of the task's file, as given when it was run."""
     seed: int
     backend: str
     outcome: str

@@ -24,12 +24,12 @@ class RunTrack(NamedTuple):
     pose: FloatArray
     """(n, 3) estimated map_T_base: x and y in [m], heading in [rad].
 
-    Poses from before the robot found out where it is are those that it knows afterwards; NaN if it never did.
+    Poses from before the robot was located are computed from its pose afterwards; NaN if it never was.
     """
     action: Int32Array
     """(n,) number of the action that ran, from 1; 0 before the first."""
     restoring: BoolArray
-    """(n,) whether it restored."""
+    """(n,) True while the action was being restored."""
 
 
 class Telemetry:
@@ -59,7 +59,7 @@ class Telemetry:
 
 
 def on_the_map(poses: FloatArray, located: BoolArray) -> FloatArray:
-    """Return poses (n, 3) on the map; those in a local frame are moved to where that turns out to be.
+    """Return poses (n, 3) on the map; poses in a local frame are moved by the frame's pose, found later.
 
     The pose of a robot at rest jumps from its local frame to the map when it is located.
 

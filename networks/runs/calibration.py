@@ -32,7 +32,7 @@ class Value(FileModel):
 
     value: float | tuple[float, ...]
     sigma: NotNegative | tuple[NotNegative, ...]
-    """Standard deviation of the value; of a list, that of each number."""
+    """Standard deviation of the value; for a list, one for each number."""
 
     @model_validator(mode="after")
     def _alike(self) -> Self:
@@ -65,7 +65,7 @@ class Calibration(FileModel):
 
 
 def rounded(found: Mapping[str, Calibrated]) -> dict[str, Value]:
-    """Values with as many digits as their standard deviations allow."""
+    """Return the values with as many digits as their standard deviations allow."""
     result = {}
     for key, calibrated in found.items():
         values, sigmas = _tuple(calibrated.value), _tuple(calibrated.sigma)
@@ -78,7 +78,7 @@ def rounded(found: Mapping[str, Calibrated]) -> dict[str, Value]:
 
 
 def _places(sigma: float) -> int:
-    """Decimal places of a number with that standard deviation."""
+    """Return the decimal places of a number with a standard deviation."""
     if sigma <= 0.0 or not math.isfinite(sigma):
         return 6
     return max(0, _DIGITS - 1 - math.floor(math.log10(sigma)))

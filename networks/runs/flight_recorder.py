@@ -141,7 +141,7 @@ class FlightRecorder(RunObserver):
             self.lost = error.strerror
 
     def _scanned(self, rows: Sequence[Row]) -> None:
-        """Have the scans made that are kept."""
+        """Compute the lidar scans of the rows that are kept."""
         for row in rows:
             if callable(later := row.get("ranges_m")):
                 scan = later()

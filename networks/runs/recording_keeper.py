@@ -1,4 +1,4 @@
-"""Raw traffic with the robot, kept beside the journal and around whatever went wrong."""
+"""Raw traffic with the robot, kept next to the journal, and around each Fail and GiveUp."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class Past:
     recovered: Mapping[str, Any] | None
     """The RESULT that the checkpoint holds and the journal lacks: a crash came in between."""
     closing: tuple[tuple[str, Mapping[str, Any]], ...] = ()
-    """Records that a look at a real robot adds to the journal."""
+    """Records that the check of a real robot adds to the journal."""
 
     @property
     def last(self) -> int:
@@ -58,7 +58,7 @@ class Past:
 
     @property
     def time_s(self) -> float:
-        """The robot's time of that record, in [s]."""
+        """The robot's time of the journal's last whole record, in [s]."""
         return float(self.contents.records[-1]["t"])
 
     @property
@@ -173,7 +173,7 @@ def _recovered(
     had it.
 
     Raises:
-        NeedsOperator: it is any other checkpoint than that.
+        NeedsOperator: the checkpoint is not the one of that action.
     """
     doubt = here.in_doubt
     whole = doubt is not None and checkpoint.after == contents.records[-1]["h"]

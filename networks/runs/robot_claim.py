@@ -48,7 +48,7 @@ class RobotClaim:
         Raises:
             RobotBusy: another process has it.
             NeedsOperator: its last run waits for a person.
-            NoClaim: the folder cannot be used.
+            NoClaimFolder: the folder cannot be used.
         """
         name = re.sub(r"[^\w.-]", "_", f"{backend.name}-{backend.address}".strip("-"))
         self.path = folder / name
@@ -89,7 +89,7 @@ class RobotClaim:
             raise NeedsOperator(f"the robot's last run, {run}, waits for a person: {reason}; {how}")
 
     def begin(self, run: Path) -> None:
-        """Name the run that the robot is in from now on; durable before this returns.
+        """Record the path of the run that uses the robot from now on; durable before this returns.
 
         Raises:
             JournalError: the disk takes no more; nothing has moved.

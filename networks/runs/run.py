@@ -74,7 +74,7 @@ def execute(
     also `error.txt`.
 
     Args:
-        prepared: a run that could start. Its preparation counts, whatever the options say of that.
+        prepared: a run that could start. Options of its preparation are ignored in `options`.
         run_dir: the run's folder; made if it is missing.
         options: options of the execution.
         past: a run to resume.

@@ -106,7 +106,7 @@ def is_of_network(header: Mapping[str, Any], network: ActionNetwork) -> bool:
 
 
 def _by_names(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a network with actions by column name; the entries that are read may change."""
+    """Return the fields of a network with actions by column name, without `uses`, which may change."""
     rows = [dict(zip(fields["keys"], row, strict=True)) for row in fields["actions"]]
     for row in rows:
         row.pop("uses", None)
@@ -125,9 +125,7 @@ def _chance_fields(action: Action) -> tuple[Any, ...]:
 
 
 def _aims(network: ActionNetwork) -> dict[str, Any]:
-    """Return the fields of a network that is not decided by the rule, restores again, or has further
-    goals.
-    """
+    """Return the optional fields of a network: policy, beliefs, repeated restoring, aims, `otherwise`."""
     aims: dict[str, Any] = {}
     if network.policy != "rule":
         aims = {"policy": network.policy, "person_s": network.person_s}
@@ -149,8 +147,8 @@ def _uses(action: Action) -> list[str]:
 def robot_fingerprint(spec: RobotFile) -> str:
     """Return a checksum of a robot's file, limits, tolerances and all, in hexadecimal.
 
-    What has its default value doesn't count: a key that a later version adds changes no robot, and runs of
-    before can be resumed.
+    Keys at their default values don't count: a key that a later version adds changes no robot, and earlier
+    runs can be resumed.
     """
     return hashlib.sha256(spec.model_dump_json(exclude_defaults=True).encode()).hexdigest()
 

@@ -26,7 +26,7 @@ class RunOptions:
     situation: str | None = None
     """Situation in which the run begins, instead of the task's start."""
     errors: bool = True
-    """True if the simulated robot errs."""
+    """True if the simulated robot has the errors that its file states."""
     bench: str | None = None
     """Name of the simulated backend behind simulated drives."""
     window: bool = False

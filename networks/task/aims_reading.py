@@ -67,7 +67,7 @@ def goal_copies(network: Copies, name: str) -> tuple[str, ...]:
 
 
 def round_faults(network: ActionNetwork) -> Iterator[Fault]:
-    """Yield that a task with rounds does not end where it began."""
+    """Yield a fault if a task with rounds does not end where it began."""
     start, goal = (network.situations[name] for name in (network.start, network.goal))
     if network.aims.rounds is not None and dict(start.facts) != dict(goal.facts):
         differing = [name for name in start.facts if start.facts[name] != goal.facts.get(name)]
@@ -77,7 +77,7 @@ def round_faults(network: ActionNetwork) -> Iterator[Fault]:
 
 
 def battery_faults(aims: Aims) -> Iterator[Fault]:
-    """Yield the interrupts that need a battery's charge if the robot does not measure it."""
+    """Yield the interrupts that depend on the battery's charge, for a robot that does not measure it."""
     for number, interrupt in enumerate(aims.interrupts):
         if interrupt.battery_below is not None:
             wrong = "the robot measures no charge of its battery"

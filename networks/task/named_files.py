@@ -60,7 +60,7 @@ def named_robot(document: Document, name: str) -> str:
 
 
 def start_place_faults(document: Document, names: list[str] | None) -> Iterator[tuple[KeyPath, str]]:
-    """Yield that the place at the start is not known.
+    """Yield a fault if the place at the start is not known.
 
     Args:
         document: the task.
@@ -78,7 +78,7 @@ def start_place_faults(document: Document, names: list[str] | None) -> Iterator[
 
 
 def robot_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
-    """Yield that the robot is not known."""
+    """Yield a fault if the robot is not known."""
     node, there = document.root.deepest(("robot",))
     name = node.content
     is_name = there and isinstance(name, str) and not name.endswith((".yaml", ".yml"))

@@ -106,10 +106,10 @@ def with_element(node: Node, element: Element | None, root: Node, findings: Find
 class _Value:
     node: Node
     size: int
-    """Values in it, itself included."""
+    """Number of values in the node, itself included."""
     depth: int
     written: int = 1
-    """Values in it as it is written, before substitution."""
+    """Number of values in the node as it is written, before substitution."""
 
 
 class ParameterValues:

@@ -91,7 +91,7 @@ class _Named(NamedTuple):
 
 
 def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:
-    """Places that lie outside the free space of a map; `chart` is the map's file."""
+    """Yield the places that lie outside the free space of a map; `chart` is the map's file."""
     for name, place in places.value.places.items():
         where = _where(place, grid)
         if where:
@@ -100,7 +100,7 @@ def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterat
 
 
 def _where(place: Place, grid: GridMap) -> str:
-    """Empty where the place is free."""
+    """Return where on the map an unfree place lies, in words; empty if it is free."""
     point = np.array([[place.x_m, place.y_m]])
     if not grid.inside(point)[0]:
         return "outside"

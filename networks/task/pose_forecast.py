@@ -25,7 +25,7 @@ USUAL_NEED = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
 def pose_findings(
     task: Task, robot: RobotFile, model: WorldModel, rooms: Iterable[PlaceRoom]
 ) -> Iterator[Finding]:
-    """Yield a warning for each place that the robot's lidar does not determine, or whose route is silent.
+    """Yield a warning for each place whose pose the lidar does not determine, or whose route lacks echoes.
 
     Args:
         task: the task, which names places and map.

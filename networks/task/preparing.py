@@ -56,7 +56,7 @@ class Prepared:
     errors: bool = True
     """True if the simulated robot errs."""
     bench: str | None = None
-    """The simulated backend behind simulated drives, where there are such."""
+    """Name of the simulated backend behind simulated drives; None without these."""
 
     def __enter__(self) -> Prepared:
         return self
@@ -152,7 +152,7 @@ class _Read:
 
     task: Task
     backend: str
-    """Its name."""
+    """Name of the backend."""
     spec: RobotFile | None
     known: tuple[WorldModel, tuple[str, ...]] | None
     world: Path | None
@@ -254,12 +254,12 @@ def check(
         task_path: the task's file.
         backend: another one than the task names.
         settings: what `--set KEY=VALUE` gave, VALUE unparsed.
-        seed: of the simulated errors.
-        situation: where a run would begin, instead of the task's start.
+        seed: seed of the simulated errors.
+        situation: situation in which a run would begin, instead of the task's start.
 
     Raises:
         UnknownSituation: the task has no such situation.
-        FileError: with every finding in all of the files but those of places, which are given.
+        FileError: with every finding in all of the files, except findings on places, which are returned.
     """
     read = _read(task_path, backend, settings, primitive_class, situation, True, only_looked=True)
     if read.spec is None or read.known is None or read.findings:
@@ -295,7 +295,7 @@ def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel)
 
 
 def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:
-    """None where the task says nothing of where it starts."""
+    """Return map_T_base of the start that the task states; None if it states none."""
     named = task.file.knowledge.start if task.file.knowledge else None
     return model.places[named].pose if named and named in model.places else None
 
@@ -330,7 +330,7 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
 
 
 def _floor_of(task: Task) -> GridMap:
-    """Return what a task without a map drives on."""
+    """Return the map of free floor on which a task without a map drives."""
     if not is_without_map(task.document):
         return nowhere()
     return open_floor(place.pose for place in task.knowledge.all_places().values())

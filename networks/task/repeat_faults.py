@@ -26,11 +26,11 @@ def repeat_faults(
     start: str,
     goal: str,
 ) -> Iterator[Fault]:
-    """Parts that have a situation in common, or that begin or end anywhere but at their starts and goals.
+    """Yield the faults of repeated parts: unknown or common situations, and entries other than the start.
 
     Args:
         parts: the repeated parts.
-        situations: the file's.
+        situations: the file's situations.
         entries: the file's actions, by number.
         start: where the task begins.
         goal: where it ends.
@@ -55,7 +55,7 @@ def _unknown(part: Repetition, situations: Iterable[str]) -> Iterator[Fault]:
 
 
 def _entered_elsewhere(part: Repetition, entries: Mapping[int, ActionEntry]) -> Iterator[Fault]:
-    """Ways from outside that lead into the part past its start."""
+    """Yield actions that lead from outside into the part past its start."""
     inside = part.inner - {part.repeat.start}
     allowed = f"allowed: {part.repeat.start}, where the part begins"
     for number, entry in entries.items():
@@ -69,7 +69,7 @@ def _entered_elsewhere(part: Repetition, entries: Mapping[int, ActionEntry]) -> 
 def _changed_by_fail(
     part: Repetition, situations: Situations, entries: Mapping[int, ActionEntry]
 ) -> Iterator[Fault]:
-    """Fails that end an element, though other facts hold where the next one begins."""
+    """Yield Fails that end an element, although other facts hold where the next one begins."""
     start, goal = part.repeat.start, part.repeat.goal
     for number, entry in entries.items():
         ends = entry.source in part.inner and goal in entry.fail_situations

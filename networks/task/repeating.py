@@ -72,7 +72,7 @@ class _Copier:
         return Copies(dict(self._situations()), tuple(actions), self._entered(self._network.start))
 
     def _check_number(self) -> None:
-        """Parts within parts multiply: a few lines could make more actions than there is memory."""
+        """Raise `NotRepeated` if parts within parts multiply to more than `MAX_ACTIONS` actions."""
         own = Counter(self._around.get(action.source) for action in self._network.actions)
         count = sum(times * (part.count() if part else 1) for part, times in own.items())
         if count > MAX_ACTIONS:

@@ -1,4 +1,4 @@
-"""A part of a network that is there for each element of a list."""
+"""A part of a network that is repeated for each element of a list."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Repetition:
     suffix: str
     """Text for people behind the names of its elements."""
     around: Element | None = None
-    """The element whose part it is within."""
+    """The element of the surrounding part that contains this one."""
 
     def elements(self) -> tuple[Element, ...]:
         """Return the elements in their order.
@@ -149,7 +149,7 @@ def nested(parts: Sequence[Repetition]) -> list[Nested]:
 
 
 def shortened(value: object) -> str:
-    """Return a value in a message, cut."""
+    """Return a value as text for a message, cut to a maximum length."""
     words = repr(value)
     return words if len(words) <= 40 else f"{words[:40]} ..."
 

@@ -126,7 +126,7 @@ def load_task(
 
 
 class _Reader:
-    """Reads one document, collecting what is wrong."""
+    """Reader of one document that collects its faults."""
 
     def __init__(self, document: Document, primitives: Primitives) -> None:
         self._findings = Findings()

@@ -68,7 +68,7 @@ class TaskKnowledge:
 def read_knowledge(
     document: Document, findings: Findings, resolved: Callable[[Document, KeyPath], Path | None]
 ) -> TaskKnowledge:
-    """Read what a task names but for its maps; what is wrong in the files is added to the findings.
+    """Read the files that a task names, except its maps; faults in the files are added to the findings.
 
     Files that aren't there, or lie where they may not, are passed over.
     """

@@ -36,7 +36,7 @@ def with_locate(parts: Parts, kind: type[ActionPrimitive]) -> Parts:
     """Return a network that begins with LOCATE, unless LOCATE is in it.
 
     Args:
-        parts: of the network as it is in the file.
+        parts: parts of the network as it is in the file.
         kind: class of LOCATE.
     """
     situations, actions, start = parts
@@ -71,8 +71,8 @@ def drawn_pose(grid: GridMap, radius: float, seed: int) -> Pose2:
 
     Args:
         grid: the map.
-        radius: of the footprint, in [m].
-        seed: same seed, same pose.
+        radius: radius of the footprint, in [m].
+        seed: seed of the random pose.
     """
     rng = np.random.default_rng([seed, 4711])
     free = np.pad(~grid.blocked, 1).astype(np.uint8)

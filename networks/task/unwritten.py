@@ -11,7 +11,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 
 
 def unwritten(network: ActionNetwork, given: Collection[str]) -> Iterator[tuple[Action, str, str]]:
-    """Yield actions with a parameter that cannot be known there: the action, the parameter, `cup.size`.
+    """Yield actions with a parameter that is unknown at their start: action, parameter, entry `cup.size`.
 
     An entry that the world model does not know at first has to be found out by an earlier action.
 

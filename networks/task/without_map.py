@@ -15,10 +15,10 @@ NO_MAP = "none"
 """Value of `map` under `knowledge:`."""
 MAP_KEY = ("knowledge", "map")
 MARGIN_M = 8.0
-"""Floor beyond the outermost place, needed by ways around sensed obstacles."""
+"""Width of the floor beyond the outermost place, needed by routes around sensed obstacles."""
 RESOLUTION_M = 0.05
 MAX_CELLS = 4_000_000
-"""Beyond it cells are larger."""
+"""Maximum number of cells of the map; a larger floor gets larger cells."""
 
 
 def is_without_map(document: Document) -> bool:
@@ -28,7 +28,7 @@ def is_without_map(document: Document) -> bool:
 
 
 def open_floor(poses: Iterable[Pose2]) -> GridMap:
-    """Return a map of free floor around the start, in whose frame the poses are, and around all of them."""
+    """Return a map of free floor around the start and around poses in the frame of the start."""
     points = np.array([(0.0, 0.0), *(pose[:2] for pose in poses)])
     low, size = points.min(axis=0) - MARGIN_M, np.ptp(points, axis=0) + 2.0 * MARGIN_M
     resolution = max(RESOLUTION_M, float(np.sqrt(size.prod() / MAX_CELLS)))
@@ -38,6 +38,6 @@ def open_floor(poses: Iterable[Pose2]) -> GridMap:
 
 
 def started_exactly(robot: RobotFile) -> RobotFile:
-    """Return a robot that a simulation does not put beside the start: the frame is that of the start."""
+    """Return the robot without a simulated error of its start pose, because the start defines the frame."""
     errors = robot.errors.model_copy(update={"start_mm": 0.0, "start_deg": 0.0})
     return robot.model_copy(update={"errors": errors})
