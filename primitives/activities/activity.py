@@ -14,7 +14,7 @@ Name = Annotated[str, Field(min_length=1, max_length=120)]
 
 
 class ActivityFile(FileModel):
-    """Terms of an activity's definition, by our names of things."""
+    """Correspondence between the terms of an activity's definition and the names in the task's world."""
 
     format: Literal["handcart-activity/1"]
     activity: Name

@@ -169,7 +169,7 @@ class FixAgainImu(FixAgainModel):
 
 
 class Servo(FixOnce):
-    """A landmark beside the goal is viewed."""
+    """Correction by viewing a landmark next to the goal."""
 
     views_goal: ClassVar = True
     looks: ClassVar = 2

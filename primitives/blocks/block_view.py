@@ -84,7 +84,7 @@ def _size(long_side: float, short_side: float) -> str:
 
 
 def _flat(height: float) -> Transform:
-    """base_T_plane of a level plane."""
+    """Return base_T_plane (4, 4) of a level plane at a height in [m]."""
     return Pose2(0.0, 0.0, 0.0).lift(height)
 
 
@@ -97,6 +97,6 @@ def _as_block(seen: Pose2, expected: Pose2) -> Pose2:
 
 
 def _outline(place: Pose2, camera_T_top: Transform, length: float, width: float) -> FloatArray:
-    """Return (4, 3) corners in the camera frame."""
+    """Return the corners (4, 3) of a block's top in the camera frame, in [m]."""
     corners = place.apply(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * (length / 2, width / 2))
     return apply(camera_T_top, np.column_stack([corners, np.zeros(4)]))

@@ -40,7 +40,7 @@ class Fixed(NamedTuple):
     travel: WheelTravel
     """Travel of the wheels at the measurement, in [m]; the pose is invalid once they roll on."""
     moved: float
-    """Over how long the gyros' rates had been added up then, in [s]: by `Attitude.moved`."""
+    """Time over which the gyros' rates were integrated until the measurement, in [s], by `Attitude.moved`."""
     swings: int = 0
     """Swings of the loaded arm since the measurement."""
 
@@ -55,9 +55,9 @@ class Placed(NamedTuple):
 
     number: int
     pose: Pose2
-    """On the map."""
+    """Pose of the block on the map."""
     height: float
-    """Height of its foot, in [m]."""
+    """Height of the block's foot, in [m]."""
 
 
 @dataclass

@@ -36,7 +36,7 @@ class BlockPlace(LevelPose):
 
 
 class BoardPlan(LevelPose, BoardLayout):
-    """A calibration board, on the map; good to a few centimetres."""
+    """A calibration board, with its pose on the map to within a few centimetres."""
 
     square_mm: Positive = 20.0
 
@@ -62,7 +62,7 @@ class Building(FileModel):
     landmarks: Annotated[dict[str, LandmarkPlan], Field(default_factory=dict)]
     tables: dict[str, Table]
     boards: Annotated[dict[str, BoardPlan], Field(default_factory=dict)]
-    """To calibrate the camera with."""
+    """Boards by name, to calibrate the camera with."""
     supply: tuple[LevelPose, ...] = ()
     """Poses of the waiting blocks, on the map; the first one is block 1."""
     carried: tuple[LevelPose, ...] = ()

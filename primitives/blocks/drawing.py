@@ -34,7 +34,7 @@ class DrawnLandmark(LevelPose):
 
 
 class DrawnRow(LevelPose):
-    """Blocks beside each other, on the map: its pose is that of a block at 0."""
+    """Row of blocks next to each other, with the pose on the map of a block at position 0."""
 
     along_mm: Annotated[tuple[float, ...], Field(min_length=1)]
     """Positions of the blocks along the row's own y axis."""

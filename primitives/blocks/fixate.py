@@ -41,12 +41,13 @@ class Fixate(ActionPrimitive):
     """
 
     landmark: LandmarkName
-    """Its name in the building plan."""
+    """Name of the landmark in the building plan."""
     place: PlaceName | None = None
     """Target place of the base (default: the place from which the plan views the landmark)."""
     rule: Rule = "residual"
-    """When the hand is close enough, and what of the rest counts: `residual` stops within 0.5 mm and 3.5 mrad
-    and takes the rest in; `paper` stops within 0.5 mm and 0.2 rad, and forgets it."""
+    """Stop rule of the hand; `residual` stops within 0.5 mm and 3.5 mrad and includes the remaining error
+    in the result; `paper` stops within 0.5 mm and 0.2 rad, and ignores it.
+    """
     looks: Annotated[int, Field(ge=1, le=10)] = 4
     """Minimum number of views over the landmark; the error is their mean."""
     search: bool = True

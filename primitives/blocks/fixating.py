@@ -53,7 +53,7 @@ class Fixation(NamedTuple):
     """Result of a fixation: the pose of the base and its accuracy."""
 
     planned_T_base: Pose2
-    """dT_M, the travelling error."""
+    """Travelling error dT_M of the base, as its pose relative to the planned one."""
     base_T_hand: Transform
     """Final pose of the hand."""
     frames: int
@@ -61,7 +61,7 @@ class Fixation(NamedTuple):
     moves: int
     """Moves of the hand after it reached the planned posture."""
     seen: tuple[Pose2, ...]
-    """Error by each of the pictures: after each move the arm has another error."""
+    """Travelling error by each picture; after each move the arm has another error."""
 
 
 def planned_view(
@@ -96,8 +96,8 @@ def sought(
     Args:
         name: name of the landmark.
         marks: all landmarks of the plan.
-        planned: map_T_base.
-        stands: map_T_base.
+        planned: map_T_base of the target place.
+        stands: believed map_T_base.
         covariance: (3, 3) of `stands`, of x, y in [m] and heading in [rad], on the map.
     """
     among = {
@@ -222,7 +222,7 @@ def _mean(poses: Sequence[Pose2]) -> Pose2:
 
 
 def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
-    """Return the pose at the planned height, oriented as planned but for the turn about the vertical."""
+    """Return the hand's pose at the planned height, oriented as planned except about the vertical."""
     turn = base_T_hand[:3, :3] @ view.base_T_hand[:3, :3].T
     yaw = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     result = transform(rpy=(0.0, 0.0, yaw)) @ view.base_T_hand
@@ -239,7 +239,7 @@ def _identified(
     around: Sequence[Box],
     search: bool,
 ) -> Generator[None, None, Transform]:
-    """camera_T_landmark (4, 4) by the last picture, once it is sure which landmark that is."""
+    """Return camera_T_landmark (4, 4) by the last picture, once the landmark is identified."""
     if views.explanation is None and search:
         yield from _search(robot, start, views, held, around)
     if views.explanation is None:

@@ -45,7 +45,7 @@ class Sought(NamedTuple):
 
     mark: PlannedMark
     among: tuple[PlannedMark, ...]
-    """All of the plan, `mark` as well."""
+    """All landmarks of the plan, the wanted `mark` included."""
     belief: BasePrior
     """Believed pose of the base."""
 
@@ -59,7 +59,7 @@ class _Difference(NamedTuple):
     rival: int
     """Index of the explanation that differs."""
     place: Pose2
-    """base_T_mark."""
+    """base_T_mark of the landmark that differs."""
     weight: float
     """Gain of the likeliest explanation's lead if the view confirms it."""
 
@@ -160,7 +160,7 @@ class LandmarkViews:
     def _differences(
         self, best: MarkAssignment, others: Sequence[MarkAssignment]
     ) -> dict[Kind, list[_Difference]]:
-        """Landmarks that only one of two explanations has, where no picture was taken yet."""
+        """Return landmarks that only one of two explanations has, where no picture was taken yet."""
         found: dict[Kind, list[_Difference]] = {}
         expected = self._expected(best)
         for rival, otherwise in enumerate(map(self._expected, others)):
@@ -177,7 +177,7 @@ class LandmarkViews:
         return found
 
     def _expected(self, explanation: MarkAssignment) -> dict[Kind, list[Pose2]]:
-        """base_T_mark of all landmarks of the plan, by kind."""
+        """Return base_T_mark of all landmarks of the plan, by kind."""
         to_base = explanation.planned_T_base.inverse()
         places: dict[Kind, list[Pose2]] = {}
         for mark in self._sought.among:

@@ -49,7 +49,7 @@ def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
 
 
 def laying_orders(drawing: Drawing) -> list[list[DrawnBlock]]:
-    """Orders to choose from: row by row, and in steps along the wall."""
+    """Return the orders to choose from: row by row, and in steps along the wall."""
     blocks = drawing.blocks
     ends = np.array([block.place.floor[:2] for block in blocks])
     _, _, axes = np.linalg.svd(ends - ends.mean(axis=0))
@@ -87,7 +87,7 @@ def _carries(drawing: Drawing, lower: DrawnBlock, upper: DrawnBlock) -> bool:
 
 
 def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock]) -> FloatArray:
-    """Return (n, 2) corners of where it is carried."""
+    """Return the corners (n, 2) of the areas that carry a block, in [m]."""
     length, width, _ = drawing.block
     foot = _rectangle(block.place.floor, length, width)
     under = [_rectangle(b.place.floor, length, width) for b in blocks if _carries(drawing, b, block)]
@@ -103,7 +103,7 @@ def _rectangle(floor: Pose2, length: float, width: float) -> Rectangle:
 
 
 def _common(one: Rectangle, other: Rectangle) -> FloatArray:
-    """Return (n, 2) corners of what two rectangles share, in [m]."""
+    """Return the corners (n, 2) of the intersection of two rectangles, in [m]."""
     middle = np.array(one[0])  # near the origin, because OpenCV computes in single precision
     beside = (other[0][0] - one[0][0], other[0][1] - one[0][1])
     found, corners = cv2.rotatedRectangleIntersection(((0.0, 0.0), *one[1:]), (beside, *other[1:]))

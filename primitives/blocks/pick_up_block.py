@@ -76,7 +76,7 @@ class PickUpBlock(ActionPrimitive):
         return name_of_block(self.number)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the block is known to be elsewhere."""
+        """Return a message if the block is known to be elsewhere; empty otherwise."""
         blocks = model.of(Blocks)
         if any(placed.number == self.number for placed in blocks.placed):
             return f"block {self.number} is at its goal already"
@@ -167,7 +167,7 @@ class PickUpBlock(ActionPrimitive):
     def _seen(
         self, robot: Robot, model: ModelView, plan: Building, stands: Transform
     ) -> Generator[None, None, Transform]:
-        """base_T_block (4, 4) as a picture shows it."""
+        """Return base_T_block (4, 4) as a picture shows it."""
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
             instead = why_unseen(robot, plan, stands)

@@ -68,7 +68,7 @@ class Stack(ActionPrimitive):
     method: Method = "fix_again_model"
     """Correction of the base's turn and tilt."""
     rule: Rule = "residual"
-    """When a fixation is close enough; see FIXATE."""
+    """Stop rule of a fixation; see FIXATE."""
     stow: bool = False
     """Move the arm home in the end, as it must be before the base drives away."""
 
@@ -86,7 +86,7 @@ class Stack(ActionPrimitive):
         return name_of_block(self.number)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the hand holds no block of the plan."""
+        """Return a message if the hand holds no block of the plan; empty otherwise."""
         return unlike_block(robot, model)
 
     @override
@@ -113,7 +113,7 @@ class Stack(ActionPrimitive):
             yield from move_to_posture(robot, "home", around=surroundings(robot, model))
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return its block, and what carries that where it goes."""
+        """Return the contacts of the hand with the block, and of the block with its supports."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.onto == "robot":
             return own, MeantContact("held", TRAY_NAME)
@@ -212,7 +212,7 @@ class Stack(ActionPrimitive):
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
-        """Down until the block touches."""
+        """Lower the block until it touches down."""
         pushed = yield from push(robot, _raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, DESCENT_MAX_FORCE_N, "N")

@@ -101,7 +101,7 @@ class Approach(ActionPrimitive):
     def _centre(
         self, robot: Robot, base_T_shelf: Transform, goal: Transform, slot: Slot
     ) -> Generator[None, None, Slot]:
-        """Look and move until the hand is before the slot's middle; gives the slot as seen from there."""
+        """Look and move until the hand is before the slot's middle; return the slot as seen from there."""
         for number in range(1, CENTRING_MAX_VIEWS + 1):
             slot = yield from self._measured(robot, base_T_shelf, slot)
             hand = inverse(base_T_shelf) @ robot.base_T("hand")
@@ -151,7 +151,7 @@ class Approach(ActionPrimitive):
 
 
 def _before(robot: Robot, book: Book, lateral: float) -> Transform:
-    """shelf_T_hand (4, 4) with the book straight before the shelf at y `lateral` in [m]."""
+    """Return shelf_T_hand (4, 4) with the book straight before the shelf at y `lateral` in [m]."""
     away = SHELF_CLEARANCE_M + book.depth_mm / 1e3 + hand_to_spine(robot)
     return transform((-away, lateral, BOARD_CLEARANCE_M + GRIP_HEIGHT))
 

@@ -33,7 +33,7 @@ class Slot(NamedTuple):
     """y of the sides of books left of it, its own left side among them, in [m]."""
 
     def moved(self, y: float) -> Slot:
-        """Farther left, with its books, by `y` in [m]."""
+        """Return the slot moved to the left, with its neighbours, by `y` in [m]."""
         sides = tuple(side + y for side in self.sides)
         return self._replace(left=self.left + y, right=self.right + y, sides=sides)
 

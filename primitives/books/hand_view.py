@@ -31,7 +31,7 @@ class HandView(NamedTuple):
     image: ByteArray
     camera: CameraModel
     camera_T_shelf: Transform
-    """(4, 4), by the measured joints."""
+    """Pose (4, 4) of the shelf in the camera's frame, by the measured joints."""
     mask: BoolArray
     """(height, width), True where the shelf is seen rather than hand or held book."""
 
@@ -84,7 +84,7 @@ def _fingers(robot: Robot) -> Sequence[Box]:
 
 
 def _edges(box: Box) -> FloatArray:
-    """Points (108, 3) on a box's edges, in its frame: a lens bends the lines between corners."""
+    """Return points (108, 3) on a box's edges, in its frame: a lens bends the lines between corners."""
     ends = list(product((-0.5, 0.5), repeat=2))
     lines = [
         np.insert(np.tile(end, (len(_ALONG), 1)), axis, _ALONG, axis=1) for axis in range(3) for end in ends

@@ -12,7 +12,7 @@ from .book_grip import book_in, unlike_book
 
 
 class HeldBookPrimitive(TreePrimitive):
-    """A tree that moves the recognized book, and does not begin with another one or none in the hand."""
+    """Primitive with a tree that moves the recognized book, and begins only with this book in the hand."""
 
     @override
     def thing(self, model: ModelView) -> str:

@@ -53,7 +53,7 @@ PUSH_OFFSETS = {
     "a little further left, turned left": (0.003, 0.035),
     "a little further right, turned right": (-0.003, -0.035),
 }
-"""Ways to push: to the left in [m], turned left by [rad]."""
+"""Offsets of the pushes to try, each a shift to the left in [m] and a turn to the left in [rad]."""
 SIDE_FORCE = 1.5  # [N] from the slot's sides that the hand yields to
 ASIDE, MOST_ASIDE = 0.0005, 0.008  # [m]: a step, and how far the hand yields at most
 PUSH_END_TOLERANCE_M = 0.004
@@ -78,7 +78,8 @@ class Insert(HeldBookPrimitive):
     APPROACH has set the point of entry; the depth is measured on the shelf's front. A book that jams is
     pulled out and tried a few millimetres to the side; a book that jams everywhere is a Fail and is pulled
     back to the start. No sensor sees a neighbour that was pushed back, so the force decides: above 10 N a
-    person has to look. With `taught`, the hand plays back `insert_1` and on, and ignores the lidar.
+    person has to look. With `taught`, the hand plays back the postures `insert_1`, `insert_2` and so on,
+    and ignores the lidar.
     """
 
     shelf: PlaceName
@@ -146,7 +147,7 @@ class Insert(HeldBookPrimitive):
         yield
 
     def _end(self, robot: Robot, model: ModelView) -> Generator[None, None, Transform]:
-        """base_T_hand (4, 4) where the push ends; taught, the hand goes to the posture before it."""
+        """Return base_T_hand (4, 4) where the push ends; with `taught`, go to the posture before it."""
         if self.method == "planned":
             base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
             return _before_spines(robot, base_T_shelf, robot.arm_model.forward(robot.arm.command()))
@@ -156,7 +157,7 @@ class Insert(HeldBookPrimitive):
         return robot.arm_model.forward(last)
 
     def _push(self, robot: Robot, end: Transform) -> Generator[None, None, Pushed]:
-        """Half the way straight ahead, which brings the book into the slot; then on to `end`."""
+        """Push straight ahead half the way, which brings the book into the slot; then on to `end`."""
         start = robot.arm_model.forward(robot.arm.command())
         ahead = (end[:3, 3] - start[:3, 3]) @ end[:3, 0] / 2
         halfway = start.copy()
@@ -225,7 +226,7 @@ def _before_spines(robot: Robot, base_T_shelf: Transform, base_T_hand: Transform
 
 
 def _yield_aside(robot: Robot) -> Generator[None, None, float]:
-    """Go with the slot's sides until they hardly press: how far to the left, in [m]."""
+    """Let the hand yield to the slot's sides until they hardly press; return its way to the left, in [m]."""
     start = robot.arm_model.forward(robot.arm.command())
     aside = 0.0
     while abs(aside) < MOST_ASIDE and abs(force := float(robot.arm.hand_force()[1])) > SIDE_FORCE:

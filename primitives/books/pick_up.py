@@ -61,8 +61,8 @@ class PickUp(TreePrimitive):
     """Take the book from the tray: grip the rear of its covers, next to the spine, lift it and carry it.
 
     With `planned`, the hand lines up with the book that RECOGNIZE saw; with `taught`, it plays back
-    postures (`pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and on lifted) and assumes
-    that the book is where it was when they were taught.
+    postures (`pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and later ones with it
+    lifted) and assumes that the book is where it was when they were taught.
     """
 
     method: Literal["planned", "taught"] = "planned"
@@ -74,7 +74,7 @@ class PickUp(TreePrimitive):
 
     _book: Book = PrivateAttr()
     _base_T_grip: Transform = PrivateAttr()
-    """(4, 4), planned: of the hand that grips the book."""
+    """Planned pose (4, 4) of the hand that grips the book."""
     _stands: bool = PrivateAttr(default=False)
     _held: bool = PrivateAttr(default=False)
 
@@ -194,7 +194,7 @@ class PickUp(TreePrimitive):
 
 
 def _tray(robot: Robot) -> float:
-    """Height of the tray's top in the base frame, in [m]."""
+    """Return the height of the tray's top in the base frame, in [m]."""
     return robot.spec.tray_shape.top
 
 

@@ -44,9 +44,9 @@ DEPTH_WEIGHT = 5e-4  # of a distance along a line of sight: 1 % of 0.2 m, agains
 class _Sighting(NamedTuple):
     number: int
     eye: FloatArray
-    """The camera (3,) in the base frame, in [m]."""
+    """Position (3,) of the camera in the base frame, in [m]."""
     place: FloatArray
-    """The tag's middle (3,) by this picture alone, in [m]."""
+    """Position (3,) of the tag's middle in the base frame by this picture alone, in [m]."""
 
 
 class Recognize(ActionPrimitive):

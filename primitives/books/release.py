@@ -152,7 +152,7 @@ class Release(HeldBookPrimitive):
         yield from self._move_in_shelf(robot, -WITHDRAWN_DISTANCE_M - self._tips(robot))
 
     def _look(self, robot: Robot) -> Periods:
-        """Bring the camera before the slot, as far as the hand is now."""
+        """Bring the camera before the slot, at the present distance of the hand."""
         shelf_T_hand = self._hand(robot)
         eye = robot.camera.hand_T_camera[:3, 3]
         goal = np.eye(4)

@@ -135,7 +135,7 @@ class Search(ActionPrimitive):
         return OcrLabelReader(numbers)
 
     def _stops(self, robot: Robot, shelf: Shelf) -> list[float]:
-        """y of the camera for views that together show the whole shelf, from left to right, in [m]."""
+        """Return y of the camera for views that together show the complete shelf, left to right, in [m]."""
         camera = robot.camera.model
         left = right = self._away(robot) * camera.width / (2 * camera.K[0, 0])
         if self._held is not None:
@@ -174,7 +174,7 @@ class Search(ActionPrimitive):
             yield from self._see(robot, reader)
 
     def _move(self, robot: Robot, base_T_hand: Transform) -> Periods:
-        """On a straight line where there is one."""
+        """Move the hand on a straight line if that is free, otherwise along a planned path."""
         if self._views:
             try:
                 yield from move_straight(robot, base_T_hand, self._held, self._around)
@@ -205,9 +205,7 @@ class Search(ActionPrimitive):
         return () if right is None else (Gap(left, right),)
 
     def _where(self, book: Book, number: CallNumber) -> GapFound | NoGap:
-        """Return the interval between labelled books where it belongs; whether that is free isn't seen
-        yet.
-        """
+        """Return the interval between labelled books where the book belongs, whether it is free or not."""
         reading = self._reading()
         self._note(reading)
         widest = max((gap.width for gap in reading.intervals), default=0.0)
@@ -305,7 +303,7 @@ def _thicknesses(catalogue: Catalogue) -> dict[CallNumber, float]:
 
 
 def _sides_left_of(y: float, reading: ShelfReading) -> tuple[float, ...]:
-    """y of the sides of books within LEFT_OF of y, with y itself, in [m]; of two that touch one."""
+    """Return y of the sides of books within LEFT_OF of y, y included, in [m]; one of two that touch."""
     sides = {y}
     for side in sorted((side for book in reading.books for side in (book.left, book.right)), key=float):
         if MAX_SIDE_GAP_M < side - y < LEFT_OF and all(abs(side - other) > MAX_SIDE_GAP_M for other in sides):

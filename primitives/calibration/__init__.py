@@ -1,1 +1,1 @@
-"""Primitives that measure what a robot's file says."""
+"""Primitives that measure values of a robot's file."""

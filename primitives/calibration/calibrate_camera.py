@@ -59,7 +59,7 @@ class CalibrateCamera(ActionPrimitive):
     """
 
     board: Annotated[str, Field(min_length=1)]
-    """Its name in the building plan."""
+    """Name of the board in the building plan."""
     views: Annotated[int, Field(ge=10, le=100)] = 36
     """Number of pictures."""
 
@@ -88,7 +88,7 @@ class CalibrateCamera(ActionPrimitive):
     def _look(
         self, robot: Robot, model: ModelView, plan: BoardPlan, base_T_board: Transform
     ) -> Generator[None, None, list[HandEyeView]]:
-        """Pictures from as many postures as are wanted, if the arm reaches so many."""
+        """Take pictures from as many postures as `views` asks for, if the arm reaches so many."""
         board, around = plan.board(plan.square_mm), surroundings(robot, model)
         camera_T_hand = inverse(robot.camera.hand_T_camera)
         views: list[HandEyeView] = []
@@ -153,7 +153,7 @@ class CalibrateCamera(ActionPrimitive):
 
 
 def _lens(start: str, found: CameraCalibration) -> dict[str, Calibrated]:
-    """Return the coefficients that the pictures bear; the others stay 0."""
+    """Return the lens coefficients that the pictures determine; the others stay 0."""
     values, sigmas = found.camera.distortion, found.sigmas[4:]
     return {
         f"{start}.{name}": Calibrated(float(value), float(sigma))

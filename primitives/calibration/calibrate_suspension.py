@@ -80,7 +80,7 @@ class CalibrateSuspension(ActionPrimitive):
     hand: ClassVar = CARRIES_OBJECT
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the hand holds no block of the plan: the base leans under its load."""
+        """Return a message if the hand holds no block of the plan, whose load makes the base lean."""
         return unlike_block(robot, model)
 
     @override
@@ -130,7 +130,7 @@ class CalibrateSuspension(ActionPrimitive):
         return sightings
 
     def _swing(self, robot: Robot, scene: HandSurroundings) -> Generator[None, None, tuple[FloatArray, int]]:
-        """Headings (n, m) of the base over the first landmark, and the swings between rows."""
+        """Swing; return headings (n, m) of the base over the first landmark, and the swings between rows."""
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
         here = above(robot, base_T_mark, VIEW_HEIGHTS_M[0])
         out = _farthest(robot, scene, here)
@@ -167,7 +167,7 @@ class CalibrateSuspension(ActionPrimitive):
 
 
 def _farthest(robot: Robot, scene: HandSurroundings, here: Transform) -> Transform:
-    """base_T_hand (4, 4) over the landmark that is farthest from `here`; it must be a swing away."""
+    """Return base_T_hand (4, 4) over the landmark farthest from `here`; it must be a swing away."""
     views = [above(robot, mark, VIEW_HEIGHTS_M[0]) for mark in scene.base_T_marks]
     far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
     least = MIN_SWING_RATIO * robot.spec.suspension.swing_from_mm / 1e3

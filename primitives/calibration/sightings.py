@@ -56,7 +56,7 @@ def creep(
 ) -> Generator[None, None, int]:
     """Move the hand straight to a pose, in steps too short to be swings; return the number of swings.
 
-    If any motion is a swing, it is one motion.
+    If the robot's file counts every motion as a swing, the hand moves in one step.
 
     Args:
         robot: its arm holds the last commanded joints.
@@ -85,7 +85,7 @@ def see(
         robot: its hand is above the landmark.
         mark: the landmark of the plan.
         base_T_mark: (4, 4) expected pose of the landmark.
-        evidence: gets the picture.
+        evidence: receives the picture.
 
     Raises:
         Discrepancy: the picture does not show the landmark.

@@ -53,7 +53,7 @@ def reads_in(code: CodeType, named: Mapping[str, Any]) -> Iterator[ClockRead]:
     """Yield the places where a code object reads the wall clock.
 
     Args:
-        code: of a function.
+        code: code object of a function.
         named: values of the globals and closure variables that it names.
     """
     steps = list(dis.get_instructions(code))

@@ -62,7 +62,7 @@ class _Search:
                 self._owner = outer
 
     def in_value(self, value: Any, package: str, depth: int = 0) -> Iterator[str]:
-        """Yield the reads of a value that code of `package` names; empty: that an object was given."""
+        """Yield the reads of a value that code of `package` names; "" if an object was given the value."""
         while isinstance(value, partial):
             value = value.func
         if depth > MAX_DEPTH:

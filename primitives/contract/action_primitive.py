@@ -152,7 +152,7 @@ class ActionPrimitive(FileModel, ABC):
         yield from retrace(robot, start, trace)
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
-        """Return the largest distance of the base from its start for a Fail, in [m], that still allows the
+        """Return the largest distance of the base from its start, in [m], at which a Fail still allows the
         next action.
 
         The tolerance of the robot's file holds as well.
@@ -169,7 +169,7 @@ class ActionPrimitive(FileModel, ABC):
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool | None]:
         """Bring the robot out of the way after a point of no return; nothing is retraced.
 
-        Called again where a fault breaks it off, if the task restores more than once.
+        It is called again after a fault breaks it off, if the task allows more than one restoring.
 
         Returns:
             True if the motion was completed and its effect measured; after a fault of a machine or of code

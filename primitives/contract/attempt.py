@@ -1,4 +1,4 @@
-"""One attempt of a primitive: the part that no primitive may get wrong."""
+"""One attempt of a primitive: supervision, restoring and outcome, the same for all primitives."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def attempt(
         model: world model; the primitive sees the entries that it declared.
         on_restore: called with the reason when restoring begins.
         intents: receives the primitive's announcements; no command is sent before they are stored.
-        patience: how often restoring is tried where a fault breaks it off.
+        patience: how often restoring is tried if a fault breaks it off.
     """
     view = model.view(primitive)
     if primitive.only_knowledge:
@@ -125,10 +125,9 @@ def attempt(
 
 
 def _begun(robot: Robot) -> Snapshot:
-    """Return the robot's state at the start; after a Fail, the base's pose at the first of several Fails in a
-    row.
+    """Return the robot's state at the start, with the base's pose before the first of several Fails in a row.
 
-    Otherwise the remainders within the tolerance would add up.
+    With the current pose, errors within the tolerance would add up.
     """
     now, first = take_snapshot(robot, {}), robot.failed_from
     robot.failed_from = None
@@ -169,7 +168,7 @@ def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Gener
 
 
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
-    """Take every period down for the way back."""
+    """Run the periods, and record each of them for the way back."""
     trace.record()
     while True:
         try:
@@ -203,13 +202,13 @@ def _watched(
 
 
 class _Failure(NamedTuple):
-    """Why a motion was broken off."""
+    """Reason why a motion was broken off."""
 
     reason: str
     permanent: bool
     cause: CauseKind
     bumps_before: tuple[FloatArray, FloatArray]
-    """`bumps` and `arm_bumps` of the world model when it began."""
+    """`bumps` and `arm_bumps` of the world model when the motion began."""
 
 
 def _finish(
@@ -379,7 +378,7 @@ def _pushed(robot: Robot) -> NeedsPerson:
 
 
 def _alone(robot: Robot, primitive: ActionPrimitive) -> None:
-    """Once a period; both of two that move the robot at the same time stop and give up (row N12)."""
+    """Check, once a period, that no other attempt moves the robot; two at once both give up (row N12)."""
     if not robot.moved_by(primitive):
         raise NeedsPerson(NOT_ALONE, check="robot", cause=causes.NOT_ALONE)
 

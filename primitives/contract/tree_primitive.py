@@ -21,7 +21,7 @@ from .action_primitive import ActionPrimitive, Periods
 
 FRAMEWORK_MODULES.add(__name__)
 Step = Callable[[], Generator[None, None, bool | None]]
-"""Begins a motion that is a leaf of a tree; one that ends with False has failed."""
+"""Function that begins the motion of a tree's leaf; a motion that returns False has failed."""
 
 
 class TreePrimitive(ActionPrimitive):
@@ -40,7 +40,8 @@ class TreePrimitive(ActionPrimitive):
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """Return a new tree for this attempt.
 
-        It is only built here, and asks robot and model in its leaves: then `handcart describe` shows it.
+        Only the leaves, once they run, may read robot and model: `handcart describe` builds the tree without
+        them.
         """
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -66,7 +67,7 @@ class GeneratorBehaviour(Behaviour):
         self._periods = self._factory()
 
     def update(self) -> Status:
-        """Go on for one period."""
+        """Run the generator for one period, and return the status."""
         if self._periods is None:
             return Status.INVALID
         try:

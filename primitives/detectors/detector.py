@@ -27,9 +27,9 @@ class Detection(NamedTuple):
     """An object that a detector found in a picture."""
 
     kind: str
-    """A kind of the file of objects."""
+    """Name of the kind in the file of objects."""
     camera_T_object: Transform
-    """(4, 4) in the optical frame; the object's origin is in the middle of its foot, z up."""
+    """Pose (4, 4) in the optical frame; the object's origin is in the middle of its foot, z up."""
     covariance: FloatArray
     """(6, 6) of the position in [m] and the rotation vector in [rad], both in the optical frame."""
 
@@ -42,7 +42,7 @@ class Detector(ABC):
     """
 
     def __init__(self, kinds: Mapping[str, KnownSolid], options: Mapping[str, Any], folder: Path) -> None:
-        """Take in what is known.
+        """Create a detector of the known kinds.
 
         Args:
             kinds: kinds of the file of objects, by their names.

@@ -18,7 +18,7 @@ MIN_RECORDS = 10
 
 
 class BaseDrift:
-    """Points that were measured in the frame of a base that creeps, and the scans with them."""
+    """Points that were measured in the frame of a base that creeps, each with a lidar scan."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot

@@ -39,7 +39,7 @@ class CloseDoor(MoveDoor):
 
     @override
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the door is unknown, or known to be closed."""
+        """Return a message if the door is unknown, or known to be closed; empty otherwise."""
         state = model.of(Doors).state_of(self.door)
         if state is not None and state.opened == 0.0:
             return f"{self.door} is closed"

@@ -26,9 +26,9 @@ from handcart.robotics.perception.objects.upright_fit import TagView, fit_uprigh
 from .doors_file import KnownDoor
 
 VIEW_DISTANCES_M = (0.34, 0.40, 0.28, 0.46)
-"""From the camera to a tag."""
+"""Distances from the camera to a tag, in [m]."""
 VIEW_TURNS_RAD = (0.35, -0.35, 0.0, 0.7, -0.7)
-"""About the vertical, from the normal of a door to the direction of the camera."""
+"""Angles about the vertical from the normal of a door to the direction of the camera, in [rad]."""
 VIEW_RISES_RAD = (0.15, 0.4, 0.0)
 WANTED_VIEWS = 2
 MIN_TURN_RAD = 0.3  # between two views
@@ -38,10 +38,10 @@ MAX_RMS_PX = 2.0
 
 
 class LocatedHandle(NamedTuple):
-    """A handle by the tags beside it."""
+    """Pose of a handle, measured by the tags next to it."""
 
     base_T_handle: Transform
-    """(4, 4)."""
+    """Pose (4, 4) of the handle in the base frame."""
     covariance: FloatArray
     """(4, 4) of x, y, z in [m] and the heading in [rad], in the base frame."""
 
@@ -60,11 +60,11 @@ def find_handle(
     Args:
         robot: robot with a camera.
         model: knows surfaces and objects.
-        name: the door.
-        door: as it is known.
+        name: name of the door.
+        door: the door as the file describes it.
         expected: base_T_handle (4, 4) by what is known.
         around: bodies that the arm must not touch, in the base frame.
-        evidence: gets the last picture.
+        evidence: receives the last picture.
 
     Raises:
         Discrepancy: no view is free, or no tag is read.

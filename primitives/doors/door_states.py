@@ -1,4 +1,4 @@
-"""State of a door by the measured path of its handle, and back."""
+"""State of a door from the measured path of its handle, and its joint from that state."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def state_after(
 
     Args:
         robot: at the place where the handle was moved.
-        name: the door.
+        name: name of the door.
         joint: believed joint in the base frame.
         pulled: measured path of the handle.
         span: opening before, and the wanted one, in [rad] or [m].

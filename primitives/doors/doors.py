@@ -45,11 +45,11 @@ class DoorState(NamedTuple):
     motion: str
     """Shape of the measured path of its handle: `hinged`, `sliding` or `undetermined`."""
     opened: float
-    """In [rad] if it is hinged, otherwise in [m]; 0 where it is closed."""
+    """Opening, in [rad] if the door is hinged, otherwise in [m]; 0 if it is closed."""
     closed: Pose2
-    """Handle of the closed door, on the map."""
+    """Pose of the closed door's handle on the map."""
     sign: float
-    """1 or -1: of the turn about z when it opens, or of the way along x of its handle."""
+    """Sign (1 or -1) of the turn about z when the door opens, or of the way along x of its handle."""
     hinge: MeasuredHinge | None = None
 
 

@@ -42,11 +42,11 @@ class PlannedHandle(NamedTuple):
     before: FloatArray
     """(n,) joints where the hand lines up, in [rad] or [m]."""
     base_T_grip: Transform
-    """(4, 4) of the hand around the bar."""
+    """Pose (4, 4) of the hand around the bar, in the base frame."""
     reach: float
     """Share of the believed path that the arm can follow."""
     lever: float
-    """Least way of the hand along it by a turn of 1 rad of the joint that turns most, in [m]."""
+    """Least way of the hand along the path by a turn of 1 rad of the joint that turns most, in [m]."""
 
 
 def plan_handle(
@@ -62,9 +62,9 @@ def plan_handle(
     Args:
         robot: robot with an arm and a gripper.
         door: the door.
-        base_T_handle: (4, 4) as it was seen.
+        base_T_handle: (4, 4) pose of the handle, as it was seen.
         joint: believed joint of the door, in the base frame.
-        openings: believed opening now, and at the end.
+        openings: believed opening now, and at the end, in [rad] or [m].
         around: bodies that the arm must not touch, in the base frame, with the front of the door.
     """
     spec = robot.spec.gripper

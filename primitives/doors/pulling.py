@@ -61,7 +61,7 @@ class Pull(NamedTuple):
 
 
 def measured_bar(robot: Robot, grip: FloatArray) -> FloatArray:
-    """Return the middle (3,) of a held bar in the base frame, by the measured joints."""
+    """Return the middle (3,) of a held bar in the base frame, by the measured joints, in [m]."""
     return np.asarray((robot.base_T("hand") @ np.append(grip, 1.0))[:3])
 
 
@@ -106,7 +106,7 @@ def pull(
         robot: its hand holds a handle.
         grip: (3,) middle of the bar in the frame of the hand, in [m].
         prior: believed path, in the base frame.
-        is_there: given the path so far and the bar, whether it is far enough.
+        is_there: returns whether the handle is far enough, given the path so far and the bar (3,).
         bias: (3,) force on the hand without a handle, in the base frame, in [N].
     """
     moved = BaseDrift(robot)

@@ -99,7 +99,7 @@ def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
 
 
 def check_determined(robot: Robot, name: str, place: Place, need: PoseNeed) -> None:
-    """Raise `Discrepancy` where the sensors don't determine that the base is at its place."""
+    """Raise `Discrepancy` if the sensors don't determine the base's pose at its place well enough."""
     off, shift = difference(robot.pose, place.pose), robot.localization.map_shift
     if place.docks:  # its front was measured, not the map
         off, shift = (0.0, 0.0, 0.0), NO_SHIFT

@@ -40,7 +40,8 @@ OBSTACLE_MEMORY_RADIUS_M = 2.5  # around an obstacle in a car's way, in which re
 def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) -> Way:
     """Plan a route on the reduced generalized Voronoi graph with the footprint of arm and load.
 
-    It avoids everything on the map, and what was sensed; with `cells` also what beams may clear again.
+    It avoids everything on the map and all sensed points; with `cells` also the recently sensed cells,
+    which later lidar beams may clear.
     Without a route, the result holds the reason.
     """
     grid = map_with_cells(model) if cells else model.map
@@ -121,7 +122,7 @@ def plan_tracker(
 
 
 def goal_pose(model: ModelView, place: str) -> Pose2:
-    """map_T_base of a place; raises `Discrepancy` where the model has no such place."""
+    """Return map_T_base of a place; raises `Discrepancy` if the model has no such place."""
     if place not in model.places:
         raise Discrepancy(f"unknown place {place!r} on the map", permanent=True, cause=causes.NOT_KNOWN)
     return model.places[place].pose
@@ -153,13 +154,13 @@ class FieldObstacleMonitor:
         return robot.pose.apply(points)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return those (m, 2) of the points `sensed` (n, 2) that are near the one in the way, `blocking`
-        (2,), all in [m].
+        """Return the points (m, 2) of `sensed` (n, 2) that are near the blocking point `blocking` (2,), in
+        [m].
         """
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return (n, 2) what this period's scan shows around a point (2,) that the base would touch, in
+        """Return the points (n, 2) of this period's scan around a point (2,) that the base would touch, in
         [m].
         """
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
@@ -193,8 +194,8 @@ class ObstacleMonitor:
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return the points (n, 2), in [m], that are remembered: all that were `sensed` (n, 2), wherever the
-        one in the way, `blocking` (2,), is.
+        """Return the points to remember, in [m]: all points `sensed` (n, 2), wherever the blocking point
+        `blocking` (2,) is.
         """
         return sensed
 

@@ -27,13 +27,13 @@ def check_will_be_determined(
 ) -> Generator[None, None, None]:
     """Raise `Discrepancy` where a long route ends with a pose that map and lidar will not determine.
 
-    The localizer is driven along the route with the scans that the map lets expect, as `handcart check` does.
+    The localizer runs along the route on scans that are simulated with the map, as in `handcart check`.
 
     Args:
         robot: at rest at the route's start.
         grid: the map.
-        name: of the place.
-        place: at the route's end; one whose front is measured does not need the map.
+        name: name of the place.
+        place: place at the route's end; one whose front is measured does not need the map.
         need: required accuracy of the pose there.
         route: (n, 2) on the map, in [m].
     """

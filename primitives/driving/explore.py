@@ -56,7 +56,7 @@ class Explore(ActionPrimitive):
     """
 
     radius_m: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
-    """Distance from the start beyond which frontiers are left, in a straight line."""
+    """Straight distance from the start beyond which frontiers are not explored."""
     longest_m: Annotated[float, Field(gt=0.0, le=1e5)] = 2000.0
     """Maximum distance to drive."""
     resolution_m: Annotated[float, Field(ge=0.01, le=0.2)] = 0.03
@@ -145,7 +145,7 @@ class Explore(ActionPrimitive):
                 return
 
     def _next_target(self, robot: Robot, model: ModelView) -> Generator[None, None, FrontierGoal | None]:
-        """FrontierLook from the base's place."""
+        """Draw the map from the base's place, and return the next frontier; None if none is left."""
         assert self._scans is not None and self._look is not None
         self._scans.is_busy = True
         look = yield from robot.compute(self._look.take, self._scans.pose, None, takes=LOOK_S)
@@ -197,7 +197,7 @@ class Explore(ActionPrimitive):
     def _arrived(
         self, robot: Robot, model: ModelView, target: FrontierGoal
     ) -> Generator[None, None, FrontierGoal | None]:
-        """FrontierLook from a frontier; one that stays although the base has come near is left."""
+        """Look from a reached frontier, and return the next one; a frontier that stays is given up."""
         assert self._scans is not None and self._look is not None
         yield from settle(robot)
         self._scans.add_here(robot)
@@ -279,7 +279,7 @@ class Explore(ActionPrimitive):
         model.sensed_cells = self._cells(model.sensed_cells, robot.time)
 
     def _cells(self, before: FloatArray, now: float) -> FloatArray:
-        """Return what the map shows as rows of `sensed_cells` that drives on the given map read."""
+        """Return `sensed_cells` with the new map's occupied cells, for later drives on the given map."""
         assert self._last is not None
         points = self._last.grid.to_point(np.argwhere(self._last.grid.occupied))
         rows = np.column_stack([points, np.full((len(points), 2), [12.0, now])])

@@ -25,14 +25,14 @@ class ExploringDrive:
     """A drive to a place on a map that is not the world model's."""
 
     def __init__(self, model: ModelView, grid: GridMap, goal: Pose2, wait_s: float, name: str) -> None:
-        """Plan nothing yet.
+        """Create a drive; nothing is planned yet.
 
         Args:
             model: world model of the primitive, of which obstacles and bumps are used.
             grid: the map so far.
-            goal: map_T_base.
+            goal: map_T_base at the end of the drive.
             wait_s: time to wait for a passer-by, in [s].
-            name: of the goal, in messages.
+            name: name of the goal in messages.
         """
         self.goal = goal
         place = Place(

@@ -54,7 +54,7 @@ class FrontierLook(NamedTuple):
     grid: GridMap
     field: LikelihoodField
     covariance: FloatArray
-    """(3, 3) of the pose, in [m, m, rad]."""
+    """Covariance (3, 3) of the pose, in [m, m, rad]."""
     border: Border
     target: FrontierGoal | None
     """Next frontier; None if none is left that the robot can reach."""
@@ -76,7 +76,7 @@ class ExploringLook:
         self._left.append((*point, reason))
 
     def postpone(self, point: tuple[float, float]) -> None:
-        """FrontierLook for other frontiers first than one at a point, in [m]."""
+        """Choose a frontier at a point, in [m], only after all others."""
         self._postponed.append(point)
 
     def take(self, here: Pose2, current: FrontierGoal | None) -> FrontierLook:

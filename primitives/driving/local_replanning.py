@@ -89,13 +89,13 @@ class LocalReplanning:
 
     @property
     def waits_since(self) -> float | None:
-        """Time since which an obstacle or people stop it, in [s]; None if it gets on."""
+        """Time since which an obstacle or people stop the base, in [s]; None if it makes progress."""
         since = [item for item in (self.blocked_since, self.people.waits_since) if item is not None]
         return min(since, default=None)
 
     @property
     def points(self) -> FloatArray:
-        """(n, 2) what was sensed beside the map, in [m]."""
+        """Sensed points (n, 2) that the map does not show, in [m]."""
         return self._layer.points
 
     @property
@@ -103,7 +103,7 @@ class LocalReplanning:
         return self._near.layer
 
     def sense(self, robot: Robot) -> None:
-        """Take in this period's scan; only watch for people where its pose is in doubt."""
+        """Add this period's scan to the sensed layer; if its pose is in doubt, only look for people."""
         self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
@@ -175,7 +175,7 @@ class LocalReplanning:
         self._advance(self._job, robot, tracker)
 
     def _advance(self, job: Generator[None, None, RouteLook], robot: Robot, tracker: PathTracker) -> None:
-        """Give a look a period; apply its result once it has one, on a real robot sometimes at once."""
+        """Continue planning for a period; apply the result once it is done, on a real robot maybe at once."""
         try:
             next(job)
         except StopIteration as end:
@@ -185,7 +185,7 @@ class LocalReplanning:
     def _planned(
         self, robot: Robot, route: FloatArray | None, takes: float = PLANNING_S
     ) -> Generator[None, None, RouteLook]:
-        """Return a look while the base holds, with ever less distance to people until a way leads on."""
+        """Plan while the base holds, with ever less distance to people until a route is found; return it."""
         self.people.try_all_room()
         while True:
             steps = self._answering(robot.pose, route, self._avoided(robot), robot.time)
@@ -203,7 +203,7 @@ class LocalReplanning:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Return the look at the route, in steps of about one graph each."""
+        """Yield during the check or planning of the route, about once for each graph; return the result."""
         grid = self.people.drawn_on(self._layer.merged().with_points(avoided), pose)
         if self._far is None:
             look = yield from self._replanner.looking(
@@ -385,7 +385,7 @@ class LocalReplanning:
 
 
 def _away_from(robot: Robot, sign: float) -> DriveCommand:
-    """Return the command that leads away from what holds the base: back, or any way if it can drive so.
+    """Return the command away from what holds the base: backwards, or any direction if holonomic.
 
     `sign` is 1 for a base whose rear led.
     """

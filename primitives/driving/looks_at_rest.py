@@ -9,10 +9,10 @@ LAST_SIGMA, LAST_WAY = 0.002, 0.5  # [m] the same on the last stretch, and how l
 
 
 class LooksAtRest:
-    """Stops that a scan needs: wheels that are worse than the robot's file says would lead it astray."""
+    """Stops for scans at rest, because wheels worse than the robot's file says would lead the base astray."""
 
     def __init__(self, localization: Localization) -> None:
-        """Begin for a robot that sets out."""
+        """Create the stops of a drive that begins now."""
         self._localization = localization
         self._due = False
 

@@ -78,15 +78,15 @@ class MoveTo(ActionPrimitive):
     """
 
     place: PlaceName
-    """Goal."""
+    """Name of the place to drive to."""
     wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
     """Time to wait for a passer-by to leave the path."""
     reverse: bool = False
-    """The base drives backwards: where turning around would sweep its rear over something."""
+    """True to drive backwards, where turning around would sweep the base's rear over something."""
     detour: bool = True
-    """Drive around unmapped obstacles; False: wait before them, then Fail, so that the network decides."""
+    """True to drive around unmapped obstacles; False to wait before them, then Fail."""
     together: bool = False
-    """The arm moves meanwhile, as the place's domain says."""
+    """True to move the arm during the drive, as the place's domain defines."""
 
     needs: ClassVar = (Base, RangeSensor)
     reads: ClassVar = ("map", "places", "speed_limits", "discs")
@@ -170,7 +170,7 @@ class MoveTo(ActionPrimitive):
         return place, place.need_of(robot.spec.drive.kind)
 
     def _arrived(self, robot: Robot, model: ModelView) -> PoseTolerance:
-        """Return the tolerance of the regulator; it leaves half of the place's for the uncertainty."""
+        """Return the tolerance of the controller; half of the place's tolerance is left for uncertainty."""
         _, need = self._place_and_need(robot, model)
         return PoseTolerance(
             min(ARRIVAL_TOLERANCE.position, 0.5 * need.strictest),
@@ -178,7 +178,7 @@ class MoveTo(ActionPrimitive):
         )
 
     def _come_closer(self, robot: Robot, place: Place, need: PoseNeed) -> Periods:
-        """Approach more exactly if the uncertainty leaves less room than the base is off the place."""
+        """Approach more exactly if offset and uncertainty together come near the place's tolerance."""
         pose, off = robot.localization.repeatability, difference(robot.pose, place.pose)
         shift = robot.localization.map_shift
         if (
@@ -221,7 +221,7 @@ class MoveTo(ActionPrimitive):
             yield from self._local.back_off(robot, tracker)
 
     def _command(self, robot: Robot, tracker: PathTracker | CarTracker, looks: bool) -> tuple[float, ...]:
-        """Return speed and turn rate along the route; to hold before obstacles and for looks."""
+        """Return the drive command along the route; to hold before obstacles and for scans at rest."""
         local = self._local if isinstance(tracker, PathTracker) else None
         if looks or (local is None and self._blocked_since is not None):
             return tracker.hold(robot.pose, robot.period)
@@ -260,7 +260,7 @@ class MoveTo(ActionPrimitive):
         yield from arm
 
     def _follow_again(self, robot: Robot, model: ModelView, goal: Pose2) -> Periods:
-        """Drive on where a scan at rest shows that the wheels led elsewhere than they say."""
+        """Drive on if a scan at rest shows that the base is not where its wheels say."""
         arrived = self._arrived(robot, model)
         for _ in range(MAX_CORRECTIONS):
             yield from settle(robot)
@@ -298,7 +298,7 @@ class MoveTo(ActionPrimitive):
         return held_before(self.place, held)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
+        """Hold before an unexpected obstacle in the way; raise `Discrepancy` if it stays for `wait_s`."""
         lost = robot.localization.lost
         if lost is not None:
             raise NeedsPerson(
@@ -331,7 +331,7 @@ class MoveTo(ActionPrimitive):
             )
 
     def _watch_local(self, robot: Robot) -> None:
-        """Take in what is sensed; raise `Discrepancy` if no way has led on for `wait_s`."""
+        """Add this period's scan; raise `Discrepancy` if no route has led on for `wait_s`."""
         assert self._local is not None
         self._local.sense(robot)
         if self._restores:

@@ -29,7 +29,7 @@ class NearMap:
         Args:
             grid: the complete map.
             sensed: (n, 4) rows of `ScanLayer.cells`.
-            reach: of the lidar, in [m].
+            reach: range of the lidar, in [m].
             pose: map_T_base.
         """
         self._map = grid
@@ -66,7 +66,7 @@ class NearMap:
         return np.vstack([self.layer.cells(), self._rows_beyond])
 
     def forget(self, before: float) -> bool:
-        """Drop what was last hit before a time in [s]; return whether anything was dropped."""
+        """Drop the cells that were last hit before a time in [s]; return whether any was dropped."""
         kept = self._rows_beyond[self._rows_beyond[:, 3] >= before]
         dropped = len(kept) < len(self._rows_beyond)
         self._rows_beyond = kept

@@ -1,4 +1,4 @@
-"""ORIENT: drive ahead until it shows which way the robot heads."""
+"""ORIENT: drive ahead until the heading of the robot is known."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Orient(ActionPrimitive):
     """
 
     longest_m: Annotated[float, Field(gt=0.0, le=200.0)] = 30.0
-    """Maximum distance."""
+    """Maximum distance to drive."""
 
     needs: ClassVar = (Base,)
     needs_pose: ClassVar = False

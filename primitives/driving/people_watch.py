@@ -55,12 +55,12 @@ class PeopleWatch:
 
         Args:
             robot: whose lidar it is.
-            scan: this period's.
-            ranges: (n,) in [m], NaN of blind beams.
+            scan: scan of this period.
+            ranges: (n,) measured ranges in [m], NaN of blind beams.
             explained: (n,) beams that end at what the map shows.
 
         Returns:
-            Which beams (n,) end at people who move, and what they have left.
+            The beams (n,) that end at moving people, and the ground that these have left.
         """
         moving = np.zeros(len(ranges), dtype=np.bool_)
         if robot.time <= self._taken_at or len(ranges) < 3:
@@ -123,7 +123,7 @@ class PeopleWatch:
                 self.waits_since = None
 
     def blocked(self, way: str, at: tuple[float, float]) -> Discrepancy:
-        """Return the message that a person is on a way, near a point on the map in [m]."""
+        """Return the Discrepancy that a person is on a route, near a point on the map in [m]."""
         x, y = at
         away = np.inf
         if len(self.people.radii):

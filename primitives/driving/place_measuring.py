@@ -1,4 +1,4 @@
-"""Measurement of what a place was computed for, before the base drives up to it: it may have been moved."""
+"""Measurement, before the base drives up to a place, of the thing that the place was computed for."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ def measure_place(
     drive: Callable[[Place], Periods],
     report: Callable[..., None],
 ) -> Periods:
-    """Stop before a place from where what it was computed for is seen, and measure that; the place follows.
+    """Stop before a place, measure the thing that it was computed for, and move the place with the thing.
 
-    Nothing happens where nothing may have moved, it was measured before, or a detour was planned. A base
-    without room before the place, or nearer to the place, measures where it is.
+    Nothing happens if the thing cannot have moved or was measured before, or if a detour was planned. A base
+    without room before the place, or nearer to the place, measures from where it is.
 
     Args:
         robot: the robot.
         model: knows the place.
         name: name of the place.
-        drive: drives to a place before it.
+        drive: drives to a place before the named one.
         report: receives metrics of the measurement.
     """
     has_detour = model.detour is not None and model.detour.goal == name

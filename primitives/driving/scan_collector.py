@@ -45,12 +45,12 @@ class ScanCollector:
 
     @property
     def odometry(self) -> Pose2:
-        """odom_T_base by the wheels."""
+        """Pose odom_T_base by the wheels."""
         return self._wheels.pose
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base by the map, carried on by the wheels."""
+        """Pose map_T_base by the growing map, continued by the wheels."""
         return self.map.pose_of(self.odometry)
 
     def take(self, robot: Robot) -> None:

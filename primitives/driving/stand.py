@@ -17,7 +17,7 @@ class Stand(ActionPrimitive):
     """Stay at rest: outdoors this measures the gyros' bias and improves the estimate of the pose."""
 
     seconds: Annotated[float, Field(gt=0.0, le=3600.0)]
-    """Duration."""
+    """Time at rest."""
 
     needs: ClassVar = (Base,)
     needs_pose: ClassVar = False

@@ -36,16 +36,16 @@ class StandingRoom:
         boxes: tuple[Box, ...] = (),
         avoided: tuple[Pose2, ...] = (),
     ) -> None:
-        """Take down what is known.
+        """Create the room of a robot at a work place.
 
         Args:
-            spec: of the robot; its posture `home` is the one that it drives in.
-            arm: of the robot.
+            spec: file of the robot; it drives with the arm in the posture `home`.
+            arm: arm of the robot.
             grid: the map, with the cells in which something was sensed that it does not show.
-            sensed: (n, 2) points that are not on it, in [m].
-            here: map_T_base from where it sets out.
-            boxes: that the arm must not touch, posed on the map.
-            avoided: where it can't be done.
+            sensed: (n, 2) sensed points that are not on the map, in [m].
+            here: map_T_base from which the robot sets out.
+            boxes: boxes that the arm must not touch, posed on the map.
+            avoided: map_T_base of places at which the work can't be done.
         """
         self._arm, self._boxes, self._avoided = arm, boxes, avoided
         self._home = np.array(spec.posture("home"))
@@ -57,7 +57,7 @@ class StandingRoom:
 
     @property
     def key(self) -> tuple[bytes, ...]:
-        """Two rooms with the same key give the same answers about one robot."""
+        """Key of the room; rooms with the same key give the same answers about one robot."""
         posed = [(np.array(item.size), item.pose) for item in self._boxes]
         grid = self._grid
         frame = np.array([grid.resolution, grid.origin_x, grid.origin_y, self._radius])

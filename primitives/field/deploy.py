@@ -80,7 +80,7 @@ class Deploy(TreePrimitive):
     it.
     """
     longest_s: Annotated[float, Limited(ge=0.0, le=3600.0)] = 120.0
-    """Maximum time of that wait; then the action Fails."""
+    """Maximum time to wait for that accuracy; then the action Fails."""
     together: bool = False
     """Bring the arm back while the base departs, in the next MOVE_TO."""
 
@@ -113,7 +113,7 @@ class Deploy(TreePrimitive):
         return arm.not_ready()
 
     def _check_near(self, robot: Robot, arm: SensorArm, target: Target) -> None:
-        """Raise `Discrepancy` where the target is out of reach, however it is off by 3 sigma."""
+        """Raise `Discrepancy` if the target is out of reach, even if its position is off by 3 sigma."""
         place = arm.place_of(np.array([target.x, target.y]))
         arm.check_near(place, REACH_SIGMAS * self._sigma(robot, target))
 
@@ -304,7 +304,7 @@ class Deploy(TreePrimitive):
         yield from arm.slide(at - SLOW_DESCENT_M)
 
     def _refine(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
-        """Just above the ground: move to where the target is by what is known by now."""
+        """Just above the ground, move to the target's position by the latest estimate."""
         better = arm.place_of(np.array([target.x, target.y]))
         moved = float(np.hypot(*(better - arm.scara.tip(robot.arm.command()))))
         self.found(refined_mm=round(1e3 * moved, 1))

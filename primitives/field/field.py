@@ -42,7 +42,7 @@ class Field(FileModel):
     y_m: tuple[float, float]
     """Bounds from south to north."""
     origin: Origin | None = None
-    """Needed where targets are given by latitude and longitude."""
+    """Position of the origin, needed if targets are given by latitude and longitude."""
     rocks: tuple[Rock, ...] = ()
     """Known obstacles."""
     aside_m: Positive = 0.75

@@ -20,7 +20,7 @@ CARRY_HEIGHT_M = 0.25  # of the sensor's foot above the ground while the base st
 
 
 class SensorOnTheWay:
-    """Brings the arm home, takes a sensor, and near its target holds it over where that will be, low.
+    """Arm motion that goes home, takes a sensor, and near the target holds it low over the target's place.
 
     All of it stays over the footprint, so nothing is met that the base wouldn't meet.
     """

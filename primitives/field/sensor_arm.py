@@ -141,7 +141,7 @@ class SensorArm:
             yield from self.lead(end)
 
     def _check_free(self, begin: FloatArray, way: list[FloatArray]) -> None:
-        """Raise `Discrepancy` where links, hand or sensor come to wheels or body on the way there."""
+        """Raise `Discrepancy` if links, hand or sensor would touch wheels or body on the way."""
         collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD_NAME))
         path = [self._robot.arm.command(), begin]
         for end in way:
@@ -233,7 +233,7 @@ class SensorArm:
             self._robot.arm.move(joints)
 
     def stow(self) -> Periods:
-        """Up, through the middle state, home; the fingers open."""
+        """Raise the arm, bring it home through the middle state, and open the fingers."""
         yield from self.slide(float(self._home[2]))
         if self._robot.arm.command()[0] <= self._middle[0]:
             yield from self._back_to_middle()

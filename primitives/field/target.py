@@ -22,9 +22,9 @@ class Target(NamedTuple):
     x: float
     """East of the field's origin, in [m]."""
     y: float
-    """North of it."""
+    """North of the field's origin, in [m]."""
     stand: Pose2
-    """world_T_base from which it is laid: the target is to the right."""
+    """world_T_base from which the sensor is laid, with the target to the right."""
     line: int = 0
     """Line of the target in its file."""
     column: int = 0

@@ -236,7 +236,7 @@ def _projected(row: TargetRow, field: Field, earth: EarthFrame | None) -> tuple[
 
 
 def _stand(x: float, y: float, aside: float, before: Pose2, heading: float | None) -> Pose2:
-    """world_T_base with the target to the right, `aside` away."""
+    """Return world_T_base with the target to the right, `aside` away in [m]."""
     if heading is None:
         away = math.hypot(x - before.x, y - before.y)
         straight = math.atan2(y - before.y, x - before.x)

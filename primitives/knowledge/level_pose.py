@@ -1,4 +1,4 @@
-"""Places on something level, as files state them."""
+"""Poses on level surfaces, as files state them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from handcart.robotics.kinematics.shapes import Box
 
 
 class LevelPose(FileModel):
-    """A pose on something level: on the map, or on the robot's own table."""
+    """A pose on a level surface, given on the map or on the robot's own table."""
 
     x_m: float
     y_m: float

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 from typing import Literal, NamedTuple
 
 RobotPart = Literal["base", "arm", "hand", "held"]
-"""Base with mounted parts; links before the hand; hand with fingers; held object."""
+"""Part of the robot (base with mounted parts, links before the hand, hand with fingers, held object)."""
 
 
 class MeantContact(NamedTuple):

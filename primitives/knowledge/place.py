@@ -22,7 +22,7 @@ from .ros_goals import GOAL_LIST_KEYS, goals_as_places
 ARRIVED_MM, ARRIVED_DEG = 40.0, 1.0  # of a place that says nothing
 DOCKED_MM = 24.0  # of one where the base docks
 CAR_ARRIVED_MM, CAR_ARRIVED_DEG = 1500.0, 20.0
-"""Default of a place that a car drives to: it can't turn on the spot, nor move sideways.
+"""Default tolerances of a place that a car drives to, which can't turn on the spot nor move sideways.
 
 After a detour a car arrives turned by up to 9 degrees; 3 sigma of its heading are some 6 more.
 """
@@ -40,7 +40,7 @@ class Shelf(FileModel):
     distance_m: Positive
     """Distance from the base's centre at the place to the shelf's front, straight ahead."""
     width_m: Positive
-    """Between the side panels."""
+    """Width between the side panels."""
     board_m: Positive
     """Height of the board that carries the books."""
     front_m: Positive
@@ -53,7 +53,7 @@ class DirectedTolerance(FileModel):
     along: Positive
     """Tolerance in the direction of the place's heading, ahead or behind, in [mm]."""
     across: Positive
-    """At right angles to it, in [mm]."""
+    """Tolerance at right angles to the place's heading, in [mm]."""
 
 
 class Place(FileModel):

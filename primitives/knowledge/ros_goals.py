@@ -51,7 +51,7 @@ def goals_as_places(document: Document) -> Document:
 
 
 def _listed(root: Node) -> Node:
-    """Messages of ROS hold some lists under their own name twice."""
+    """Return the node of the list of goals, which ROS messages may nest under several of its keys."""
     for key in GOAL_LIST_KEYS:
         if (found := root.child(key)) is not None:
             return _listed(found)
@@ -97,7 +97,7 @@ def _place(entry: Node) -> Node:
 
 
 def _yaw(turn: Node) -> float:
-    """Heading in [rad] of a quaternion; in a list it begins with w, as rviz saves it."""
+    """Return the heading in [rad] of a quaternion; as a list it begins with w, as rviz saves it."""
     w, x, y, z = (_number(turn, key, index) for index, key in enumerate("wxyz"))
     length = math.sqrt(w * w + x * x + y * y + z * z)
     if abs(length - 1.0) > QUATERNION_TOLERANCE:

@@ -42,7 +42,7 @@ class NamedFiles:
     document: Document
     """The task's file."""
     findings: Findings
-    """What is wrong is added here."""
+    """Findings of all readers; new ones are added here."""
 
     def read(self, key: str, reader: Callable[[Path], T]) -> T | None:
         """Return the content of a file; None if the task names none, or if it is invalid, which adds
@@ -57,7 +57,7 @@ class NamedFiles:
             return None
 
     def wrong(self, key: str, message: str) -> None:
-        """Add that something is wrong with a key."""
+        """Add a finding on a key under `knowledge:`."""
         self.findings.add(self.document.finding(("knowledge", key), message))
 
 
@@ -82,7 +82,7 @@ class MovedKnowledge(Protocol):
     places: Mapping[str, Place]
 
     def redraw_moved(self) -> GridMap:
-        """Draw the map anew with what sections measured; return it with what was sensed beside it."""
+        """Draw the map again with the things that sections measured; return it with the sensed cells."""
         ...
 
 
@@ -109,7 +109,7 @@ class Section:
 
     def names(self) -> Mapping[str, Collection[object] | None]:
         """Return the known names by kind: parameters marked with `Names(KIND)` are checked against them, and
-        `{all: KIND}` in a task file lists them. None: there are names of this kind in a file that is wrong.
+        `{all: KIND}` in a task file lists them. None: the file with the names of this kind is invalid.
         """
         return {}
 
@@ -140,20 +140,20 @@ class Section:
         return ()
 
     def moved_things(self) -> Iterable[MovedThing]:
-        """Return the things of the map that were measured elsewhere: routes keep off where they are now."""
+        """Return the things that were measured elsewhere than on the map; routes avoid their new places."""
         return ()
 
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a measurement of what a place was computed for; None if there is nothing to measure.
+        """Return a measurement of the thing that a place was computed for; None if there is none to measure.
 
-        It runs while the base is at rest near the place, and moves the place with what was measured. Its
-        result says whether that was seen.
+        It runs while the base is at rest near the place, and moves the place with the measured thing. It
+        returns whether the thing was seen.
 
         Args:
             robot: the robot.
-            model: gets the place.
+            model: knowledge in which the place is moved.
             place: name of the place that the base is about to drive to.
             report: receives metrics.
         """
@@ -194,12 +194,12 @@ class Section:
 
     @classmethod
     def learned_types(cls) -> dict[str, Any]:
-        """Types of the entries that a checkpoint keeps."""
+        """Return the types of the entries that a checkpoint keeps."""
         return {name: types_of(cls)[name] for name in cls.LEARNED}
 
 
 def types_of(kind: type) -> Mapping[str, Any]:
-    """Annotated types of a class, by name."""
+    """Return the annotated types of a class, by name."""
     return _types_of(kind)
 
 

@@ -81,12 +81,13 @@ class WorldModel:
     """(n, 3) where the base ran into something that no sensor shows: map_T_base in [m], and direction of the
     motion on the map in [rad]; kept for the run."""
     arm_bumps: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 3)))
-    """(n, 3) points of the arm then, one of which may have touched: x and y on the map in [m], direction of
-    the motion in [rad]; kept for the run."""
+    """(n, 3) points of the arm at those moments, one of which may have touched: x and y on the map in [m],
+    direction of the motion in [rad]; kept for the run.
+    """
     detour: Detour | None = None
-    """Kept for one element."""
+    """Planned detour; kept for one element of a repeat."""
     in_hand: str = ""
-    """Name of the thing in the hand, by the primitive that took it; empty where nothing or nothing known."""
+    """Name of the thing in the hand, by the primitive that took it; empty if none or unknown."""
     speed_limits: SpeedLimits | None = None
     """Speed limits by place on the map."""
     sections: dict[str, Section] = dataclass_field(default_factory=dict)
@@ -140,8 +141,8 @@ class WorldModel:
         return self.sections[name]
 
     def fit(self, robot: RobotFile) -> list[Finding]:
-        """Let the domains compute what depends on the robot; add their places, and mark on the map what may
-        have moved; return the faults.
+        """Let the domains compute their robot-dependent data, such as places; add these places, and mark on
+        the map the areas whose content may have moved; return the faults.
         """
         found: list[Finding] = []
         for section in self.sections.values():
@@ -156,9 +157,9 @@ class WorldModel:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Draw the map anew with what sections measured; return it with what was sensed beside it.
+        """Draw the map again with the things that sections measured; return it with the sensed cells.
 
-        What was sensed near a thing that has moved was that thing.
+        Cells that were sensed near a moved thing are dropped, because they showed that thing.
         """
         things = [thing for section in self.sections.values() for thing in section.moved_things()]
         self.map = with_moved(self._given_map, things)
@@ -176,7 +177,7 @@ class WorldModel:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a measurement of what a place was computed for; None if no domain has one."""
+        """Return a measurement of the thing that a place was computed for; None if no domain has one."""
         found = (section.measuring(robot, self, place, report) for section in self.sections.values())
         return next((steps for steps in found if steps is not None), None)
 
@@ -335,7 +336,7 @@ class ModelView:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Draw the map anew with what sections measured; return it with what was sensed beside it."""
+        """Draw the map again with the things that sections measured; return it with the sensed cells."""
         grid: GridMap = self.__dict__["_model"].redraw_moved()
         return grid
 

@@ -168,7 +168,7 @@ def _no_way(robot: Robot, collision: CollisionModel, here: FloatArray, joints: F
 
 
 def _beyond(robot: Robot, angles: FloatArray, verb: str) -> str:
-    """Return which joints are beyond their limits, in words, where any is."""
+    """Return the joints that are beyond their limits, in words; empty if none is."""
     arm, units = robot.arm_model, robot.spec.joint_units
     limits = enumerate(zip(angles, arm.lower, arm.upper, arm.endless, strict=True))
     return "; ".join(

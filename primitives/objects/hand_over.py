@@ -97,7 +97,7 @@ class HandOver(ActionPrimitive):
         return "" if held is None else name_in_world(held.object)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the object can't be handed over."""
+        """Return why the object can't be handed over; empty if it can."""
         if model.of(Objects).held_object is None:
             return "no object was picked"
         known = robot.spec.arm.postures if robot.spec.arm is not None else {}
@@ -181,7 +181,7 @@ class HandOver(ActionPrimitive):
         return joints
 
     def _bring(self, robot: Robot, model: ModelView, joints: FloatArray, watch: PullWatch) -> Periods:
-        """Bring the object there; stop where a force lasts.
+        """Bring the object to the joints (n,) that offer it; stop if a force lasts.
 
         Raises:
             NeedsPerson: somebody pulls.
@@ -257,7 +257,7 @@ class HandOver(ActionPrimitive):
         """Leave the object to the person, and close the fingers: nothing may be between them.
 
         Raises:
-            NeedsPerson: something is.
+            NeedsPerson: something is between the fingers.
         """
         yield from robot.wait(TAKING_TIME_S)
         try:

@@ -58,7 +58,7 @@ class LookFor(ActionPrimitive):
     object: ObjectName
     """Name of the object."""
     surface: SurfaceName | None = None
-    """Surface to look at (default: the one that it is believed to be on)."""
+    """Surface to look at (default: the one that the object is believed to be on)."""
     direction: Direction = "any"
     """Directions to look from."""
     max_views: Annotated[int, Field(ge=1, le=30)] = 10
@@ -76,7 +76,7 @@ class LookFor(ActionPrimitive):
     _seen: Located | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the object is in the hand, or that nothing could show it."""
+        """Return a message if the object is in the hand, or if no camera could show it; empty otherwise."""
         objects = model.of(Objects)
         held, file = objects.held_object, objects.objects
         if held is not None and held.object == self.object:

@@ -75,9 +75,9 @@ class Pick(ActionPrimitive):
     grasp: Literal["best", "next"] = "best"
     """Choice among the free grasps: the best one, or the best one from another side or with another turn."""
     to: SurfaceName | None = None
-    """Surface that it goes to: grasps with which it can be put down there come first."""
+    """Surface to which the object goes; grasps with which it can be put down there come first."""
     spot: Annotated[str, Field(min_length=1)] | None = None
-    """Spot of that surface (default: any)."""
+    """Spot of the surface `to` (default: any)."""
     stow: bool = True
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
 
@@ -98,7 +98,7 @@ class Pick(ActionPrimitive):
         return name_in_world(self.object)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return that the object wasn't seen, or is too far away."""
+        """Return a message if the object wasn't seen, or is too far away; empty otherwise."""
         seen = model.of(Objects).seen(self.object)
         return "" if seen is not None else f"{self.object} wasn't seen yet; LOOK_FOR finds it"
 

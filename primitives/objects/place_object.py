@@ -86,7 +86,7 @@ class PlaceObject(ActionPrimitive):
     """
 
     surface: SurfaceName
-    """Surface to put it on."""
+    """Name of the surface on which the object is put."""
     spot: Annotated[str, Field(min_length=1)] | None = None
     """Named spot of the surface (default: any free one)."""
     stow: bool = True
@@ -116,7 +116,7 @@ class PlaceObject(ActionPrimitive):
         return "" if held is None else name_in_world(held.object)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the object can't go there."""
+        """Return why the object can't be put on the surface; empty if it can."""
         objects = model.of(Objects)
         held, surface = objects.held_object, objects.objects.surfaces.get(self.surface)
         if held is None or surface is None:
@@ -218,7 +218,7 @@ class PlaceObject(ActionPrimitive):
     def _candidates(
         self, robot: Robot, model: ModelView, surface: ObjectSurface, kind: ObjectKind
     ) -> list[tuple[Pose2, bool]]:
-        """Return poses on the map, and whether any heading will do; known objects are kept clear."""
+        """Return candidate poses on the map, clear of known objects, and whether any heading will do."""
         if self.spot is not None:
             spot = surface.spots[self.spot]
             return [(spot.pose, spot.heading_deg is None or kind.is_round)]

@@ -27,7 +27,7 @@ CAUSES_OF_EXCEPTIONS: tuple[tuple[type[Exception], CauseKind], ...] = (
     (MissingSensor, causes.UNSUITABLE),
     (TimeoutError, causes.TIME_OUT),
 )
-"""Kinds of causes of exceptions that carry none; of others it is an error in the code."""
+"""Kinds of causes of exceptions that carry no kind; all other exceptions count as errors in the code."""
 MAX_CALLS = 12  # calls that are kept
 
 
@@ -42,11 +42,11 @@ class Cause:
     framework.
     """
     calls: tuple[str, ...] = ()
-    """Functions from there down to the one that raised."""
+    """Functions from the check down to the function that raised."""
     measured: Measured | None = None
-    """The reading that decided, where one did."""
+    """Deciding reading; None if no reading decided."""
     fault: str = ""
-    """The exception's class, where it was a fault in the code."""
+    """Class of the exception, if the cause is a fault in the code; otherwise empty."""
     restoring: bool = False
     """True if it ended the way back, or withdrawing."""
     kind: CauseKind = causes.UNNAMED
@@ -57,7 +57,7 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
     """Return the cause behind an exception that left a primitive.
 
     Args:
-        error: caught, its traceback complete.
+        error: the caught exception, with its traceback.
         restoring: whether the way back, or withdrawing, raised it.
     """
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]

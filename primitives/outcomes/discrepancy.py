@@ -16,9 +16,9 @@ class Measured(NamedTuple):
     what: str
     """Name of the measured quantity for people."""
     value: float | None = None
-    """None where the sensor showed nothing."""
+    """Measured value; None if the sensor showed nothing."""
     limit: float | None = None
-    """What `value` would have had to reach, or not to pass; None where any value would have done."""
+    """Limit that `value` had to reach, or not to exceed; None if any value would have done."""
     unit: str = ""
     """Unit of value and limit; empty for counts and shares."""
 

@@ -17,4 +17,4 @@ class DrawnMap(NamedTuple):
     built: BuiltMap
     """Keyframes with their poses and covariances, and the loop closures."""
     times: FloatArray
-    """(n,) of the keyframes, in [s]."""
+    """Times (n,) of the keyframes, in [s]."""

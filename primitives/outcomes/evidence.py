@@ -28,7 +28,7 @@ class Evidence:
     maps: dict[str, DrawnMap] = field(default_factory=dict)
     """Maps that were drawn, by name."""
     result: str = ""
-    """The measured one of the primitive's `results`; empty for the usual one."""
+    """Measured result, one of the primitive's `results`; empty for the usual one."""
     causes: list[Cause] = field(default_factory=list)
     """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
 

@@ -18,7 +18,7 @@ class Success:
 
     evidence: Mapping[str, float | str] = field(default_factory=dict)
     result: str = ""
-    """Name of the measured one of the primitive's `results`; empty for the usual one."""
+    """Name of the measured result, one of the primitive's `results`; empty for the usual one."""
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,9 @@ class HandUse(NamedTuple):
     """Precondition and effect of a primitive on the hand."""
 
     before: Hand = Hand.ANY
-    """Required before it starts: EMPTY, FULL or ANY."""
+    """Required content of the hand at the start (EMPTY, FULL or ANY)."""
     after: Hand = Hand.SAME
-    """Claimed by its Success."""
+    """Content of the hand after Success."""
 
 
 USES_NO_FINGERS = HandUse(Hand.ANY, Hand.SAME)

@@ -1,4 +1,4 @@
-"""Commanding arm and gripper as in a moment that was recorded."""
+"""Commanding arm and gripper as in a recorded moment."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 
 
 def renew_arm(robot: Robot, moment: Moment) -> bool:
-    """Command the arm as in that moment; whether that is another command than the last."""
+    """Command the arm as in a moment; return whether this command differs from the last one."""
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None or not np.any(arm.command() != moment.joints):
         return False
@@ -33,9 +33,9 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
 
 
 def rejoin(robot: Robot, moment: Moment) -> Generator[None, None, None]:
-    """Command the arm evenly, no faster than it may, to its command of a moment; nothing if it has that.
+    """Command the arm evenly, within its joint speeds, to its command of a moment.
 
-    An arm that was held has another command than the one at which its way was broken off.
+    An arm that was held has another command than that at which its motion was broken off.
     """
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None or np.array_equal(arm.command(), moment.joints):
@@ -58,7 +58,7 @@ def moves_fingers(robot: Robot, moment: Moment) -> bool:
 
 
 def command_moment(robot: Robot, moment: Moment, periods: int = 1) -> Generator[None, None, None]:
-    """Bring arm and gripper to their commands of that moment, the arm evenly in so many periods."""
+    """Bring arm and gripper to their commands of a moment, the arm evenly within `periods` periods."""
     if moves_fingers(robot, moment):
         robot.gripper.move(moment.grip)
         yield from robot.wait(GRIP_PAUSE)

@@ -33,7 +33,7 @@ def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, No
 
     Args:
         robot: at rest.
-        blocked: place where the base was stopped, and its motion there.
+        blocked: place where the base was stopped, and the base's motion there.
         trace: the way in.
     """
     way, headings = _way_in(trace, blocked, 2.0 * robot.spec.footprint_radius_m)

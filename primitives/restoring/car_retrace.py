@@ -27,8 +27,8 @@ FINAL_SPEED_M_S = 0.1  # straight on, in the end
 def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
     """Bring a car back to the snapshot the way it came, arm and gripper on the same time line.
 
-    It is steered by what doesn't jump (`Localization.odometry_pose`): over the length of an action that is
-    the best that is known, and whether it came back is measured afterwards.
+    It is steered by `Localization.odometry_pose`, which does not jump: over the length of an action this is
+    the best estimate. Whether the car came back is measured afterwards.
     """
     for stretch in reversed(_stretches(trace.moments)):
         forward = _forward(stretch[0], stretch[-1])
@@ -70,7 +70,7 @@ def _reckoned(moment: Moment) -> Pose2:
 
 
 def _forward(before: Moment, after: Moment) -> float:
-    """Way from one to the other, below zero if backwards, in [m]."""
+    """Return the way from one moment to the other, in [m]; negative if backwards."""
     moved = _reckoned(after).relative_to(_reckoned(before))
     return math.copysign(math.hypot(moved.x, moved.y), moved.x)
 
@@ -90,7 +90,7 @@ def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
 
 
 def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Generator[None, None, None]:
-    """Along a stretch that was driven in one direction; the arm as it was when the base was there."""
+    """Drive back along a stretch that was driven in one direction, the arm as it was at each place."""
     left = list(stretch)
     poses, along = [_reckoned(left[-1])], [0.0]
     for before, now in pairwise(reversed(left)):

@@ -45,7 +45,7 @@ def plan_car_drive(robot: Robot, start: Pose2, goal: Pose2, discs: FloatArray) -
 
 
 def bring_back(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
-    """Bring a car to the snapshot from beside it, where it can be: it cannot be moved sideways.
+    """Bring a car that stands beside the snapshot to it by shunting, if possible: it can't move sideways.
 
     Before each path the car stands until its displacement since the start is known. A gyro whose bias was
     not known on the way leads the car back beside its start, and what was measured since tells how far.

@@ -31,9 +31,9 @@ RETURN_TOLERANCE = PoseTolerance(position=0.003, heading=0.002)
 POINT_SPACING_M = 0.02  # between points of the way back
 MIN_TRACKED_TRAVEL_M = 0.05  # less travel than this is regulated, not tracked
 EXACT_REACH_S = 10.0
-"""Time that the base gets to reach a pose as exactly as is wanted."""
+"""Time that the base gets to reach a pose within the wanted tolerance, in [s]."""
 WIDENING_S = 20.0
-"""Time in which the tolerance then grows to the widest one."""
+"""Time in which the tolerance then grows to the widest one, in [s]."""
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
 STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is not motion

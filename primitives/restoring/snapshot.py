@@ -41,11 +41,11 @@ class Snapshot:
     joints: FloatArray
     """(n,) measured, in [rad]; (0,) without an arm."""
     joint_command: FloatArray
-    """(n,) in [rad]."""
+    """Commanded joints (n,), in [rad]."""
     gripper_command: float
     """Commanded width in [m]; 0 without a gripper."""
     gripper_width: float
-    """Measured, in [m]."""
+    """Measured width, in [m]."""
     holding: bool
     """True if the fingers press on an object."""
     seen: Seen
@@ -53,7 +53,7 @@ class Snapshot:
     dead_reckoned: bool = False
     """True if only the wheels measured the base's motion."""
     odometry_pose: Pose2 | None = None
-    """The base by what doesn't jump, where `pose` does (`Localization.odometry_pose`)."""
+    """`Localization.odometry_pose` of the base, which does not jump; None if `pose` does not jump either."""
     displacement: Belief | None = None
     """Displacement of the base since the start of the attempt, if it is known better than its pose."""
 
@@ -94,7 +94,7 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
 
 
 def is_holding(robot: Robot) -> bool:
-    """Return whether an object keeps the pressing fingers apart."""
+    """Return whether the fingers press on an object, which keeps them apart."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return bool(gripper and gripper.closed_on_something() and gripper.width() > MIN_HELD_WIDTH_M)
 
@@ -175,7 +175,7 @@ def _apart(start: Snapshot, now: Snapshot) -> tuple[float, float]:
 
 
 def _unsure(start: Snapshot, now: Snapshot) -> tuple[float, float]:
-    """Sigma of how far apart two poses are, along the worst direction in [m], and of the turn in [rad]."""
+    """Return sigma of the distance of two poses, in the worst direction in [m], and of the turn in [rad]."""
     if now.displacement is not None and math.isfinite(now.pose_sigma[0]):
         return worst_sigmas(now.displacement.covariance)
     if not now.dead_reckoned:

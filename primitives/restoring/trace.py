@@ -26,7 +26,7 @@ class Moment(NamedTuple):
     grip: float
     """Commanded opening, in [m]; 0 without a gripper."""
     odometry_pose: Pose2 | None = None
-    """The base by what doesn't jump (`Localization.odometry_pose`)."""
+    """`Localization.odometry_pose` of the base, which does not jump."""
 
 
 NEAR_PERIODS = 200  # the last ones, in which a place is looked for
@@ -46,14 +46,14 @@ class Trace:
         """True if it is what is left of another trace, along which a motion back was broken off."""
 
     def nearest(self, pose: Pose2) -> int:
-        """Return the number of the moment whose base was nearest to a pose, among the last ones."""
+        """Return the index of the moment, among the last ones, whose base was nearest to a pose."""
         begin = max(0, len(self.moments) - NEAR_PERIODS)
         poses = [moment.odometry_pose or moment.pose for moment in self.moments[begin:]]
         off = [item.distance(pose) + RAD_M * item.turn(pose) for item in poses]
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:
-        """Let the base come from its current pose on its way in; its later motion is not retraced.
+        """Cut the base's motion after it was at its current pose, so that the rest is not retraced.
 
         Arm and gripper keep their moments.
         """

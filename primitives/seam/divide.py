@@ -118,7 +118,7 @@ def seam_of(model: ModelView) -> ToolPath:
 
 
 def _named(found: Placements, work: SeamWork, driven: ToolPath | None) -> tuple[SeamPart, ...]:
-    """`driven`: the rest of the seam, if the base drives along it."""
+    """Return the parts of a division with named places; `driven`: the seam's rest, if the base drives."""
     parts = []
     for number, (segment, score) in enumerate(zip(found.segments, found.scores, strict=True), start=1):
         pose, name = Pose2(*found.bases[segment.placement].tolist()), f"place_{work.named + number}"

@@ -47,14 +47,14 @@ class DrivenBase:
     def __init__(
         self, robot: Robot, follower: ToolFollower, tools: ToolPath, start: Pose2, near: FloatArray
     ) -> None:
-        """Before the tool's first point.
+        """Create a driven base whose tool is before its first point.
 
         Args:
             robot: its arm holds the tool there.
             follower: inverse kinematics of the arm.
             tools: where the tool is to be, one point each period.
             start: map_T_base at which the straight way begins.
-            near: (n,) angles of the arm at the first point.
+            near: (n,) joints of the arm at the first point, in [rad] or [m].
         """
         self._robot, self._follower, self._tools = robot, follower, tools
         self.heading = start.theta
@@ -100,7 +100,7 @@ class DrivenBase:
         return self._joints
 
     def base_at_end(self, index: int, speed: float, turn_rate: float) -> Pose2:
-        """map_T_base after the period that comes, by where it is now and its command in [m/s] and [rad/s]."""
+        """Return map_T_base after the next period, by the present pose and command in [m/s] and [rad/s]."""
         dt = self._robot.period
         halfway = Pose2(0.0, 0.0, 0.5 * turn_rate * dt)
         return self._robot.pose.compose(halfway).compose(Pose2(speed * dt, 0.0, 0.0)).compose(halfway)

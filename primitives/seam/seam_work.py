@@ -28,7 +28,7 @@ class SeamPart(NamedTuple):
     last: int
     """Index of its last point; the next part begins there."""
     score: float
-    """Integral along it, in [m]: up to its length."""
+    """Integral of the score along the part, in [m]; at most the part's length for scores up to 1."""
     end: DrivesTo | None = None
     """End of the base's straight way level with the tool; None for a base at rest."""
 
@@ -42,13 +42,13 @@ class SeamWork(NamedTuple):
     """A seam divided among places."""
 
     tracked: int = 0
-    """Up to this point it is done."""
+    """Index of the point up to which the seam is tracked."""
     next: SeamPart | None = None
     """Next part; None before a division. When all is tracked, an empty part at the last place."""
     after: tuple[SeamPart, ...] = ()
     """Parts after the next one."""
     named: int = 0
-    """Places that were named so far."""
+    """Number of places that were named so far."""
     avoided: tuple[Pose2, ...] = ()
     """Poses of the base, reached or planned, at which the arm could not do its part."""
 

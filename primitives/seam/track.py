@@ -198,7 +198,7 @@ class Track(ActionPrimitive):
 
 
 def _away(robot: Robot, placer: Placer) -> Periods:
-    """Straight back along the tool, where the arm can."""
+    """Move the tool straight back along its axis, if the arm can."""
     hand = robot.pose.lift() @ robot.arm_model.forward(robot.arm.command(), "hand")
     try:
         way_out = placer.follower.joints(_lead(hand), robot.pose.lift(), robot.arm.command())

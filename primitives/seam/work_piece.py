@@ -24,7 +24,7 @@ class WorkBox(FileModel):
     above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
     """Height of its underside above the floor."""
     size_m: tuple[Positive, Positive, Positive]
-    """Along its own x, along its own y, height."""
+    """Size along its own x and y, and its height."""
 
     @property
     def box(self) -> Box:

@@ -24,9 +24,9 @@ class ObjectKind(FileModel):
     shape: Literal["box", "cylinder"] = "box"
     """A cylinder is upright; along its x and y it has one size, its diameter."""
     size_mm: tuple[Millimetres, Millimetres, Millimetres]
-    """Along its x, y and z (upwards)."""
+    """Size along the object's x, y and z (upwards)."""
     mass_kg: Positive | None = None
-    """If given, the lifted object is weighed."""
+    """Mass of an object; if given, the lifted object is weighed."""
     tags: tuple[PrintedTag, ...] = ()
     """Tags on all objects of this kind; tags of a single object are under `objects:`."""
     grasps: Literal["any"] | Annotated[tuple[Face, ...], Field(min_length=1)] = "any"
@@ -36,7 +36,7 @@ class ObjectKind(FileModel):
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Along x, y and z, in [m]."""
+        """Size along x, y and z, in [m]."""
         x, y, z = (item / 1e3 for item in self.size_mm)
         return x, y, z
 
@@ -71,14 +71,14 @@ class KnownObject(FileModel):
 
     kind: Name
     on: Name
-    """ObjectSurface that it is on."""
+    """Name of the surface that the object is on."""
     x_m: float | None = None
-    """On the map (default: anywhere on the surface)."""
+    """Believed x on the map (default: anywhere on the surface)."""
     y_m: float | None = None
     heading_deg: float = 0.0
     sigma_mm: Annotated[float, Field(ge=0.0, le=2000.0)] = 40.0
-    """Standard deviation of its place, along each axis."""
+    """Standard deviation of the believed position, along each axis."""
     sigma_deg: Annotated[float, Field(ge=0.0, le=HALF_TURN_DEG)] = 30.0
-    """Standard deviation of its heading."""
+    """Standard deviation of the believed heading."""
     tags: tuple[PrintedTag, ...] = ()
     """Its tags, in addition to those of its kind."""

@@ -57,11 +57,11 @@ class ObjectSurface(LevelPose):
     """
 
     size_m: tuple[Positive, Positive]
-    """Along its own x and y."""
+    """Size of the top along its own x and y."""
     clearance_m: Positive | None = None
     """Free height above it, up to the next board (default: open)."""
     thickness_m: Positive | None = None
-    """Thickness of what carries it, as of a board (default: solid down to the floor)."""
+    """Thickness of the body below the top, as of a board (default: solid down to the floor)."""
     walls: tuple[Literal["+x", "-x", "+y", "-y"], ...] = ()
     """Its own sides with a wall: those of a shelf or a box."""
     wall_m: Positive | None = None
@@ -81,7 +81,7 @@ class ObjectSurface(LevelPose):
         return self
 
     def boxes(self, name: str, room: float = 0.0) -> tuple[Box, ...]:
-        """Return what the arm must not touch: its body, its walls, and what is above it.
+        """Return the bodies that the arm must not touch: the surface's body, its walls, and the board above.
 
         Args:
             name: name of the bodies.
@@ -118,12 +118,12 @@ class ObjectSurface(LevelPose):
 
     @property
     def _half(self) -> FloatArray:
-        """Half of its extent (2,) with its walls, in [m]."""
+        """Half of the surface's extent (2,) with its walls, in [m]."""
         return np.array(self.size_m) / 2 + (WALL_M if self.walls else 0.0)
 
     @property
     def outline(self) -> FloatArray:
-        """Corners (4, 2) on the map, with its walls, counter-clockwise, in [m]."""
+        """Corners (4, 2) of the surface with its walls on the map, counter-clockwise, in [m]."""
         return self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * self._half)
 
     def movable_area(self) -> MovableArea | None:
@@ -137,7 +137,7 @@ class ObjectSurface(LevelPose):
         )
 
     def margin(self, x: float, y: float) -> float:
-        """Return how far a point of the map is inside of its edge, in [m]; negative outside."""
+        """Return the distance of a point of the map inside the surface's edge, in [m]; negative outside."""
         off = Pose2(x, y, 0.0).relative_to(self.floor)
         return min(self.size_m[0] / 2 - abs(off.x), self.size_m[1] / 2 - abs(off.y))
 

@@ -35,13 +35,13 @@ def stow(
     kind: ObjectKind | None = None,
     hand_T_object: Transform | None = None,
 ) -> Periods:
-    """Bring the hand within the robot's outline; a held object that has to stays upright there.
+    """Bring the hand within the robot's outline; a held object that has to stay upright does so.
 
     Args:
         robot: its arm may be anywhere.
         model: knows the surfaces and objects that the arm must not touch.
         kind: kind of the held object; None for an empty hand.
-        hand_T_object: (4, 4) of it.
+        hand_T_object: (4, 4) pose of the held object.
 
     Raises:
         Discrepancy: no such posture is found, or no way leads there.

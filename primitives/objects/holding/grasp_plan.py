@@ -40,18 +40,18 @@ class PlannedGrasp(NamedTuple):
     before: FloatArray
     """(n,) joints where the hand lines up, in [rad] or [m]."""
     base_T_grip: Transform
-    """(4, 4) of the hand around the object."""
+    """Pose (4, 4) of the hand around the object."""
     clearance: float
     """Least distance to anything but the object, in [m]."""
 
 
 class GraspChoice(NamedTuple):
-    """The found grasp."""
+    """Result of a search for grasps."""
 
     planned: tuple[PlannedGrasp, ...]
     """Free grasps, the best one first."""
     reached: int
-    """Grasps that the arm reaches at all."""
+    """Number of grasps that the arm reaches, free or not."""
     tried: int
 
 
@@ -63,7 +63,7 @@ def plan_grasps(
     Args:
         robot: robot with an arm and a gripper.
         kind: kind of the object.
-        base_T_object: (4, 4).
+        base_T_object: (4, 4) pose of the object.
         around: bodies that the arm must not touch, in the base frame, without the object.
         target: the object, in the base frame.
     """

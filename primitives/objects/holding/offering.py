@@ -42,8 +42,8 @@ def offering_joints(
     Args:
         robot: its arm may be anywhere.
         kind: kind of the held object.
-        hand_T_object: (4, 4) of it.
-        height_m: wanted height of the middle of the object over the floor.
+        hand_T_object: (4, 4) pose of the held object.
+        height_m: wanted height of the middle of the object over the floor, in [m].
         around: bodies that the arm must not touch, in the base frame.
     """
     held = held_box(kind, hand_T_object)

@@ -43,22 +43,22 @@ class PlannedPlacing(NamedTuple):
     """A goal with a posture above it, from which a straight free line leads down."""
 
     base_T_object: Transform
-    """(4, 4) of the goal."""
+    """Pose (4, 4) of the object at the goal."""
     above: FloatArray
-    """(n,) joints that have the object right above it."""
+    """Joints (n,) that have the object right above the goal."""
     base_T_hand: Transform
-    """(4, 4) of the hand at the goal."""
+    """Pose (4, 4) of the hand at the goal."""
 
 
 class _PlacingModels(NamedTuple):
     """Collision models of the arm while it puts an object down."""
 
     loaded: CollisionModel
-    """With the object, among everything."""
+    """Model with the held object, among all bodies."""
     own: CollisionModel
-    """Of arm and robot alone."""
+    """Model of arm and robot alone."""
     opened: CollisionModel
-    """With opened fingers, among everything but the object."""
+    """Model with opened fingers, among all bodies except the object."""
 
 
 def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
@@ -102,10 +102,10 @@ def plan_placing(
     Args:
         robot: robot that holds the object, or will.
         kind: kind of the object.
-        hand_T_object: (4, 4).
+        hand_T_object: (4, 4) pose of the held object.
         goals: base_T_object (4, 4) of allowed poses at the goal.
         around: bodies that arm and object must not touch, in the base frame.
-        width: opening of the fingers then, in [m]; None: as it is now.
+        width: opening of the fingers that hold the object, in [m]; None: as it is now.
     """
     arm = _with_hand(robot, robot.gripper.width() if width is None else width)
     collision = CollisionModel(arm, around, held_box(kind, hand_T_object), margin=ARM_MARGIN_M)
@@ -130,7 +130,7 @@ def plan_placing(
 
 
 def _first_free(models: _PlacingModels, base_T_hand: Transform, here: FloatArray) -> FloatArray | None:
-    """Return joints (n,) above a goal, with a straight free line down to it and one back; None without.
+    """Return joints (n,) above a goal, with a straight free line down and one back; None if there are none.
 
     Those whose line ends away from the joints' limits come first: at a limit the hand may be stuck.
     """
@@ -182,7 +182,7 @@ def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float])
 
     Args:
         surface: the surface.
-        radius: of the circle around the foot, in [m].
+        radius: radius of the circle around the foot, in [m].
         near: x and y on the map, in [m].
     """
     length, width = surface.size_m

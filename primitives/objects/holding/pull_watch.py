@@ -25,10 +25,10 @@ PUSHING_COSINE = -math.cos(math.radians(45.0))  # between a force and the way ou
 
 
 class PullWatch:
-    """Detector of a person's pull, beside bumps, tremor, pushes and weight.
+    """Detector of a person's pull, which it distinguishes from bumps, tremor, pushes and weight.
 
-    A pull is a force beside that at rest, at least as strong as asked for, that lasts: over `PULL_TIME_S` its
-    mean is as strong, and each reading is along it. A force towards the robot is a push, which is no pull.
+    A pull is a force, in addition to that at rest, that lasts: over `PULL_TIME_S` its mean is at least as
+    strong as the least pull, and each reading is along it. A force towards the robot is a push, not a pull.
     """
 
     def __init__(self, robot: Robot, least_n: float) -> None:
@@ -73,7 +73,7 @@ class PullWatch:
             self._rest = mean
 
     def feel(self) -> None:
-        """Read the force; once a period."""
+        """Read the force; called once a period."""
         self._forces.append(self._force() - self._rest)
         if not self.is_rested and self.is_calm:
             self.is_rested = True
@@ -94,7 +94,7 @@ class PullWatch:
         """Return the mean (3,) of a force that lasts, in the base frame, in [N]; None without one.
 
         Args:
-            share: of the least pull, that it has at least.
+            share: least size of the force, as a share of the least pull.
         """
         if len(self._forces) < (self._forces.maxlen or 0):
             return None
@@ -110,7 +110,7 @@ class PullWatch:
         """Return the mean force (3,) of a pull, in the base frame, in [N]; None if nobody pulls.
 
         Raises:
-            Discrepancy: the reading stands still.
+            Discrepancy: the force sensor repeats its reading.
         """
         mean = self.lasting() if self.is_rested else None
         if mean is None:

@@ -43,7 +43,7 @@ class ObjectSighting(NamedTuple):
     object: str
     surface: str
     pose: Pose2
-    """On the map."""
+    """Pose of the object on the map."""
     covariance: tuple[tuple[float, ...], ...]
     """(3, 3) of x, y in [m] and heading in [rad], with the uncertainty of the base's pose."""
 
@@ -53,7 +53,7 @@ class SurfacePose(NamedTuple):
 
     surface: str
     pose: Pose2
-    """Of the middle of its top, on the map."""
+    """Pose of the middle of the surface's top, on the map."""
     covariance: tuple[tuple[float, ...], ...]
     """(3, 3) of x, y in [m] and heading in [rad], without the uncertainty of the base's pose."""
 
@@ -161,8 +161,8 @@ class Objects(Section):
     ) -> Generator[None, None, bool]:
         """Measure the pose of a surface by lidar and note it; return whether it was seen.
 
-        One that the lidar does not see keeps the pose of its file. Distance and turn are much better known
-        afterwards than by the base's pose on the map. Its computed place moves with it.
+        A surface that the lidar does not see keeps the pose of its file. Distance and turn are much better
+        known afterwards than by the base's pose on the map. The computed place moves with the surface.
 
         Args:
             robot: robot before the surface.
@@ -220,13 +220,13 @@ class Objects(Section):
     def touched_names(self, name: str, x: float, y: float, radius: float) -> tuple[str, ...]:
         """Return the names in contacts of what an object on a surface touches.
 
-        Others are the level neighbours that its foot may reach onto: nothing divides the parts of a bottom.
+        The names are those of the surface, and of surfaces of the same height that the foot may reach onto.
 
         Args:
             name: name of the surface.
-            x: of the foot's middle on the map, in [m].
-            y: likewise.
-            radius: of the circle around the foot, in [m].
+            x: x of the foot's middle on the map, in [m].
+            y: y of the foot's middle on the map, in [m].
+            radius: radius of the circle around the foot, in [m].
         """
         surface = self.surface(name)
         others = ((other, self.surface(other)) for other in self.objects.surfaces if other != name)

@@ -41,12 +41,12 @@ MAX_CANDIDATES = 40
 MAX_COMPARED = 5  # places from which everything is reached, that are compared by headings
 IK_RESTARTS = 4
 PITCHES_RAD = tuple(math.radians(value) for value in (90.0, 55.0, 30.0))
-"""Postures of a hand over a surface: pointing down, and slanting ahead."""
+"""Pitch angles of a hand over a surface, pointing down or slanting ahead."""
 TURNS_RAD = tuple(math.radians(value) for value in (0.0, 90.0, 180.0, -90.0))
 SIDES = ("-x", "-y", "+x", "+y")
-"""Sides of a surface that the base faces with these turns."""
+"""Sides of a surface that the base faces, one for each of `TURNS_RAD` relative to the surface."""
 HEADINGS_RAD = tuple(math.radians(value) for value in (0.0, 45.0, 90.0, 135.0))
-"""Of a hand that comes from above; half a turn further it grips alike."""
+"""Headings of a hand that comes from above; half a turn further it grips alike."""
 
 
 class NoStandingPlace(Exception):
@@ -56,7 +56,7 @@ class NoStandingPlace(Exception):
 def standing_place(
     robot: RobotFile, grid: GridMap, file: ObjectsFile, name: str, places: Sequence[Place]
 ) -> Place:
-    """Return the place from which the arm reaches and the camera sees what is to be done on a surface.
+    """Return the place from which the arm reaches, and the camera sees, the work on a surface.
 
     The base faces one of the sides. Nearest places to the work come first. Of the first ones from which
     everything is reached, that is taken from which the hand comes down in most headings: an object may have
@@ -247,7 +247,7 @@ def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose
 def _headings_missed(
     robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray
 ) -> int:
-    """Return in how many of some headings the hand cannot grip and lift at a point (3,) from above."""
+    """Return in how many of `HEADINGS_RAD` the hand cannot grip and lift at a point (3,) from above."""
     base_T_map = inverse(base.lift())
     tips = apply(base_T_map, point[None])[0]
     collision = CollisionModel(arm, tuple(box.seen_from(base_T_map) for box in surface.boxes("surface")))

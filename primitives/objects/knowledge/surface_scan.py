@@ -1,4 +1,4 @@
-"""Scan of the surface that the base is at: a table may have been moved against its file."""
+"""Scan of the surface that the base is at: a table may not be where its file says."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def scan_surface(
 
     Args:
         robot: robot before the surface.
-        surface: where its file says.
+        surface: the surface, at the pose of its file.
     """
     assert robot.lidar is not None
     yield from settle(robot)

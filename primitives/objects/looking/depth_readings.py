@@ -47,7 +47,7 @@ class ObjectBelief(NamedTuple):
     sigma: float
     """Standard deviation along each axis, in [m]."""
     heading: float
-    """[rad]"""
+    """Believed heading, in [rad]."""
 
 
 class Standing(NamedTuple):
@@ -95,13 +95,13 @@ def identify(
     """Return where an object without tags is.
 
     Args:
-        name: the object.
+        name: name of the object.
         kind_name: name of its kind.
         kind: its kind.
         found: all that stands on the surface.
-        beliefs: of it, and of all other objects of its kind on this surface.
+        beliefs: believed poses of the object, and of all other objects of its kind on this surface.
         base_T_surface: (4, 4) of the middle of the surface's top.
-        views: pictures that were taken.
+        views: number of pictures that were taken.
 
     Raises:
         Discrepancy: nothing of its kind is there, it has fallen over, or it may be another one.
@@ -190,7 +190,7 @@ def contradiction(
 
 
 def describe(found: Standing) -> str:
-    """Return in words what something may be, or its size."""
+    """Return in words which kinds a seen thing may be of, or its size."""
     if found.may_be:
         return " or ".join(dict.fromkeys(_in_words(candidate) for candidate in found.may_be))
     x, y = 1e3 * np.ptp(found.cluster.points[:, :2], axis=0)

@@ -28,7 +28,7 @@ class DetectedObject(NamedTuple):
 
     kind: str
     base_T_object: Transform
-    """(4, 4)"""
+    """Pose (4, 4) of the object in the base frame."""
     covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad]."""
 

@@ -45,8 +45,8 @@ def look_at_floor(
         robot: its hand is empty.
         model: knows the object.
         evidence: receives the picture.
-        name: of the object.
-        released: (3,) of its foot in the base frame, in [m].
+        name: name of the object.
+        released: (3,) position of the object's foot when it was let go, in the base frame, in [m].
         looks: `plain` if anything with an edge on the floor is the object; otherwise only its tags count.
 
     Raises:
@@ -75,7 +75,7 @@ def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below
     """Return whether the floor around a point (3,) in the base frame was seen; it must be plain.
 
     Raises:
-        NeedsPerson: it isn't.
+        NeedsPerson: the floor there is not plain.
     """
     tiles = list(_tiles(robot, model, below))
     shares = [edge_share(photo.pixels, photo.camera, photo.base_T_camera, tile) for tile in tiles]

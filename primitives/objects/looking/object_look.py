@@ -181,8 +181,8 @@ def conclude(
     Args:
         robot: the robot.
         model: knows objects and surfaces.
-        name: the object.
-        surface: where it should be.
+        name: name of the object.
+        surface: name of the surface that it should be on.
         look: the pictures.
         expected: base_T_object (4, 4) where it was seen or put; None: as the file of objects believes.
 
@@ -271,7 +271,7 @@ def _of_file(robot: Robot, objects: Objects, name: str, surface: str) -> ObjectB
 
 
 def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:
-    """Return what a look says on the map, with the uncertainty of the base's pose.
+    """Return the pose on the map of a located object, with the uncertainty of the base's pose.
 
     Raises:
         Discrepancy: the object is next to the surface.
@@ -303,9 +303,9 @@ def on_map(base: Pose2, base_covariance: FloatArray, seen: Pose2, covariance: Fl
 
     Args:
         base: map_T_base.
-        base_covariance: (3, 3) of it: x, y in [m], heading in [rad].
+        base_covariance: (3, 3) covariance of `base`, of x, y in [m] and heading in [rad].
         seen: base_T_object.
-        covariance: (3, 3) of it.
+        covariance: (3, 3) covariance of `seen`.
     """
     cos, sin = math.cos(base.theta), math.sin(base.theta)
     by_base = np.eye(3)

@@ -37,7 +37,7 @@ class ReadTag(NamedTuple):
     """Object that has it; None if no object has."""
     view: TagView | None
     base_T_object: Transform | None
-    """(4, 4) by this picture alone."""
+    """Pose (4, 4) of the object by this picture alone, in the base frame."""
 
 
 def read_objects(
@@ -86,7 +86,7 @@ class Located(NamedTuple):
     """An object that is upright on a surface."""
 
     base_T_object: Transform
-    """(4, 4)."""
+    """Pose (4, 4) of the object in the base frame."""
     covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad], in the base frame."""
     rms_px: float
@@ -111,7 +111,7 @@ def locate(
     """Return where an object is, by all its tags that were read.
 
     Args:
-        reads: at least one, all of the same object.
+        reads: at least one tag that was read, all of the same object.
         kind: its kind.
         surface: surface that should carry it.
     """
@@ -135,8 +135,8 @@ def locate(
 def _on_height(base_T_object: Transform, view: TagView, height: float) -> FloatArray:
     """Return the place (3,) of an object's foot, moved along the line of sight to the height of a surface.
 
-    From afar a single picture of a tag says least about the distance. A level line of sight never gets
-    there: then the place is as it was seen.
+    From afar a single picture of a tag determines the distance least. A level line of sight never meets that
+    height: then the place is as it was seen.
     """
     foot, tag = base_T_object[:3, 3], apply(base_T_object, view.on_box.mean(axis=0)[None])[0]
     sight = tag - view.base_T_camera[:3, 3]

@@ -68,7 +68,7 @@ def directions(tags: Sequence[PrintedTag], heading: float | None, wanted: Direct
     Args:
         tags: tags of the object.
         heading: expected heading of the object in the base frame, in [rad]; None if unknown.
-        wanted: restricts them.
+        wanted: directions to which the views are restricted.
     """
     on_top = any(printed_tag.face == "+z" for printed_tag in tags) or not tags
     if on_top and wanted != "slanted":
@@ -100,8 +100,8 @@ def view_joints(
         collision: the arm among its surroundings.
         point: (3,) in the base frame, in [m].
         towards: unit vectors (3,) from the point to the camera, the best ones first.
-        distances: from the camera to the point, in [m], the best ones first; a camera that is not on the
-            hand cannot choose.
+        distances: from the camera to the point, in [m], the best ones first; not used for a camera that
+            is not on the hand.
     """
     if robot.view_camera.carrier != HAND_LINK:
         return aimed_joints(robot, collision, point, towards)

@@ -24,20 +24,20 @@ CLOSE_VIEW_M = 0.05  # around an object that was looked at closely: no other is 
 
 
 def base_T_map(robot: Robot) -> Transform:
-    """Pose (4, 4) of the map in the base frame, by the estimated pose of the base."""
+    """Return the pose (4, 4) of the map in the base frame, by the estimated pose of the base."""
     return robot.pose.inverse().lift()
 
 
 def surroundings(robot: Robot, model: ModelView, without: str = "", room: float = 0.0) -> tuple[Solid, ...]:
     """Return the surfaces, all known objects but one, and the robot's own tray, posed in the base frame.
 
-    An object that was not seen yet is kept clear of as far as it may be off its believed place.
+    Around an object that was not seen yet, the uncertainty of its believed place is included.
 
     Args:
         robot: robot at the surfaces.
         model: knows surfaces and objects.
         without: name of the object that is left out.
-        room: by which the inner and outer faces of the surfaces' walls are moved outwards, in [m].
+        room: distance by which the inner and outer faces of the surfaces' walls are moved outwards, in [m].
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
     boxes: list[Solid] = [
@@ -56,7 +56,8 @@ def surroundings(robot: Robot, model: ModelView, without: str = "", room: float 
 def _believed(objects: Objects, without: str) -> Iterator[Solid]:
     """Yield cylinders around the believed places of objects that were not seen, on the map.
 
-    What would reach to the object `without` is left out: that was looked at closely, and its neighbours seen.
+    A cylinder that would reach to the object `without` is left out, because a close look has shown the
+    neighbours of that object.
     """
     held = "" if objects.held_object is None else objects.held_object.object
     target = objects.seen(without)
