@@ -69,7 +69,7 @@ def drive(path: CarPath, discs: FloatArray, rng: np.random.Generator) -> Drive:
     """Follow a path at up to 0.5 m/s; steering turns at most 0.5 / m a second."""
     car = Car(discs, rng)
     car.back(path.back_before)
-    control = PurePursuit(path.poses, path.curvatures)
+    control = PurePursuit(path.poses)
     for _ in range(4000):
         speed, wanted = control.command(car.believed, car.speed, DT)
         if speed <= 1e-3:

@@ -1,4 +1,4 @@
-"""Reading of a run's folder, safe against entries that lead out of it, block, or are too large."""
+"""Reading of a run's folder, safe against entries that lead out of it, never answer, or are too large."""
 
 from __future__ import annotations
 

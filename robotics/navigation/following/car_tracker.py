@@ -26,9 +26,7 @@ class _Leg:
         self.points = poses[:, :2]
         steps = np.hypot(*np.diff(self.points, axis=0).T)
         self.length = float(steps.sum())
-        self.pursuit = PurePursuit(
-            turned, np.zeros(len(poses)), sharpest=sharpest, speed=speed, acceleration=limits.acceleration
-        )
+        self.pursuit = PurePursuit(turned, sharpest=sharpest, speed=speed, acceleration=limits.acceleration)
 
     def seen(self, pose: Pose2) -> Pose2:
         """Return the car as the pursuit sees it: backwards, its rear is in front."""

@@ -22,7 +22,6 @@ class PurePursuit:
     def __init__(
         self,
         poses: FloatArray,
-        curvatures: FloatArray,
         ahead: float = 0.8,
         sharpest: float = 0.5,
         speed: float = 0.5,
@@ -32,13 +31,12 @@ class PurePursuit:
 
         Args:
             poses: (n, 3) of the path, in [m, m, rad].
-            curvatures: (n,) of the path, in [1/m].
             ahead: distance to the point that is steered for, in [m].
             sharpest: curvature that the steering allows, in [1/m].
             speed: in [m/s].
             acceleration: in [m/s²], also for braking.
         """
-        self._poses, self._curvatures = np.asarray(poses), np.asarray(curvatures)
+        self._poses = np.asarray(poses)
         steps = np.hypot(*np.diff(self._poses[:, :2], axis=0).T)
         self._along = np.concatenate([[0.0], np.cumsum(steps)])
         self._ahead, self._sharpest = ahead, sharpest

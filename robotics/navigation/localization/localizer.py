@@ -127,11 +127,7 @@ class Localizer(ABC):
 
     @abstractmethod
     def correct(self, points: FloatArray) -> bool:
-        """Correct the estimate by a scan, and return whether that was possible.
-
-        Args:
-            points: (n, 2) end points of the scan in the base frame, in [m].
-        """
+        """Correct by a scan's end points (n, 2), base frame, in [m]; return whether that was possible."""
 
 
 class ScanLocalizer(Localizer):

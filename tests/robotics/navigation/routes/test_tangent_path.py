@@ -103,7 +103,7 @@ def test_no_way_through_a_ring() -> None:
 def test_pure_pursuit_stays_on_the_path_and_stops_at_its_end(seed: int) -> None:
     path = car_path(START, GOAL, discs(np.random.default_rng(seed)), 1.05 * RADIUS)
     assert path is not None
-    control = PurePursuit(path.poses, path.curvatures)
+    control = PurePursuit(path.poses)
     pose, speed, astray, dt = Pose2(*path.poses[0].tolist()), 0.0, 0.0, 0.05
     for _ in range(2000):
         speed, bend = control.command(pose, speed, dt)
