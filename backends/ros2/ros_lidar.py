@@ -48,8 +48,8 @@ class RosLidar(TopicSensor, RangeSensor):
         wanted = float(self._angles[0]), float(self._angles[-1])
         off = [math.degrees(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(ends, wanted, strict=True)]
         if max(map(abs, off)) > MAX_ANGLE_DIFFERENCE_DEG:
-            told, kept = _degrees(ends), _degrees(wanted)
-            return f"its beams are at {told} deg; the robot's file says {kept} deg"
+            received, kept = _degrees(ends), _degrees(wanted)
+            return f"its beams are at {received} deg; the robot's file says {kept} deg"
         return ""
 
     @override

@@ -49,8 +49,8 @@ class PictureTopic(TopicSensor):
         if message.encoding not in self._channels:
             return f"its encoding is {message.encoding!r}; allowed: {', '.join(self._channels)}"
         if (message.width, message.height) != self._size:
-            told, wanted = f"{message.width} x {message.height}", f"{self._size[0]} x {self._size[1]}"
-            return f"its pictures have {told} pixels; the robot's file says {wanted}"
+            received, wanted = f"{message.width} x {message.height}", f"{self._size[0]} x {self._size[1]}"
+            return f"its pictures have {received} pixels; the robot's file says {wanted}"
         needed = self._channels[message.encoding] * message.width
         if message.step < needed or len(message.data) < message.step * message.height:
             return f"it has {len(message.data)} bytes; needed: {needed * message.height}"

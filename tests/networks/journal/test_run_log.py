@@ -200,14 +200,14 @@ def test_a_plan_that_a_fault_prevents_is_told_with_its_trace(stand: Stand, tmp_p
 
 def test_an_action_that_binds_late_is_told_anew_each_time(stand: Stand, tmp_path: Path) -> None:
     late = Binding(stand.Think, {"name": "x"}, {"text": "cup.name"})
-    for binding, told in ((late, ["one", "two"]), (Binding.of(stand.Think(name="x")), ["one", "one"])):
+    for binding, texts in ((late, ["one", "two"]), (Binding.of(stand.Think(name="x")), ["one", "one"])):
         action = Action("a", "z", binding, index=0)
-        path = tmp_path / f"{told[1]}"
+        path = tmp_path / f"{texts[1]}"
         with Journal(path) as journal:
             log = RunLog(stand.robot, stand.model, journal, ())
             for text in ("one", "two"):
                 log.start(action, stand.Think(name="x", text=text), 0)
-        assert [record["action"]["with"]["text"] for record in read_journal(path).records] == told
+        assert [record["action"]["with"]["text"] for record in read_journal(path).records] == texts
 
 
 def followed(network: ActionNetwork, *records: Mapping[str, Any]) -> Any:

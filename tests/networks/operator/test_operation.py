@@ -146,9 +146,9 @@ def test_a_parameter_that_is_known_late_is_told_by_its_name(stand: Stand) -> Non
     permits = Permits(step=True)
     permits(network.actions[0])
     with Operation(Path(), Coordinator(network, stand.robot, stand.model), permits, stand.robot) as operation:
-        told = operation.status()["asks"]["with"]
-    assert told["text"] == "cup.size"
-    assert len(told["name"]) < 200
+        parameters = operation.status()["asks"]["with"]
+    assert parameters["text"] == "cup.size"
+    assert len(parameters["name"]) < 200
 
 
 @pytest.mark.parametrize(

@@ -111,14 +111,14 @@ def test_refused_command_after_opening_is_a_success_if_it_is_read(
             "open": release._no_return is not None and release._open_to is None,
             "pushed": release._is_home,
         }
-        if begun[stage] and left[0] <= 0 and "refused" not in told:
-            told.append("refused")
+        if begun[stage] and left[0] <= 0 and "refused" not in refusals:
+            refusals.append("refused")
             left[0] = 1
         return False
 
-    told: list[str] = []
+    refusals: list[str] = []
     outcome = rig.run(release, refuse_next)
-    assert told
+    assert refusals
     assert isinstance(outcome, Success), outcome
     assert outcome.evidence["finished_after"] == "CommandError: refused"
     assert abs(standing(rig, 117).front) < 0.003

@@ -40,8 +40,8 @@ def unheaded(tmp_path: Path) -> Callable[..., Any]:
         shutil.copytree(robot_path("el_verde").parent, folder)
         text = (folder / "robot.yaml").read_text(encoding="utf-8")
         assert "\n  period_s: 1.0\n" in text
-        told = text.replace("\n  period_s: 1.0\n", "\n  start_heading_deg: unknown\n  period_s: 1.0\n")
-        (folder / "robot.yaml").write_text(told, encoding="utf-8")
+        changed = text.replace("\n  period_s: 1.0\n", "\n  start_heading_deg: unknown\n  period_s: 1.0\n")
+        (folder / "robot.yaml").write_text(changed, encoding="utf-8")
         (tmp_path / "world.yaml").write_text(WORLD + surprises, encoding="utf-8")
         settings = {"robot": str(folder / "robot.yaml"), "world": str(tmp_path / "world.yaml")}
         with prepare(TASK, None, settings, 2) as prepared:

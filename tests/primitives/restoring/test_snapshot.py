@@ -197,11 +197,11 @@ def test_each_residual_has_its_limit_and_the_base_its_room() -> None:
     assert residuals(START, START, spec, 9.0).limits["base_mm"] == 40.0
 
 
-@pytest.mark.parametrize(("off_mm", "told"), [(40.0, False), (40.001, True), (math.nan, True)])
-def test_moved_is_what_is_beyond_its_limit_or_not_known(off_mm: float, told: bool) -> None:
+@pytest.mark.parametrize(("off_mm", "is_moved"), [(40.0, False), (40.001, True), (math.nan, True)])
+def test_moved_is_what_is_beyond_its_limit_or_not_known(off_mm: float, is_moved: bool) -> None:
     stood = replace(START, pose=Pose2(0.0, 0.0, 0.0), pose_sigma=(9.0, 9.0))
     off = residuals(stood, replace(stood, pose=Pose2(off_mm / 1e3, 0.0, 0.0)), make_spec()).moved
-    assert list(off) == ["base_mm"] * told
+    assert list(off) == ["base_mm"] * is_moved
 
 
 @pytest.mark.parametrize("name", ["unsure_box", "base_unsure_mm", "mm", "cup mm", ""])

@@ -176,9 +176,9 @@ def test_a_command_names_the_action_that_it_means(
         return {"ok": False, "error": "action 3 is over; allowed: 4, which runs"}
 
     monkeypatch.setattr("handcart.networks.operator.asking.ask", answer)
-    told = handcart(word, tmp_path, "--number", 3)
+    ended = handcart(word, tmp_path, "--number", 3)
     assert said == [{"do": word, "number": 3}]
-    assert (told.status, told.err.strip()) == (2, "action 3 is over; allowed: 4, which runs")
+    assert (ended.status, ended.err.strip()) == (2, "action 3 is over; allowed: 4, which runs")
 
 
 def test_only_commands_that_move_nothing_take_the_latest_run(
