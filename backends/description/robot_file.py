@@ -253,6 +253,14 @@ class RobotFile(SensorTable, OutlinedFile):
         return model
 
     @cached_property
+    def described_arm(self) -> ArmModel:
+        """The arm's kinematic model that shapes and limits are read from; raises ValueError without an arm.
+
+        Each user of postures has a model of its own, by `arm_model`.
+        """
+        return self.arm_model()
+
+    @cached_property
     def joint_units(self) -> JointUnits:
         """Units in which people read the arm's joints; empty if the robot has no arm."""
         names = () if self.arm is None else self.arm.joints
@@ -333,7 +341,7 @@ class RobotFile(SensorTable, OutlinedFile):
         """
         from handcart.backends.urdf.robot_shape import tray_shape
 
-        return tray_shape(self.arm_model())
+        return tray_shape(self.described_arm)
 
     @cached_property
     def finger_shape(self) -> FingerShape:
@@ -344,7 +352,7 @@ class RobotFile(SensorTable, OutlinedFile):
         """
         from handcart.backends.urdf.robot_shape import finger_shape
 
-        return finger_shape(self.arm_model())
+        return finger_shape(self.described_arm)
 
     def _written(self) -> Path:
         folder = Path(tempfile.mkdtemp(prefix="handcart-"))

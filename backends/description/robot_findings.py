@@ -105,7 +105,7 @@ def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
     found = []
     try:
         if robot.gripper is not None and robot.arm is not None:
-            robot.arm_model().with_others(dict.fromkeys(FINGER_LINKS, 0.0))
+            robot.described_arm.with_others(dict.fromkeys(FINGER_LINKS, 0.0))
             _ = robot.finger_shape
         if robot.has_tray:
             _ = robot.tray_shape
@@ -131,7 +131,7 @@ def _arm_findings(
         return found
     found += _slide_findings(robot, arm, document)
     try:
-        model = robot.arm_model()
+        model = robot.described_arm
     except ValueError as error:
         return [*found, document.finding(key, f"{error}; allowed: an arm mounted on the link `base`")]
     found += [

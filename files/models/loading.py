@@ -3,8 +3,9 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -85,7 +86,7 @@ def load_part(
     Raises:
         FileError: with every finding.
     """
-    adapter: TypeAdapter[FileModelT] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
+    adapter: TypeAdapter[FileModelT] = model if isinstance(model, TypeAdapter) else _adapter(cast(Any, model))
     node, there = document.root.deepest(path)
     if not there:
         raise FileError([document.finding(path, f"the key {path[-1]!r} is missing; needed: a value")])
@@ -95,6 +96,12 @@ def load_part(
         return adapter.validate_json(json.dumps(node.plain()), strict=True, context=context)
     except ValidationError as error:
         raise FileError(findings_of(error, adapter, document, path)) from None
+
+
+@lru_cache(maxsize=256)
+def _adapter(model: Any) -> TypeAdapter[Any]:
+    """Return the validator of a type, cached: the types of files build theirs on first use, which is slow."""
+    return TypeAdapter(model)
 
 
 def collect(findings: Findings, document: Document, path: KeyPath, model: Any, context: object = None) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,15 +19,17 @@ if TYPE_CHECKING:
 class SteadyMemory(RunObserver):
     """Observer that restricts garbage collection to the time between actions.
 
-    A collection among a million objects stops the control loop for 20 ms. Objects that exist at the start
-    are excluded from all collections.
+    A collection among a million objects stops the control loop for 20 ms. Objects that exist when the first
+    run of a process begins, most of them the program itself, are excluded from all collections from then on.
     """
 
     @override
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         self._was_on = gc.isenabled()
         gc.collect()
-        gc.freeze()
+        if gc.get_freeze_count() == 0:
+            gc.freeze()
+            atexit.register(gc.unfreeze)  # libraries report what outlives the interpreter as leaked
         gc.disable()
 
     def event(self, event: Event) -> None:
@@ -36,6 +39,5 @@ class SteadyMemory(RunObserver):
 
     @override
     def end(self) -> None:
-        gc.unfreeze()
         if self._was_on:
             gc.enable()

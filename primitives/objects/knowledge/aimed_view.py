@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 MAX_AIM_ERROR_RAD = 0.15  # between the optical axis and the point
 LIFT_SHARES = (0.9, 0.6, 0.3, 0.05)  # of the range of a joint that slides and moves arm and camera
 ASIDE_TURNS_RAD = (0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
+SHIFTS_M = ((0.0, 0.0, -0.12), (0.0, 0.2, 0.0), (0.0, -0.2, 0.0), (0.0, 0.2, -0.12), (0.0, -0.2, -0.12))
+"""Moves of the hand in the base frame, after which a held object may hide less."""
+IK_RESTARTS = 2
 VERTICAL_COSINE = 0.99  # of the angle between a joint's axis and the vertical
 SIGHT_WIDTH_M = 0.10  # around the line from the camera to the point
 NEAR_CAMERA_M = 0.15  # that may be the head's own bodies
@@ -31,8 +35,9 @@ def aimed_joints(
     (4, 4).
 
     The arm stays where it is if it hides nothing; otherwise it goes to `home` with an empty hand, or aside
-    about a vertical joint, which keeps a held object upright. Of several heights of a lift, the one that
-    looks most in the first wanted direction comes first. None if no view is free.
+    about a vertical joint, or the hand moves down or aside: these keep a held object upright. Of several
+    heights of a lift, the one that looks most in the first wanted direction comes first. None if no view
+    is free.
 
     Args:
         robot: robot with a camera behind joints of the section `arm`.
@@ -42,8 +47,9 @@ def aimed_joints(
     """
     camera, here = robot.view_camera, robot.arm.command()
     home = [] if collision.holds else [np.array(robot.spec.posture("home"))]
-    for posture in (here, *home, *_asides(robot.arm_model, here)):
-        views = list(aimed_views(robot.arm_model, camera.carrier, camera.carrier_T_camera, point, posture))
+    arm = robot.arm_model
+    for posture in chain((here, *home), _asides(arm, here), _shifted(arm, here)):
+        views = list(aimed_views(arm, camera.carrier, camera.carrier_T_camera, point, posture))
         views.sort(key=lambda view: -_along(view[1], point, towards))
         for joints, base_T_camera in views:
             if not collision.in_collision(joints) and not _is_hidden(collision, joints, base_T_camera, point):
@@ -83,6 +89,17 @@ def _asides(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
             posture[number] += turn
             if arm.within(posture):
                 yield posture
+
+
+def _shifted(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
+    """Yield postures (n,), in [rad] or [m], with the hand moved down or aside without a turn."""
+    base_T_hand = arm.forward(here)
+    for shift in SHIFTS_M:
+        moved = base_T_hand.copy()
+        moved[:3, 3] += shift
+        posture = arm.inverse(moved, here, restarts=IK_RESTARTS)
+        if posture is not None:
+            yield posture
 
 
 def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatArray]) -> float:

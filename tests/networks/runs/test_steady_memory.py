@@ -33,7 +33,17 @@ def test_k6_nothing_is_collected_but_between_actions() -> None:
     finally:
         memory.end()
     assert gc.isenabled()
-    assert gc.get_freeze_count() == 0
+
+
+def test_only_the_first_run_of_a_process_excludes_what_exists() -> None:
+    memory, nothing = SteadyMemory(), cast(Any, None)
+    memory.begin(nothing, nothing)
+    memory.end()
+    gone, frozen = weakref.ref(Knot()), gc.get_freeze_count()
+    memory.begin(nothing, nothing)
+    memory.end()
+    assert gone() is None
+    assert frozen >= gc.get_freeze_count() > 10_000
 
 
 def test_it_leaves_things_as_they_were() -> None:

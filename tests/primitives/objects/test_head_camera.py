@@ -12,6 +12,7 @@ from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.objects.knowledge import aimed_view
 from handcart.primitives.objects.knowledge.aimed_view import aimed_joints
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.pick import Pick
@@ -68,6 +69,20 @@ def test_view_that_the_held_object_hides_is_not_taken(rig: Rig) -> None:
     assert free is not None and np.array_equal(free[0][2:], here[2:])
     past = aimed_joints(robot, loaded, point, [])
     assert past is None or not np.array_equal(past[0][2:], here[2:])
+
+
+def test_hand_moves_out_of_sight_where_no_joint_turns_it_aside(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(aimed_view, "ASIDE_TURNS_RAD", ())
+    robot, point, base_T_hand = rig.robot, np.array([0.6, 0.5, 0.5]), rig.robot.base_T("hand")
+    middle = 0.4 * robot.base_T("camera")[:3, 3] + 0.6 * point
+    board = Box(np.asarray(inverse(base_T_hand) @ transform(middle.tolist())), (0.1, 0.1, 0.02), "board")
+    found = aimed_joints(robot, CollisionModel(robot.arm_model, held=board), point, [])
+    assert found is not None
+    moved = robot.arm_model.forward(found[0])
+    np.testing.assert_allclose(moved[:3, :3], base_T_hand[:3, :3], atol=1e-3)
+    assert np.linalg.norm(moved[:3, 3] - base_T_hand[:3, 3]) > 0.05
 
 
 def test_inverse_kinematics_keep_the_head_where_it_is(rig: Rig) -> None:
