@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 from pathlib import Path
 
@@ -13,6 +14,27 @@ from handcart.networks.events.run_observer import RunObserver
 
 settings.register_profile("handcart", derandomize=True, deadline=None)
 settings.load_profile("handcart")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options that draw some of the slow tests: others with each seed, all of them with time."""
+    parser.addoption("--drawn", type=int, metavar="PERCENT", help="run so many slow tests, drawn by seed")
+    parser.addoption("--draw-seed", default="", metavar="TEXT", help="seed of --drawn, such as a commit")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Deselect the slow tests that were not drawn."""
+    percent, seed = config.getoption("--drawn"), config.getoption("--draw-seed")
+    if percent is None:
+        return
+    left = [item for item in items if item.get_closest_marker("slow") and _draw(item.nodeid, seed) >= percent]
+    config.hook.pytest_deselected(items=left)
+    items[:] = [item for item in items if item not in set(left)]
+
+
+def _draw(name: str, seed: str) -> float:
+    """Return a number from 0 to 100 for a test, the same in each process and on each machine."""
+    return 100.0 * int.from_bytes(hashlib.sha256(f"{seed}:{name}".encode()).digest()[:4]) / 2**32
 
 
 class Clock:
