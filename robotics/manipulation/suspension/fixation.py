@@ -100,13 +100,13 @@ class PlannedView(NamedTuple):
         return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
 
     def travelling_error_by_posture(self, base_T_hand: Transform) -> Transform:
-        """Return planned_T_base (4, 4) as the paper takes it (eq. 11): by the final posture, as if no error
-        were left.
+        """Return planned_T_base (4, 4), the actual pose of the base in the planned one, by the last posture.
 
-        A turn of the base by up to the rule's angle is lost: 0.1 rad displace a block by 20 mm.
+        Eq. 11 as in the paper, which assumes that fixation has left no error. A turn of the base by less than
+        the angle of the `StopRule` is therefore missed; 0.1 rad would displace a block by 20 mm.
 
         Args:
-            base_T_hand: (4, 4) final pose of the hand.
+            base_T_hand: (4, 4) final pose of the hand in the base frame.
         """
         return self.base_T_hand @ inverse(base_T_hand)
 
@@ -123,7 +123,7 @@ def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Tra
 
 
 def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
-    """Return base_T_goal (4, 4), the arm's part of a goal: M0_T_B0 (section 3).
+    """Return base_T_goal (4, 4), the goal's pose in the frame of the planned base: M0_T_B0 (section 3).
 
     Args:
         world_T_goal: (4, 4) pose of the goal.

@@ -27,15 +27,17 @@ class SwingYaw(NamedTuple):
 
 
 def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
-    """Return the turn of each swing, taken to be independent of the others.
+    """Estimate the base's yaw for each swing of the arm, with its scatter, from headings between swings.
+
+    The yaws of different swings are assumed to be independent.
 
     Args:
-        headings: (n, m) of the base in [rad], to the left: n stops at the same posture, m looks at each with
-            no swing between them.
-        swings: made between one stop and the next.
+        headings: (n, m) headings of the base in [rad], positive to the left: m measurements at each of n
+            stops with the same posture. The arm does not swing during a stop.
+        swings: number of swings between one stop and the next.
 
     Raises:
-        ValueError: there are too few stops or looks.
+        ValueError: there are too few stops, measurements or swings.
     """
     stops, looks = headings.shape
     if stops <= _FEWEST or looks < 2 or swings < 1:

@@ -48,7 +48,7 @@ class SidewaysRamp(Ramp):
 
 
 class SidewaysRegulator(PoseRegulator):
-    """Brings a base that drives in any direction to a pose: straight there, while it turns."""
+    """Regulator that brings a holonomic base to a pose, driving straight there while it turns."""
 
     _ramp: SidewaysRamp
 

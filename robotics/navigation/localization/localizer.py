@@ -390,7 +390,7 @@ def is_apart(
 
 
 def pose_difference(before: Pose2, after: Pose2) -> FloatArray:
-    """Return the difference (3,) of two poses on the map: x, y in [m] and turn in [rad].
+    """Return the difference (3,) `after` minus `before`: x, y along the map's axes in [m] and turn in [rad].
 
     Args:
         before: map_T_base of the first pose.

@@ -37,7 +37,7 @@ def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray
         forwards: True if the base drives forwards, False if backwards.
 
     Returns:
-        (m, 2) in the base frame, in [m], rounded.
+        (m, 2) points of all bodies in the base frame, in [m], rounded to half of `SPACING_M`.
     """
     ahead = 1.0 if forwards else -1.0
     halves = [outline[ahead * (outline[:, 0] - outline[:, 0].mean()) >= 0.0] for outline in outlines]

@@ -31,10 +31,10 @@ class RolledWay(NamedTuple):
 
 
 class SlipMonitor:
-    """Compares turns that wheels missed with the variance claimed for them (Mehra, 1970).
+    """Estimator of the wheels' slip, by the turns that scans correct and their variance (Mehra, 1970).
 
-    The heading is determined wherever a wall is seen, also along a corridor. Slip of
-    both wheels alike is not seen there: it is taken to be as large as that of one alone.
+    Scans determine the heading wherever a wall is seen, also along a corridor. Slip of both wheels alike does
+    not show in the heading; it is assumed to be as large as that of a single wheel.
     """
 
     STATE: ClassVar = {"_missed": float, "_claimed": float, "_rolled": float, "_ratios": tuple[float, ...]}

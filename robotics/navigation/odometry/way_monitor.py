@@ -11,9 +11,10 @@ WRONG_SIGMAS = 3.0  # sigmas beyond which what is claimed is wrong
 
 
 class WayMonitor:
-    """Sums up by how much scans correct the pose along the way, and tests the sum (Mehra, 1970).
+    """Test for a scale error of the wheels' travel, by the sum of the scans' forward corrections.
 
-    The filter alone hardly notices: it takes each single correction for the map's error.
+    The sum over a window of travel is compared with its expected spread (Mehra, 1970). The filter alone
+    hardly notices such an error, because it takes each single correction for the map's error.
     """
 
     STATE: ClassVar = {"_missed": float, "_way": float, "_claimed": float, "_next": float}
@@ -28,11 +29,11 @@ class WayMonitor:
         self._claimed += variance
 
     def begin(self) -> None:
-        """Start a new window, and drop the counts of the present one."""
+        """Discard the sums of the present window of travel, and start a new one."""
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
-        """Count a correction along the travel; return the size of a scale error that is proven, otherwise 0.
+        """Add a forward correction; return the relative scale error if it is significant, otherwise 0.
 
         Args:
             missed: forward correction of the pose, in [m].

@@ -16,11 +16,11 @@ RECOVERY_FIX_COUNT = 5  # fixes in a row that must be good before one is believe
 
 
 class FixMonitor:
-    """Tests a filter's innovations, alone and summed over the last fixes, against what they should be.
+    """Test of a filter's innovations against their covariance, for single fixes and for sums of fixes.
 
-    A reflection shifts the fixes by less than one fix may be off. Each then passes, but their sum doesn't:
-    innovations of a filter that is right have no mean. From then on fixes are doubted, until some in a row
-    are where the filter, left alone, expects them.
+    A reflection may shift each fix by less than the error of a single fix. Each fix then passes, but their
+    sum does not, because the innovations of a correct filter have zero mean. From then on fixes are doubted,
+    until several in a row are where the filter predicts them without fixes.
     """
 
     STATE: ClassVar = {"_sums": list[FloatArray], "_doubted": list[FloatArray], "doubting": bool}
@@ -34,12 +34,15 @@ class FixMonitor:
         """True while fixes are rejected until proved right."""
 
     def suspects(self, residual: FloatArray, covariance: FloatArray) -> int:
-        """Return how many of the latest fixes are implausible, this one counted first; 0 if all are
-        plausible.
+        """Return how many of the latest fixes are implausible, counted backwards from this one; 0 if none is.
 
         Args:
-            residual: (2,) fix less forecast, in [m].
+            residual: (2,) this fix minus its prediction, along x and y of the field's frame, in [m].
             covariance: (2, 2) expected covariance of the residual, in [m²].
+
+        Returns:
+            1 if this fix is implausible by itself; otherwise the length of the run of fixes up to this one
+                whose summed residuals are the least plausible.
         """
         white = whitened(residual, covariance)
         if float(white @ white) > MAX_SQUARED_SIGMAS:
@@ -60,8 +63,8 @@ class FixMonitor:
         """Return True if the doubt about the fixes is over.
 
         Args:
-            residual: (2,) fix less its forecast in the field's frame, in [m].
-            forecast: (2, 2) the filter's share of the residual's covariance, common to all fixes, in [m²].
+            residual: (2,) fix minus its prediction, along x and y of the field's frame, in [m].
+            forecast: (2, 2) covariance of the prediction, which is common to all doubted fixes, in [m²].
             variance: white variance of a fix along each axis, in [m²].
         """
         self._doubted.append(residual)

@@ -126,7 +126,10 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def meanwhile(self) -> Belief | None:
-        """See `FieldLocalizer`: the mixture of all headings."""
+        """Mean (3,) and covariance (3, 3) of the mixture of all headings; None once the heading is known.
+
+        x, y in the field's frame in [m], heading in [rad].
+        """
         if not self._searching:
             return None
         mean, covariance = self._bank.belief

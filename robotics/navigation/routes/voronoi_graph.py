@@ -94,7 +94,7 @@ class VoronoiGraph:
     clearance: SingleArray
     """(h, w) distance from each cell's centre to the nearest blocked cell's square, in [m]."""
     price: SingleArray
-    """(h, w) price of a line of one cell's length, at each cell; lower where there is more room."""
+    """(h, w) price of a path for each unit of its length, by `room_price`; lower where there is more room."""
     free: BoolArray
     """(h, w) the component: cells that the robot's centre may be in."""
     edges: EdgeTable
@@ -106,7 +106,7 @@ class VoronoiGraph:
 
     @property
     def dearest(self) -> float:
-        """Price of a line of one cell's length where a robot of this radius just fits."""
+        """Price of a path for each unit of its length where a robot of this radius just fits."""
         return float(max(self.radius, self.map.resolution) ** -CLEARANCE_EXPONENT)
 
     @property
@@ -152,7 +152,7 @@ def voronoi_graph(
 
 
 def room_price(clearance: SingleArray, resolution: float) -> SingleArray:
-    """Return the price (h, w) of a metre of path at each clearance, without unit.
+    """Return the price (h, w) of a path for each unit of its length, at each clearance, without unit.
 
     Args:
         clearance: (h, w) distance of cells from obstacles, in [m].

@@ -165,10 +165,12 @@ class Ways:
         return route if self._tight_spot(route, None) is None else None
 
     def price(self, points: FloatArray) -> float:
-        """Return the price of a path on this map; inf where the robot fits nowhere.
+        """Return the price of a path on this map: its length in [m], weighted at each cell by `room_price`.
+
+        It is infinite if the robot fits nowhere on the map.
 
         Args:
-            points: (n, 2) on the map, in [m], closer to each other than a few cells.
+            points: (n, 2) on the map, in [m], each at most a few cells from the next.
         """
         if self._graph is None:
             return math.inf

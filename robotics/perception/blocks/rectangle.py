@@ -35,13 +35,16 @@ def shares(count: int) -> FloatArray:
 def across(
     half: FloatArray, share: FloatArray, inner: FloatArray, outer: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return first and last points (4, n, 2) of lines across the edges, in the rectangle's frame, in [m].
+    """Return the first and the last points of lines across a rectangle's edges.
 
     Args:
-        half: (2,) half length and half width, in [m].
-        share: (n,) places along the edges, from -1 to 1.
-        inner: (4,) distance of the first points out of each edge, in [m].
-        outer: (4,) distance of the last points out of each edge, in [m].
+        half: (2,) half length and half width of the rectangle, in [m].
+        share: (n,) places of the lines along each edge, from -1 to 1 at its ends.
+        inner: (4,) distance of the first points outwards from each edge, in [m]; negative inside.
+        outer: (4,) distance of the last points outwards from each edge, in [m].
+
+    Returns:
+        Two arrays (4, n, 2) in the rectangle's frame, in [m], with the edges at +x, +y, -x and -y.
     """
     along = (half[OTHER, None] * share)[..., None] * EDGE_DIRECTIONS[:, None]
     first, last = (

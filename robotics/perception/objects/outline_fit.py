@@ -76,15 +76,15 @@ def distances(
     heading: float,
     inset: float = 0.0,
 ) -> FloatArray:
-    """Return the signed distances (n,) of points (n, 2) to an outline, in [m]; negative inside.
+    """Return the signed distances (n,) of points from a rectangle or a circle, in [m]; negative inside.
 
     Args:
-        points: in [m].
-        sides: as `fit_outline`.
-        x: of its middle, in [m].
-        y: of its middle, in [m].
-        heading: of its first side, in [rad].
-        inset: by which the outline is smaller on each side, in [m].
+        points: (n, 2) in any plane frame, in [m].
+        sides: lengths of the rectangle, or the diameter of the circle, in [m].
+        x: position of the outline's middle in that frame, in [m].
+        y: position of the outline's middle in that frame, in [m].
+        heading: direction of the rectangle's first side, in [rad]; ignored for a circle.
+        inset: distance by which the outline is moved inwards on each side, in [m].
     """
     off = points - (x, y)
     if isinstance(sides, float):

@@ -26,7 +26,7 @@ BORDER_CELLS = 2.5  # from a point at the picture's edge within which an outline
 
 
 class PointCluster(NamedTuple):
-    """Points of a thing on a surface, in the frame of `OverSurface`."""
+    """Points of one thing on a surface, in the surface's frame: x and y along its sides, z up from it."""
 
     points: FloatArray
     """(n, 3) in [m]."""
