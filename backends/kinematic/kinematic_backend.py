@@ -26,7 +26,7 @@ LEVEL_GROUND = GroundSpec(roughness_deg=0.0)
 
 
 class KinematicBackend(SimulatedBackend):
-    """A mobile base with arm, gripper, camera and lidar among solid things.
+    """Simulation of a mobile base with arm, gripper, camera and lidar among solid things, without dynamics.
 
     Simulated errors, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the
     tilt of the base after the arm has swung, ranges, image noise, blur, light and lens, the force reading,
@@ -38,16 +38,15 @@ class KinematicBackend(SimulatedBackend):
     - Contacts are quasi-static. The base is a disc and stops where it meets something, its wheels slipping.
       The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N. The
       hand, and what it holds, slides along what it presses on, with a coefficient of friction of 0.4.
-      The arm is not checked against itself and its base. The base also stops where it drives the arm, a
-          part
+      The arm is not checked against itself and its base. The base also stops where it drives the arm, a part
       mounted above its body or a thing on it into something.
-    - A gripped thing sits in the hand as if glued and centred: it neither slips nor sags, but a person tears
-          it out who pulls harder than the fingers hold it by friction.
+    - A gripped thing is centred in the hand and fixed to it: it neither slips nor sags, but a person who
+      pulls harder than the fingers' friction holds can tear it out.
     - Rules of a thing's domain (`...simulation.world.props`) decide whether it gives way to the hand
-      and where it ends up when released; by default it stays on what is right below it. Otherwise it lies
-          on
-      the floor, lost, and nothing collides with it there.
-    - Encoders have no bias. The camera is as stated, unless `errors` has its mount or focal length off.
+      and where it ends up when released; by default it stays on the support right below it. Without a
+      support it falls to the floor and is lost; nothing collides with it there.
+    - Encoders have no bias. The camera is as in the robot's file, unless `errors` changes its mount or focal
+      length.
     - Light has no shadows; the lidar ignores glass, mirrors and black lacquer.
 
     `scene` is ground truth: only evaluation may read it.

@@ -51,17 +51,19 @@ class FreshPictures:
         return self._last is not None and not self._moved
 
     def note(self, carrier: FloatArray) -> None:
-        """Record where the camera's carrier is in this period: (k,) in [m] or [rad], always of the same
-        length.
+        """Record in each period the position of the camera.
+
+        Args:
+            carrier: (k,) coordinates of what carries the camera, in [m] or [rad]; k must not change.
         """
         self._moved = self._is_away(carrier)
 
     def take(self, image: ByteArray, carrier: FloatArray, noisy: bool) -> ByteArray:
-        """Return a picture that was taken with the carrier at a position, if it is fresh.
+        """Return `image`, and keep it as the last picture; raise if it only repeats the picture before.
 
         Args:
             image: (h, w), grey.
-            carrier: (k,) position of the camera's carrier, in [m] or [rad].
+            carrier: (k,) coordinates of what carries the camera, in [m] or [rad], as for `note`.
             noisy: True if no two pictures of one place are the same.
 
         Raises:

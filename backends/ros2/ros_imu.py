@@ -21,14 +21,14 @@ class RosImu(TopicSensor, Imu):
 
     @override
     def rates(self) -> FloatArray:
-        """See `Imu`; raises `StaleSensor`."""
+        """Return the mean turn rates (3,) about the base's axes, in [rad/s]; raises `StaleSensor`."""
         self.check_fresh()
         rates: FloatArray = self._mean[:3].copy()
         return rates
 
     @override
     def accelerations(self) -> FloatArray:
-        """See `Imu`; raises `StaleSensor`."""
+        """Return the mean accelerations (3,) along the base's axes, in [m/s²]; raises `StaleSensor`."""
         self.check_fresh()
         accelerations: FloatArray = self._mean[3:].copy()
         return accelerations

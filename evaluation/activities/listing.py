@@ -42,7 +42,7 @@ def list_activities(robot: str, scale: bool = False) -> Iterator[ListedActivity]
 
 
 def summary_lines(listed: list[ListedActivity]) -> Iterator[str]:
-    """Yield the lines that a person reads: what can be made, then the reasons against the others."""
+    """Yield lines of text: the activities whose files can be made, then the reasons why others cannot."""
     made = [activity for activity in listed if activity.moves]
     yield f"{len(made)} of {len(listed)} activities can be made:"
     yield from (f"  {activity.name:<44} {activity.moves} to move" for activity in made)

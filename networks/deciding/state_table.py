@@ -149,7 +149,11 @@ class StateTable:
         self.low[unable] = self.stop[unable]
 
     def choices(self, values: FloatArray) -> Choices:
-        """Return the best option of each state, with the values (states,) of what follows in [s]."""
+        """Return the best option of each state.
+
+        Args:
+            values: (states,) assumed least expected cost from each state on, in [s].
+        """
         cost, option = np.full(len(values), np.inf), np.full(len(values), STOP_CHOICE)
         expanded = self.expanded
         cost[expanded] = self.stop[expanded]
@@ -164,8 +168,10 @@ class StateTable:
         return Choices(cost, option)
 
     def improved(self, values: FloatArray) -> FloatArray:
-        """Return the least expected cost of expanded states by the values of their successors; others keep
-        theirs.
+        """Return the least expected costs (states,) after one step of value iteration, in [s].
+
+        Args:
+            values: (states,) present costs, in [s]; states that were not expanded keep theirs.
         """
         found = np.where(self.expanded, self.stop, values)
         if len(self._first.all):
@@ -181,7 +187,12 @@ class StateTable:
         return priced
 
     def reached(self, roots: IntArray, option: IntArray) -> IntArray:
-        """Return the states that runs from some states come to, if these options (states,) are chosen."""
+        """Return the numbers (k,) of the states that runs can reach, ascending, `roots` included.
+
+        Args:
+            roots: (n,) numbers of the states in which the runs start.
+            option: (states,) number of the option chosen in each state, or `STOP_CHOICE`.
+        """
         seen = np.zeros(len(option), bool)
         seen[roots] = True
         ahead = roots
@@ -214,7 +225,12 @@ class StateTable:
         return int(self._action.all[option])
 
     def prices(self, states: IntArray, options: IntArray) -> FloatArray:
-        """Return the costs of states (n,) until options (n,), or stopping, leave them, in [s]."""
+        """Return the expected costs (n,) of being in states until their options leave them, in [s].
+
+        Args:
+            states: (n,) numbers of the states.
+            options: (n,) number of the option chosen in each state; `STOP_CHOICE` costs its `stop`.
+        """
         cost = self.stop[states].copy()
         acts = options != STOP_CHOICE
         cost[acts] = self._price.all[options[acts]] / self._left.all[options[acts]]

@@ -70,7 +70,7 @@ class DrawnFrame(NamedTuple):
 
 
 class DrawnLink(NamedTuple):
-    """A line: straight from each even point to the next, curved from each odd one."""
+    """Line through points, with stretches that are straight and curved in turn, the first one straight."""
 
     points: tuple[Point, ...]
     travelled: bool

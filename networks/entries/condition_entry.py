@@ -26,7 +26,7 @@ class ConditionEnding(EndingChance):
 
     @property
     def changes(self) -> Mapping[str, Fact]:
-        """The facts that it changes."""
+        """New values of the facts that this Success changes, by the facts' names."""
         return self.__pydantic_extra__
 
 

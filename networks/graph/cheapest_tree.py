@@ -68,16 +68,24 @@ class CheapestTree:
         return enter, [begin + item for begin, item in zip(enter, size, strict=True)]
 
     def spoiled(self, failed: Mapping[int, float]) -> list[tuple[int, int]]:
-        """Return the intervals of the situations whose routes contain one of some failed actions.
+        """Return the situations whose routes contain a failed action, as intervals of depth-first numbers.
 
         Args:
-            failed: failed actions by their numbers; only the numbers are used.
+            failed: weights of the failed actions by the actions' numbers; only the numbers are used.
+
+        Returns:
+            First number of each interval, and the number after its last.
         """
         sources = (self._source[index] for index in failed if index in self._source)
         return [(self._enter[here], self._leave[here]) for here in sources]
 
     def is_spoiled(self, here: int, spoiled: Iterable[tuple[int, int]]) -> bool:
-        """Return whether the route of a situation lies in one of the intervals."""
+        """Return whether the route of a situation contains a failed action.
+
+        Args:
+            here: number of the situation in the network.
+            spoiled: intervals as returned by `spoiled`.
+        """
         number = self._enter[here]
         for enter, leave in spoiled:  # noqa: SIM110 (a generator takes twice as long)
             if enter <= number < leave:

@@ -13,7 +13,7 @@ from handcart.networks.run_files.run_folder import JOURNAL_FILE, read_run_journa
 
 
 class NothingToAcknowledge(InputError):
-    """Error: a record doesn't wait for a person."""
+    """Error: the record of a journal that was to be acknowledged does not wait for a person."""
 
 
 def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:

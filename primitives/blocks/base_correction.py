@@ -115,7 +115,7 @@ class ByImu(FixOnce):
 
 
 class FixAgain(FixOnce):
-    """Correction by a second view of the landmark over the goal, with the block in the hand."""
+    """Correction by viewing the landmark again, with the block in the hand, before moving over the goal."""
 
     views_landmark: ClassVar = True
 

@@ -123,7 +123,7 @@ class WorldModel:
     def discs(self) -> FloatArray:
         """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].
 
-        They are in the frame of the robot's pose.
+        They are in the parent frame of the robot's pose, such as the map.
         """
         return np.vstack([np.empty((0, 3)), *(section.discs() for section in self.sections.values())])
 

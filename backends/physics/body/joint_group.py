@@ -87,4 +87,4 @@ class JointGroup(ABC):
 
     @abstractmethod
     def push(self, torques: FloatArray) -> None:
-        """Put torques (n,), in [Nm], on the joints for the next chunk, besides those of their drives."""
+        """Apply torques (n,), in [Nm], until the drives act next, in addition to the drives' own torques."""

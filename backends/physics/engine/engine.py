@@ -75,7 +75,7 @@ class Engine(ABC):
         self.chunks = max(1, round(period / self.CHUNK))
         """Number of times that the drives act in a control period."""
         self.chunk = period / self.chunks
-        """[s]"""
+        """Time between two actions of the drives (a chunk), in [s]."""
         self.substeps = max(1, int(np.ceil(self.chunk / MAX_SOLVER_STEP_S - 1e-9)))
         """Steps of the solver in a chunk."""
 
@@ -152,11 +152,11 @@ class Engine(ABC):
 
     @abstractmethod
     def pull(self, body: int | None, force: FloatArray) -> None:
-        """Pull at the middle of one thing from now on; None ends the pull.
+        """Apply a constant force at the centre of mass of one thing from now on; None ends it.
 
         Args:
-            body: the thing.
-            force: (3,) in the world, in [N].
+            body: number of the thing.
+            force: (3,) in the world's axes, in [N].
         """
 
     @abstractmethod

@@ -112,7 +112,7 @@ class ThingForm(NamedTuple):
     lower left, those of the upper face at (-x, -y), those of the lower face at (-x, +y).
     """
     picture: ByteArray
-    """Picture in RGB (h, w, 3) that the faces show parts of, at first."""
+    """Picture (h, w), grey, of all faces at the creation of the body, laid out as `uvs` says."""
     sticks: Sticks | None = None
     asleep: bool = False
     """True if it sleeps from the beginning until something touches it."""

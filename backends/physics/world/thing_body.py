@@ -68,7 +68,7 @@ class ThingBody:
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
     def first_picture(self) -> ByteArray:
-        """Return the picture (h, w), grey, that its faces show parts of at its creation."""
+        """Return the picture (h, w), grey, of all faces at its creation, laid out as `uvs` says."""
         return _picture(self.thing.faces(), self.thing.grey)
 
     def printed(self) -> ByteArray:
@@ -76,7 +76,10 @@ class ThingBody:
         return self.first_picture()
 
     def portrait(self) -> ByteArray | None:
-        """Return the picture (h, w, 3) in RGB that people see; None if all faces are plain."""
+        """Return the colour picture (h, w, 3), RGB, of all faces for people; None if all are plain.
+
+        The faces are laid out as in `first_picture`; plain ones have the colour of the material.
+        """
         faces, material = self.thing.faces(), self.thing.material
         if not faces:
             return None

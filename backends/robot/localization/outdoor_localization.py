@@ -75,7 +75,10 @@ class OutdoorLocalization(Localization):
 
     @property
     def displacement(self) -> Belief | None:
-        """See `Localization`: errors that all fixes share don't count."""
+        """Motion of the base since `set_origin`, ahead and left in [m] and turn in [rad].
+
+        Mean (3,) and covariance (3, 3), without errors that are common to all fixes.
+        """
         return self._filter.displacement
 
     @property

@@ -63,7 +63,10 @@ class ScanLocalization(Localization):
 
     @property
     def displacement(self) -> Belief:
-        """See `Localization`: the error of the map at one place is the same in both poses."""
+        """Motion of the base since `set_origin`, ahead and left in [m] and turn in [rad].
+
+        Mean (3,) and covariance (3, 3), without the error of the map at one place, which both poses share.
+        """
         mean, spread = self._matching.odometry.displacement
         shared = self._map_error_then + self._matching.map_error
         turned = _turned(self._matching.odometry.origin.theta)

@@ -39,7 +39,7 @@ class RosCamera(TopicSensor, PlacedCamera):
 
     @override
     def image(self) -> ByteArray:
-        """See `Camera`; raises `StaleSensor`."""
+        """Return the last picture (height, width), grey; raises `StaleSensor` if it is too old."""
         self.check_fresh()
         if self._image is None:
             self._image = grey_picture(self._message)

@@ -99,7 +99,11 @@ class RosDepthCamera(DepthCamera):
 
     @override
     def image(self) -> DepthImage:
-        """See `DepthCamera`; raises `StaleSensor`."""
+        """Return the last depth picture with the colour picture nearest in time.
+
+        Raises:
+            StaleSensor: one of them is too old, or their times differ too much.
+        """
         self._depth.check_fresh()
         self._colour.check_fresh()
         message = self._depth.kept[-1]

@@ -14,7 +14,10 @@ ORANGE_MATERIAL = Material(0.93, 0.45, 0.10, 0.3)
 
 @dataclass(eq=False, repr=False)
 class Sensor(PlacedThing):
-    """Lies where the hand let it go. Its frame: origin in the middle of its foot, z up."""
+    """Seismic sensor that stays where the hand released it.
+
+    The origin of its frame is in the middle of its bottom face; z points up.
+    """
 
     KIND = "sensor"
 

@@ -34,7 +34,12 @@ class SplitSeed(int):
         return made
 
     def named(self, name: str, value: int) -> SplitSeed:
-        """Return the seed `value` of a part of the robot, which branches wherever this seed does."""
+        """Return the seed of one part of the robot, with the integer `value` and the branches of this seed.
+
+        Args:
+            name: name of the part, under which its draws are recorded for later splits.
+            value: integer value of the returned seed.
+        """
         made = SplitSeed(value, self._branches)
         made._drawn, made._prefix = self._drawn, f"{self._prefix}{name} "
         return made

@@ -32,7 +32,10 @@ class PlacedSpec(FloorPose):
 
 @dataclass(eq=False, repr=False)
 class PlacedThing(Thing):
-    """A box by its spec. Its frame: origin in the middle of its foot; x along its length, z up."""
+    """Box that a person sets down before a run.
+
+    The origin of its frame is in the middle of its bottom face; x points along its length, z up.
+    """
 
     KIND: ClassVar[str] = "thing"
     """Prefix of its name, before the name in the world's file."""

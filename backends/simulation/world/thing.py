@@ -37,7 +37,9 @@ class Rest(Enum):
 
 @dataclass(eq=False, repr=False)
 class Thing(ABC):
-    """A box and where it truly is. Its frame: origin in the foot, z up.
+    """Solid that a hand can carry, with its true pose: a box, or a cylinder if `is_round`.
+
+    The origin of its frame is in its bottom face; z points up.
 
     A subclass is a dataclass; its fields that `__init__` takes are kept in checkpoints.
     """

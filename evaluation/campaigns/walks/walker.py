@@ -35,7 +35,7 @@ class Walked(NamedTuple):
 
     @property
     def success(self) -> BoolArray:
-        """Mask (n,): which walks reached the goal without a skipped element."""
+        """Mask (n,) of the walks that reached the goal and skipped no element of a repeat."""
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 

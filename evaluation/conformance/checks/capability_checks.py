@@ -250,14 +250,15 @@ def rates(bench: KitBench, finding: CheckResult) -> None:
 
 
 def best_turn(before: FloatArray, after: FloatArray, angles: FloatArray) -> float:
-    """Return the left turn of a scan of evenly spaced beams against an earlier scan, in [rad].
+    """Return the angle by which a later scan is turned to the left of an earlier one, in [rad].
 
-    Scans of less than a full turn are compared where they overlap.
+    A scan turns to the left if the sensor turns to the right. Angles of at most 1 rad either way are tried;
+    of scans of less than a full turn, at most half of their angle, compared where the scans overlap.
 
     Args:
         before: (n,) ranges of the earlier scan, in [m].
         after: (n,) ranges of the later scan, in [m].
-        angles: (n,) angles of the beams, in [rad].
+        angles: (n,) angles of the beams in the sensor's frame, evenly spaced, in [rad].
     """
     spacing, count = float(angles[1] - angles[0]), len(angles)
     whole = angles[-1] - angles[0] + 1.5 * spacing > 2.0 * math.pi

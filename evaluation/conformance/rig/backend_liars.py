@@ -139,7 +139,7 @@ class EchoesCommands(LayeredBackend):
         self._commanded: FloatArray | None = None
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Move only half of the first joint's commanded way, of joints (n,) in [rad] or [m]."""
+        """Pass on joints (n,), in [rad] or [m], but the first one only half as far from where it began."""
         if self._start is None:
             self._start = arm.command()
         halved = np.array(joints, dtype=np.float64)

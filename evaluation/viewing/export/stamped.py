@@ -29,14 +29,22 @@ def stamp(time: float) -> Timestamp:
 
 
 def pose_of(pose: FloatArray) -> Pose:
-    """Convert a pose (7,), or a planar pose (3,) of x, y in [m] and heading in [rad], to a Foxglove Pose."""
+    """Convert a pose to a Foxglove Pose.
+
+    Args:
+        pose: (7,) x, y, z in [m], and a unit quaternion w, x, y, z; or (3,) x, y in [m], heading in [rad].
+    """
     from foxglove.messages import Pose
 
     return Pose(position=position_of(pose), orientation=orientation_of(pose))
 
 
 def position_of(pose: FloatArray) -> Vector3:
-    """Return the position of a pose (7,), or of a planar pose (3,), in [m], as a Foxglove Vector3."""
+    """Return the position of a pose as a Foxglove Vector3, in [m].
+
+    Args:
+        pose: (7,) x, y, z in [m], and a unit quaternion w, x, y, z; or (3,) x, y in [m], heading in [rad].
+    """
     from foxglove.messages import Vector3
 
     x, y, *rest = pose.tolist()
@@ -44,8 +52,10 @@ def position_of(pose: FloatArray) -> Vector3:
 
 
 def orientation_of(pose: FloatArray) -> Quaternion:
-    """Return the orientation of a pose (7,), or of a planar pose (3,) with its heading in [rad], as a
-    Foxglove Quaternion.
+    """Return the orientation of a pose as a Foxglove Quaternion.
+
+    Args:
+        pose: (7,) x, y, z in [m], and a unit quaternion w, x, y, z; or (3,) x, y in [m], heading in [rad].
     """
     from foxglove.messages import Quaternion
 

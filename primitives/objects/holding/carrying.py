@@ -59,10 +59,19 @@ def stow(
 def carrying_joints(
     robot: Robot, kind: ObjectKind, hand_T_object: Transform, around: Sequence[Solid] = ()
 ) -> FloatArray | None:
-    """Return joints (n,) that carry an object within the outline, the first with good clearance.
+    """Return a posture in which the arm carries an object within the robot's outline; None without any.
 
-    Postures with the whole arm within the outline come first: an elbow outside of it may meet what the base
-    drives past. None without any.
+    A posture with the complete arm within the outline is preferred, because an elbow outside of it may hit
+    obstacles that the base drives past. The search ends at the first one with `GOOD_CLEARANCE_M`.
+
+    Args:
+        robot: robot with the object in its hand.
+        kind: kind of the object.
+        hand_T_object: (4, 4) pose of the object in the hand frame.
+        around: solids that arm and object must not touch, in the base frame.
+
+    Returns:
+        Joint positions (n,), in [rad] or [m].
     """
     held = held_box(kind, hand_T_object)
     collision, here = collision_model(robot, held, around), robot.arm.command()
