@@ -128,6 +128,7 @@ def said(content: bytes) -> object:
         return FileError
 
 
+@pytest.mark.slow
 @settings(bounded, max_examples=100)
 @given(
     st.sampled_from(SHIPPED),

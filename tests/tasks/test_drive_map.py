@@ -103,6 +103,7 @@ def test_a_place_without_room_is_refused_at_its_line(places: Callable[[str], str
     prepare(TASK, settings={"places": places_file, "tour": "[desk]"}).backend.close()  # nothing drives there
 
 
+@pytest.mark.slow
 def test_occupied_place_is_skipped_and_the_others_are_visited(
     tmp_path: Path, places: Callable[[str], str]
 ) -> None:

@@ -48,6 +48,7 @@ def test_a_box_on_the_way_is_a_fail_then_another_way_is_found(tmp_path: Path) ->
     assert done.untrue == []
 
 
+@pytest.mark.slow
 def test_without_a_route_robot_is_restored_and_place_is_named(tmp_path: Path) -> None:
     done = trial(tmp_path, 3, blocked="closed")
     assert done.status == 3

@@ -77,7 +77,8 @@ except SystemExit as end:
     assert said.stdout.splitlines()[-1] == "0 []"
 
 
-@pytest.mark.parametrize("command", ["check", pytest.param("run", marks=[pytest.mark.slow])])
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["check", "run"])
 def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
     said = without((*ARM, *LABELS), command, RETURN_BOOK)
     assert (said.returncode, said.stdout) == (2, "")

@@ -122,6 +122,7 @@ def shadow(folder: Path, name: str, text: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(folder)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("library", "command"), [("typer", "list"), ("pydantic", "schema"), ("networkx", "check"), ("cv2", "run")]
 )

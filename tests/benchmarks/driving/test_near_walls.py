@@ -7,7 +7,8 @@ import pytest
 from benchmarks.driving.near_walls import report, try_world
 
 
-@pytest.mark.parametrize("seed", [8, pytest.param(11, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [8, 11])
 def test_what_check_calls_reachable_is_reached_without_contact(seed: int) -> None:
     result = try_world(seed, nearer=False)
     assert (result.contacts, result.wrongly) == ([], [])

@@ -172,6 +172,7 @@ def test_mutated_bags_are_played_or_refused_in_words(tmp_path: Path) -> None:
         assert not is_silent(status, out), words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["FILE", "MESSAGE"])
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
 def test_a_compressed_bag_reads_as_a_plain_one(

@@ -60,6 +60,7 @@ def test_no_two_texts_overlap_and_none_is_clipped(picture: NetworkPicture) -> No
     assert faults_of(figure_of(picture)) == []
 
 
+@pytest.mark.slow
 def test_texts_are_as_wide_as_they_are_drawn(picture: NetworkPicture) -> None:
     axes = figure_of(picture).axes[0]
     for text, drawn in zip(picture.texts, axes.texts, strict=True):

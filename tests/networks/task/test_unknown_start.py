@@ -87,6 +87,7 @@ def test_a_run_from_an_unknown_start_ends_truly(tmp_path: Path) -> None:
     assert summary["metrics"]["localisation_mm_max"] < 50.0
 
 
+@pytest.mark.slow
 def test_the_robot_begins_without_a_pose() -> None:
     with prepare(TASK, settings=UNKNOWN) as prepared:
         assert not prepared.robot.localization.is_located

@@ -79,6 +79,7 @@ def test_handle_far_from_its_place_is_found_by_its_tag(tmp_path: Path) -> None:
         assert isinstance(rig.do(OpenDoor(door="drawer")), Success)
 
 
+@pytest.mark.slow
 def test_drawer_that_moves_after_it_was_let_go_is_given_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -96,6 +97,7 @@ def test_drawer_that_moves_after_it_was_let_go_is_given_up(
         assert rig.model.of(Doors).state_of("drawer") is None
 
 
+@pytest.mark.slow
 def test_close_that_is_blocked_on_the_way_leaves_the_drawer_open(tmp_path: Path) -> None:
     with rig_at("drawer", tmp_path) as rig:
         assert isinstance(rig.do(OpenDoor(door="drawer", travel_mm=60.0, stow=False)), Success)

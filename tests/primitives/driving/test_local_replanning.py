@@ -90,7 +90,8 @@ def test_route_changes_while_driving_before_anything_holds_the_base(make_rig: Ca
     assert [time for time in held if time < 12.0] == []
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
 def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig], seed: int) -> None:
     """15 % of slip, 5 % of tread: the drive turns hardly more often than with good wheels.
 

@@ -40,6 +40,7 @@ def slipping(after: int, periods: int) -> AttemptEnding:
         return underway.finish(Fault(FaultKind.SLIP, periods=periods, speed=0.1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [100, 150])
 def test_a_short_slip_is_made_up_for(after: int) -> None:
     ending = slipping(after, 30)

@@ -143,6 +143,7 @@ def test_cancel_while_fingers_open_completes_the_release(rig: Rig, after: int) -
     assert robot.arm.command() == pytest.approx(robot.spec.posture("home"), abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("after", "falls"), [(1, False), (40, False), (200, False), (40, True)])
 def test_refused_commands_after_release_leave_a_measured_success(
     rig: Rig, monkeypatch: pytest.MonkeyPatch, after: int, falls: bool

@@ -69,6 +69,7 @@ def test_the_tool_stays_on_the_seam_while_the_base_drives(
     assert distances(np.array(tips), seam.seam.points).max() < 0.003
 
 
+@pytest.mark.slow
 def test_the_robot_then_stands_at_the_ways_end(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     end = rig.model.of(Seam).seam_work.next

@@ -80,6 +80,7 @@ def test_every_frame_is_in_a_candump_log(handcart: Callable[..., Said], run: Cal
     assert "the left wheel drive (node 1)   TPDO1      the last one: none came after" in out
 
 
+@pytest.mark.slow
 def test_equal_runs_have_equal_frames(run: Callable[..., Path]) -> None:
     """N11: stamps are simulated time: two runs of one seed have the same log, bit for bit."""
     first, second = (run("fault", 1.0, name) for name in ("first", "second"))

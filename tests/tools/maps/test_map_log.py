@@ -98,6 +98,7 @@ def test_trajectory_is_true_within_its_covariance(mapped: Path) -> None:
     assert np.hypot(*odometry.T).max() > 0.1
 
 
+@pytest.mark.slow
 def test_summary_counts_the_loop_closures(mapped: Path) -> None:
     found = json.loads((mapped / "summary.json").read_text())
     loops = np.loadtxt(mapped / "loops.csv", delimiter=",", skiprows=1)

@@ -30,6 +30,7 @@ def replay(server: viser.ViserServer, toured: Path) -> Replay:
     return Replay(server, Playback.read(toured))
 
 
+@pytest.mark.slow
 def test_it_plays_to_the_end_and_stands_there(replay: Replay, toured: Path) -> None:
     end = Playback.read(toured).end
     assert not replay.step(1.0), "it doesn't play by itself"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -15,6 +16,7 @@ DT = 0.05
 LIMITS = DriveLimits(0.4, 0.8, 0.3, 1.5)
 
 
+@pytest.mark.slow
 @given(
     st.floats(-0.05, 0.05),
     st.floats(-0.05, 0.05),

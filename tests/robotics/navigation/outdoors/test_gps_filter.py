@@ -77,6 +77,7 @@ def test_rtk_lays_within_three_centimetres() -> None:
     assert np.quantile(errors, 0.95) < 0.035
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [REFERENCE_NOISE, RTK_NOISE])
 @pytest.mark.parametrize("turn", [math.pi, -2.0, math.radians(40.0)])
 def test_a_wrong_start_heading_is_found_out(noise: FieldNoise, turn: float) -> None:
@@ -109,6 +110,7 @@ def test_good_fixes_are_believed() -> None:
         assert localizer.refused == 0
 
 
+@pytest.mark.slow
 def test_an_outage_is_bridged_and_the_covariance_says_so() -> None:
     log = record_course(straight_course(3), REFERENCE_NOISE, 4)
     heard = (log.fix_rows < 2400) | (log.fix_rows > 4800)

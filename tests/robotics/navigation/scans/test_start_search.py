@@ -30,6 +30,7 @@ def seen(boxes: Boxes, pose: Pose2, reach: float = 12.0) -> ScanBeams:
     return ScanBeams(np.zeros(2), ANGLES, np.where(ranges < reach, ranges, np.inf), reach)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "off", [(0.8, 0.3, 0.0), (-0.6, 0.4, math.pi / 2), (0.0, 0.0, math.pi), (4.0, 0.5, 1.0)]
 )

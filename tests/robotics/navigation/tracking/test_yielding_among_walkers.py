@@ -42,6 +42,7 @@ class Base:
         self.x += self.speed * PERIOD_S
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wanted", [0.3, 1.0])
 @pytest.mark.parametrize(
     ("walks", "boxes"),

@@ -43,6 +43,7 @@ def _view(
     return bookshelf.render(books, camera_T_shelf, seed), camera_T_shelf, inside
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed, font", list(enumerate(FONTS)))
 def test_every_label_in_view_is_read(bookshelf: Bookshelf, ocr: OcrLabelReader, seed: int, font: str) -> None:
     image, camera_T_shelf, inside = _view(bookshelf, seed, font)
