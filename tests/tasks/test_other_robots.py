@@ -47,9 +47,12 @@ def test_it_returns_a_book(tmp_path: Path, seed: int) -> None:
 
 @pytest.mark.slow
 def test_it_returns_a_book_in_physics(tmp_path: Path) -> None:
-    summary, status = run_task(
-        TASK, tmp_path, RunOptions(backend="pybullet", settings={"robot": "xarm_cart"})
-    )
+    """Its camera's pictures are the engine's."""
+    world = tmp_path / "world.yaml"
+    text = TASK.with_name("world.yaml").read_text(encoding="utf-8")
+    world.write_text(f"{text}\ncamera: engine\n", encoding="utf-8")
+    settings = {"robot": "xarm_cart", "world": str(world)}
+    summary, status = run_task(TASK, tmp_path / "runs", RunOptions(backend="pybullet", settings=settings))
     assert (status, summary["outcome"]) == (0, "Success")
     assert summary["metrics"]["slot_correct"]
     assert summary["metrics"]["untrue"] == []

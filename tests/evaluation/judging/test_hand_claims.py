@@ -79,7 +79,7 @@ def test_what_a_taking_primitive_drops_is_not_its_own() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("backend", ["kinematic", "mujoco", "pybullet"])
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
 def test_a_dropped_block_makes_the_success_of_another_untrue(
     backend: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
