@@ -13,8 +13,11 @@ from pathlib import Path
 import pytest
 
 from handcart.backends import registry as backends
+from handcart.evaluation.conformance.checks.all_checks import checks
+from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.files.plugins import BrokenPlugin
 from handcart.primitives import registry as primitives
+from handcart.tasks.domain import BrokenDomain, domains
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -65,7 +68,10 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
     assert "MOVE_TO" in listed
 
 
-@pytest.mark.slow
+PLANTS = "[handcart.domains]\nplants = garden:DOMAIN\n"
+UNUSABLE = "the domain 'plants' of the package outside can't be used: {}; allowed: to mend the package"
+
+
 @pytest.mark.parametrize(
     ("code", "wrong"),
     [
@@ -79,19 +85,25 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
             "from handcart.tasks.domain import Domain\nDOMAIN = Domain('walls', {'STACK': 'walls:Stack'})",
             "another domain has the primitive STACK already",
         ),
-        ("raise SystemExit(0)", "it ends the process when it is imported (SystemExit: 0)"),
     ],
 )
-def test_a_broken_domain_is_told_with_its_package(tmp_path: Path, code: str, wrong: str) -> None:
-    (tmp_path / "garden.py").write_text(code, encoding="utf-8")
-    info = tmp_path / "outside-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n", encoding="utf-8")
-    (info / "entry_points.txt").write_text("[handcart.domains]\nplants = garden:DOMAIN\n", encoding="utf-8")
+def test_a_broken_domain_is_told_with_its_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, wrong: str
+) -> None:
+    outside(tmp_path, code, PLANTS)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "garden", raising=False)
+    with pytest.raises(BrokenDomain) as raised:
+        domains.__wrapped__()
+    assert UNUSABLE.format(wrong) in str(raised.value)
+    assert raised.value.exit_status == 2
+
+
+@pytest.mark.slow
+def test_a_domain_that_ends_the_process_is_told_with_its_package(tmp_path: Path) -> None:
+    outside(tmp_path, "raise SystemExit(0)", PLANTS)
     said = handcart(tmp_path, "list", "primitives")
-    message = (
-        f"the domain 'plants' of the package outside can't be used: {wrong}; allowed: to mend the package"
-    )
+    message = UNUSABLE.format("it ends the process when it is imported (SystemExit: 0)")
     assert (said.returncode, said.stdout, message in said.stderr) == (2, "", True), said.stderr
 
 
@@ -133,12 +145,16 @@ def wheels_only(folder: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_documents_backend_keeps_the_contract(tmp_path: Path) -> None:
+def test_documents_backend_keeps_the_contract(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In all checks of the kit, made in this process."""
     install(tmp_path, "README.md")
-    robot = wheels_only(tmp_path)
-    said = handcart(tmp_path, "conformance", "--backend", "ideal", "--robot", str(robot), "--part", "checks")
-    assert said.returncode == 0, said.stdout
-    assert "32 checks, 0 wrong" in said.stdout
+    bench = KitBench("ideal", str(wheels_only(tmp_path)))
+    monkeypatch.syspath_prepend(tmp_path)
+    with fresh_registries():
+        found = {name: check(bench) for name, check in checks().items()}
+    assert [f"{name}: {finding.wrong}" for name, finding in found.items() if not finding.ok] == []
+    made = {name for name, finding in found.items() if not finding.skipped}
+    assert made >= {"base", "limits", "stop", "one period", "close", "snapshot"}
 
 
 @pytest.mark.slow

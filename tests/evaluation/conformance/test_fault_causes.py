@@ -10,15 +10,11 @@ from handcart.evaluation.conformance.faults.expected_causes import (
     FALSIFIED_KINDS,
     expected_causes,
 )
-from handcart.evaluation.conformance.faults.fail_is_true import Batch, FaultTrial
+from handcart.evaluation.conformance.faults.fail_is_true import FaultTrial
 from handcart.evaluation.conformance.faults.fault import PRIMITIVE_FAULTS, Fault, FaultKind, all_sensors
-from handcart.evaluation.conformance.faults.rehearsal import Solo
 from handcart.evaluation.conformance.faults.underway import AttemptEnding
 from handcart.evaluation.conformance.report import KitReport
-from handcart.evaluation.conformance.rig.bench import KitBench
-from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.primitives.books.book_causes import JAMMED
-from handcart.primitives.outcomes import causes
 
 
 def test_every_kind_and_sensor_is_in_the_table() -> None:
@@ -62,12 +58,3 @@ def test_the_kit_allows_five_in_a_hundred(right: int, wrong: int, ok: bool) -> N
     line = f"{right} of {right + wrong} Fails and GiveUps name a cause"
     assert any(line in item and ("WRONG" in item) is not ok for item in found.lines())
     assert found.as_dict()["faults"]["causes"]["judged"] == right + wrong
-
-
-@pytest.mark.slow
-def test_faults_in_reach_lead_to_their_causes() -> None:
-    batch = Batch(Solo(KitBench("kinematic", "cart"), Reach()), 0, 1)
-    trials = {item.kind: item for item in batch() if item.names_its_cause is not None}
-    assert trials["cancel"].ending.cause == causes.CANCELLED.name
-    assert trials["time-out"].ending.cause == causes.TIME_OUT.name
-    assert all(item.names_its_cause for item in trials.values())

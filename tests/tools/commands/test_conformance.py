@@ -53,15 +53,6 @@ def test_progress_off_a_terminal_is_printed_rarely(
 
 
 @pytest.mark.slow
-def test_one_primitive_for_real(handcart: Callable[..., Said]) -> None:
-    said = handcart(
-        "conformance", "--robot", "cart", "--primitive", "REACH", "--instants", "1", "--jobs", "1"
-    )
-    assert said.status == 0
-    assert said.out.endswith("9 faults, 0 violations\n")
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [
