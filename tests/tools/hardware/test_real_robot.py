@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.runs.robot_claim import RobotClaim, claims_folder
-from tests.tools.conftest import Said
+from handcart.tools.main import main
+from tests.tools.conftest import LIBRARY, Said
 
 TASK = """\
 format: handcart-task/1
@@ -34,21 +36,66 @@ actions:
 """
 
 
-@pytest.fixture
-def task(tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Simulated drives that count as a real robot's."""
-    monkeypatch.setattr(CanBackend, "simulated", property(lambda _: False, lambda _self, _value: None))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    tour.write_text(TASK, encoding="utf-8")
-    with (tour.parent / "places.yaml").open("a") as places:
+def as_real(patch: pytest.MonkeyPatch, folder: Path) -> None:
+    """Let simulated drives count as a real robot's, claimed in a folder."""
+    patch.setattr(CanBackend, "simulated", property(lambda _: False, lambda _self, _value: None))
+    patch.setenv("XDG_STATE_HOME", str(folder / "state"))
+
+
+def write_task(folder: Path) -> Path:
+    """Write the task and its files."""
+    for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
+        (folder / name).write_bytes((LIBRARY / name).read_bytes())
+    with (folder / "places.yaml").open("a") as places:
         places.write("  near: {x_m: 1.2, y_m: 1.8, heading_deg: 90.0}\n")
-    return tour
+    path = folder / "twice.yaml"
+    path.write_text(TASK, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of each test, so that the paths in a run's files are right where the run is copied to."""
+    return tmp_path_factory.mktemp("home") / "real"
+
+
+@pytest.fixture(scope="module")
+def ran(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of that folder after one run of the task, whose drive takes seconds."""
+    shutil.rmtree(home, ignore_errors=True)
+    home.mkdir()
+    task = write_task(home)
+    with pytest.MonkeyPatch.context() as patch:
+        as_real(patch, home)
+        with pytest.raises(SystemExit) as end:
+            main(["run", str(task), "--runs", str(home / "runs"), "--json"])
+    assert not end.value.code
+    copy = tmp_path_factory.mktemp("ran") / "real"
+    shutil.copytree(home, copy, symlinks=True, ignore=shutil.ignore_patterns("control*"))
+    return copy
 
 
 @pytest.fixture
-def run(handcart: Callable[..., Said], task: Path, tmp_path: Path) -> Callable[..., Said]:
+def task(home: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The task in an empty folder."""
+    shutil.rmtree(home, ignore_errors=True)
+    home.mkdir()
+    as_real(monkeypatch, home)
+    return write_task(home)
+
+
+@pytest.fixture
+def once(ran: Path, home: Path, task: Path) -> Path:
+    """The folder of a run that ended, with all around it as the run left it."""
+    shutil.rmtree(home)
+    shutil.copytree(ran, home, symlinks=True)
+    return (home / "runs" / "latest").resolve()
+
+
+@pytest.fixture
+def run(handcart: Callable[..., Said], task: Path, home: Path) -> Callable[..., Said]:
     """Runs the task; each run has a folder in `runs`."""
-    return lambda *more: handcart("run", task, "--runs", tmp_path / "runs", "--json", *more)
+    return lambda *more: handcart("run", task, "--runs", home / "runs", "--json", *more)
 
 
 def folder_of(said: Said) -> Path:
@@ -104,42 +151,39 @@ def give_up(folder: Path) -> int:
 
 @pytest.mark.slow
 def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
-    run: Callable[..., Said], handcart: Callable[..., Said], tmp_path: Path
+    once: Path, run: Callable[..., Said], handcart: Callable[..., Said]
 ) -> None:
     """N13, U12: a service that starts again and again moves nothing and fills no disk."""
-    folder = folder_of(run())
+    folder = once
     number = give_up(folder)
     for _ in range(3):
         said = run()
         assert said.status == 6
         assert "waits for a person: a wheel is stuck" in said.err
         assert f"handcart ack {folder} {number}" in said.err
-    assert [path.name for path in (tmp_path / "runs").iterdir() if not path.is_symlink()] == [folder.name]
+    assert [path.name for path in folder.parent.iterdir() if not path.is_symlink()] == [folder.name]
     assert handcart("ack", folder, number).status == 0
     assert run().status == 0
 
 
 @pytest.mark.slow
 def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(
-    run: Callable[..., Said], handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
+    once: Path, handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N13: the drives may be off, and the bus with them."""
-    folder = folder_of(run())
-    give_up(folder)
+    give_up(once)
     monkeypatch.setattr(
         "handcart.networks.task.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken")
     )
-    said = handcart("resume", folder)
+    said = handcart("resume", once)
     assert said.status == 6
     assert "handcart ack" in said.err
 
 
 @pytest.mark.slow
-def test_one_primitive_alone_is_refused_too(
-    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
-) -> None:
+def test_one_primitive_alone_is_refused_too(once: Path, handcart: Callable[..., Said]) -> None:
     """N13"""
-    give_up(folder_of(run()))
+    give_up(once)
     said = handcart("do", "MOVE_TO", "place=shelf_3", "--robot", "cart", "--backend", "can")
     assert said.status == 6
     assert "waits for a person" in said.err
@@ -158,10 +202,10 @@ def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(
 
 @pytest.mark.slow
 def test_an_action_that_was_broken_off_waits_too(
-    run: Callable[..., Said], handcart: Callable[..., Said]
+    once: Path, run: Callable[..., Said], handcart: Callable[..., Said]
 ) -> None:
     """N13: the robot's position is unknown."""
-    folder = folder_of(run())
+    folder = once
     broke_off(folder, "START", 1)
     number = len(records(folder)) - 1
     said = run()
@@ -172,16 +216,15 @@ def test_an_action_that_was_broken_off_waits_too(
 
 
 @pytest.mark.slow
-def test_broken_off_between_two_actions_nothing_waits(run: Callable[..., Said]) -> None:
-    broke_off(folder_of(run()), "RESULT", 0)
+def test_broken_off_between_two_actions_nothing_waits(once: Path, run: Callable[..., Said]) -> None:
+    broke_off(once, "RESULT", 0)
     assert run().status == 0
 
 
 @pytest.mark.slow
-def test_a_journal_that_is_gone_needs_a_person(run: Callable[..., Said], tmp_path: Path) -> None:
-    folder = folder_of(run())
-    broke_off(folder, "START", 1)
-    (folder / "journal.jsonl").unlink()
+def test_a_journal_that_is_gone_needs_a_person(once: Path, run: Callable[..., Said]) -> None:
+    broke_off(once, "START", 1)
+    (once / "journal.jsonl").unlink()
     said = run()
     assert said.status == 6
     assert f"rm {claims_folder() / 'can-virtual_cart'}" in said.err
@@ -203,10 +246,10 @@ def test_two_runs_on_one_robot(run: Callable[..., Said], task: Path) -> None:
 
 @pytest.mark.slow
 def test_resume_shows_all_and_moves_only_with_a_persons_word(
-    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
+    once: Path, handcart: Callable[..., Said], task: Path
 ) -> None:
     """Known, expected, measured, unknown, next; then `--confirm` with the last record."""
-    folder = folder_of(run())
+    folder = once
     broke_off(folder, "RESULT", 0)
     at = records(folder)[-1]["at"]["base"]
     stands_at(task, at[0] + 0.005, at[1], at[2] * 57.29578)
@@ -226,11 +269,9 @@ def test_resume_shows_all_and_moves_only_with_a_persons_word(
 
 
 @pytest.mark.slow
-def test_moved_by_hand_while_nobody_watched(
-    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
-) -> None:
+def test_moved_by_hand_while_nobody_watched(once: Path, handcart: Callable[..., Said], task: Path) -> None:
     """U13: nothing moves, whatever is confirmed."""
-    folder = folder_of(run())
+    folder = once
     broke_off(folder, "RESULT", 0)
     at = records(folder)[-1]["at"]["base"]
     stands_at(task, at[0] + 0.15, at[1], at[2] * 57.29578)
@@ -241,9 +282,9 @@ def test_moved_by_hand_while_nobody_watched(
 
 @pytest.mark.slow
 def test_real_action_in_doubt_measured_at_its_start_has_failed(
-    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
+    once: Path, handcart: Callable[..., Said], task: Path
 ) -> None:
-    folder = folder_of(run())
+    folder = once
     broke_off(folder, "START", 1)
     at = records(folder)[-1]["at"]["base"]
     stands_at(task, at[0], at[1], at[2] * 57.29578)
@@ -257,11 +298,9 @@ def test_real_action_in_doubt_measured_at_its_start_has_failed(
 
 
 @pytest.mark.slow
-def test_what_no_sensor_can_tell_needs_a_yes(
-    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
-) -> None:
+def test_what_no_sensor_can_tell_needs_a_yes(once: Path, handcart: Callable[..., Said], task: Path) -> None:
     """An INTENT is open: whether it happened only a person knows."""
-    folder = folder_of(run())
+    folder = once
     broke_off(folder, "START", 1)
     path = folder / "journal.jsonl"
     at = records(folder)[-1]["at"]["base"]
