@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,18 +32,30 @@ total_station: {x_m: -5.0, y_m: -8.0}
 IN_THE_WAY = "surprises: [{name: crate, x_m: 10.0, y_m: 0.2, size_m: [0.6, 0.6, 1.0]}]\n"
 
 
+def write_small(folder: Path) -> dict[str, str]:
+    """Write a field with two targets; return its settings."""
+    (folder / "two.csv").write_text(TWO, encoding="utf-8")
+    (folder / "small.yaml").write_text(WORLD, encoding="utf-8")
+    (folder / "crate.yaml").write_text(WORLD + IN_THE_WAY, encoding="utf-8")
+    return {"targets": str(folder / "two.csv"), "world": str(folder / "small.yaml"), "wait_s": "20"}
+
+
 @pytest.fixture
 def small(tmp_path: Path) -> dict[str, str]:
     """Settings for a field with two targets."""
-    (tmp_path / "two.csv").write_text(TWO, encoding="utf-8")
-    (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
-    (tmp_path / "crate.yaml").write_text(WORLD + IN_THE_WAY, encoding="utf-8")
-    return {"targets": str(tmp_path / "two.csv"), "world": str(tmp_path / "small.yaml"), "wait_s": "20"}
+    return write_small(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def laid(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], int]:
+    """Summary and status of a run in which two sensors are laid."""
+    folder = tmp_path_factory.mktemp("laid")
+    return run_task(STRAIGHT, folder, RunOptions(settings=write_small(folder), seed=2, draw=True))
 
 
 @pytest.mark.slow
-def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str]) -> None:
-    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2, draw=True))
+def test_two_sensors_are_laid_and_told_of(laid: tuple[dict[str, Any], int]) -> None:
+    summary, status = laid
     metrics, folder = summary["metrics"], Path(summary["run_dir"])
     assert status == 0
     assert metrics["untrue"] == []
@@ -54,8 +67,8 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str])
     with (folder / "as_laid.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["name"] for row in rows] == ["first", "second"]
-    laid = json.loads((folder / "as_laid.geojson").read_text(encoding="utf-8"))
-    kinds = [feature["geometry"]["type"] for feature in laid["features"]]
+    drawn = json.loads((folder / "as_laid.geojson").read_text(encoding="utf-8"))
+    kinds = [feature["geometry"]["type"] for feature in drawn["features"]]
     assert kinds == ["Point", "Polygon"] * 2
     assert (folder / "as_laid.svg").stat().st_size > 10_000
     log = read_csv_log(folder / "drive.csv")
@@ -66,22 +79,15 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str])
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_run(tmp_path: Path, small: dict[str, str]) -> None:
-    places = [
-        run_task(STRAIGHT, tmp_path / name, RunOptions(settings=small, seed=5))[0]["metrics"]["placements"]
-        for name in "ab"
-    ]
-    assert places[0] == places[1]
-
-
-@pytest.mark.slow
-def test_killed_it_goes_on_and_tells_of_all_sensors(
+def test_the_same_seed_gives_the_same_run_and_killed_it_goes_on(
     tmp_path: Path, small: dict[str, str], copier: type[Copier]
 ) -> None:
     left = tmp_path / "left"
+    plain, _ = run_task(STRAIGHT, tmp_path / "plain", RunOptions(settings=small, seed=5))
     whole, _ = run_task(
         STRAIGHT, tmp_path, RunOptions(settings=small, seed=5, checkpoints=True, observers=(copier(4, left),))
     )
+    assert whole["metrics"]["placements"] == plain["metrics"]["placements"]
     again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0
     assert again["metrics"]["placements"] == whole["metrics"]["placements"]
@@ -109,9 +115,10 @@ def test_around_what_no_map_shows_another_way_is_found(tmp_path: Path, small: di
 
 
 @pytest.mark.slow
-def test_together_the_arm_moves_while_the_base_drives(tmp_path: Path, small: dict[str, str]) -> None:
-    settings = {**small, "together": "true"}
-    apart, _ = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2))
+def test_together_the_arm_moves_while_the_base_drives(
+    tmp_path: Path, small: dict[str, str], laid: tuple[dict[str, Any], int]
+) -> None:
+    settings, (apart, _) = {**small, "together": "true"}, laid
     summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=2))
     assert status == 0
     assert summary["metrics"]["untrue"] == []

@@ -24,11 +24,12 @@ from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 TASK = ROOT / "tasks" / "return_book" / "paper.yaml"
-LIBRARIES: dict[str, dict[str, Any]] = {
-    "blocked": {"blocked": "closed"},
-    "unreadable": {"tag": "smeared"},
-    "no_gap": {"gap": False},
+LIBRARIES: dict[str, tuple[dict[str, Any], str]] = {
+    "blocked": ({"blocked": "closed"}, "no way around leads to shelf_"),
+    "unreadable": ({"tag": "smeared"}, "no tag can be read"),
+    "no_gap": ({"gap": False}, "there is no free slot"),
 }
+"""What a library is like, and words of the reason that a run in it ends with."""
 
 
 @pytest.fixture(scope="module")
@@ -38,9 +39,13 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
     def folder(name: str) -> Path:
         if name not in made:
-            worlds = Libraries.model_validate(LIBRARIES[name])
+            library, words = LIBRARIES[name]
+            worlds = Libraries.model_validate(library)
             setting = CampaignSetting(TASK, None, None, worlds, tmp_path_factory.mktemp(name))
-            made[name] = Path(run_trial(setting, 0).summary["run_dir"])
+            done = run_trial(setting, 0)
+            assert (done.status, done.untrue) == (3, [])
+            assert words in done.summary["reason"]
+            made[name] = Path(done.summary["run_dir"])
         return made[name]
 
     return folder

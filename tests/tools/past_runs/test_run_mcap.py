@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +15,8 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
 from handcart.evaluation.viewing.playback.playback import Playback
-from tests.tools.conftest import Said
+from handcart.tools.main import main
+from tests.tools.conftest import LIBRARY, TOUR, Said
 
 SCHEMAS = {
     "/camera": "CompressedImage",
@@ -31,11 +33,23 @@ SCHEMAS = {
 }
 
 
-@pytest.fixture
-def run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run that is over."""
-    assert handcart("run", tour, "--runs", tmp_path / "runs", "--no-report").status == 0
-    return tmp_path / "runs" / "tour-0"
+    folder = tmp_path_factory.mktemp("tour")
+    for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
+        (folder / name).write_bytes((LIBRARY / name).read_bytes())
+    (folder / "tour.yaml").write_text(TOUR, encoding="utf-8")
+    with pytest.raises(SystemExit) as end:
+        main(["run", str(folder / "tour.yaml"), "--runs", str(folder / "runs"), "--no-report"])
+    assert not end.value.code
+    return folder / "runs" / "tour-0"
+
+
+@pytest.fixture
+def run(ran: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return Path(shutil.copytree(ran, tmp_path / "runs" / ran.name, ignore=shutil.ignore_patterns("control*")))
 
 
 def messages(path: Path) -> dict[str, list[tuple[str, float, Any]]]:
