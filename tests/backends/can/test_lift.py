@@ -18,6 +18,7 @@ from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
 from tests.lift_robot import write_lift_robot
+from tests.take_book import write_take_book
 
 
 @pytest.mark.parametrize(("read", "held"), [(-2e-4, 0.0), (0.1, 0.1), (0.2504, 0.25), (-0.04, -0.04)])
@@ -48,9 +49,8 @@ def test_its_limits_are_tried_at_bring_up(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_it_returns_a_book(tmp_path: Path) -> None:
-    options = RunOptions(
-        backend="can", bench="kinematic", settings={"robot": str(write_lift_robot(tmp_path))}
-    )
-    summary, status = run_task(LIBRARY_FOLDER / "task.yaml", tmp_path / "runs", options)
-    assert (status, summary["outcome"], summary["metrics"]["untrue"]) == (0, "Success", [])
+def test_it_takes_a_book(tmp_path: Path) -> None:
+    task = write_take_book(tmp_path, str(write_lift_robot(tmp_path)))
+    summary, status = run_task(task, tmp_path / "runs", RunOptions(backend="can", bench="kinematic"))
+    assert (status, summary["outcome"], summary["situation"]) == (0, "Success", "in_hand")
+    assert summary["metrics"].get("untrue", []) == []

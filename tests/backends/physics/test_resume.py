@@ -13,26 +13,10 @@ import pytest
 
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.networks.journal.journal_record import read_journal
+from tests.take_book import write_take_book
 
 ROOT = Path(__file__).resolve().parents[3]
-LIBRARY = ROOT / "tasks" / "return_book"
 LONGEST = 300.0  # [s] of wall-clock time that a run gets
-TASK = """\
-format: handcart-task/1
-title: Take the book
-robot: librarian
-world: world.yaml
-knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
-start: waiting
-goal: in_hand
-situations:
-  waiting: {base: home, book: on the tray}
-  book_known: {base: home, book: on the tray}
-  in_hand: {base: home, book: in hand}
-actions:
-  - {do: RECOGNIZE, from: waiting, to: book_known, cost_s: 8}
-  - {do: PICK_UP, from: book_known, to: in_hand, cost_s: 15}
-"""
 
 
 def handcart(*words: object) -> subprocess.Popen[bytes]:
@@ -59,10 +43,7 @@ def results(folder: Path) -> list[tuple[int, str]]:
 def test_killed_while_it_takes_the_book_it_takes_it_after_all(
     physics: type[PhysicsBackend], tmp_path: Path
 ) -> None:
-    for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
-        (tmp_path / name).write_bytes((LIBRARY / name).read_bytes())
-    task = tmp_path / "task.yaml"
-    task.write_text(TASK, encoding="utf-8")
+    task = write_take_book(tmp_path)
     folder = tmp_path / "runs" / f"{tmp_path.name}-0"
     process = handcart("run", task, "--backend", physics.name, "--runs", folder.parent)
     end = time.monotonic() + LONGEST
