@@ -145,6 +145,11 @@ def test_broken_kind_is_reported_with_its_package(package: Path, code: str, wron
     assert "the kind of sensor 'sonar' of the package sonar" in said.stderr
     assert f"can't be used: {wrong}" in said.stderr
     assert "Traceback" not in said.stderr
+
+
+@pytest.mark.slow
+def test_robot_without_the_sensor_runs_beside_a_broken_kind(package: Path) -> None:
+    (package / "sonar.py").write_text("raise RuntimeError('broken')", encoding="utf-8")
     untouched = handcart(package, "run", str(ROOT / "tasks" / "drive_map" / "task.yaml"), "--dry-run")
     assert untouched.returncode == 0, untouched.stderr
 

@@ -69,12 +69,10 @@ def test_its_files_are_checked(
     assert "unknown key 'need_ml'; did you mean 'needs_ml'?" in said.stderr
 
 
-@pytest.mark.parametrize("backend", ["kinematic", "mujoco", "pybullet"])
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
 def test_plants_get_what_they_need(
     handcart: Callable[..., subprocess.CompletedProcess[str]], backend: str
 ) -> None:
-    if backend == "pybullet":
-        pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     said = handcart("run", TASK, "--backend", backend, "--json")
     report = json.loads(said.stdout.splitlines()[-1])
     assert (said.returncode, report["outcome"], report["metrics"]["untrue"]) == (0, "Success", [])
@@ -97,7 +95,7 @@ def test_a_campaign_tells_its_figures(handcart: Callable[..., subprocess.Complet
 
 
 def test_the_kit_finds_nothing_wrong(handcart: Callable[..., subprocess.CompletedProcess[str]]) -> None:
-    words = ("--part", "faults", "--robot", "toyama/h1", "--primitive", "WATER", "--instants", "2")
+    words = ("--part", "faults", "--robot", "toyama/h1", "--primitive", "WATER", "--instants", "1")
     said = handcart("conformance", *words)
     assert said.returncode == 0, said.stdout + said.stderr
     assert "0 violations" in said.stdout

@@ -194,14 +194,14 @@ def test_a_link_that_leads_nowhere_is_no_runs_folder(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stream", ["stdout", "stderr"])
-def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path, stream: str) -> None:
-    """K14: a pipe that is closed at its other end doesn't stop the stop."""
+def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path) -> None:
+    """K14: a pipe that is closed at its other end doesn't stop the stop; stderr is what a drive writes to."""
     reading, writing = os.pipe()
     process = python(
         "from handcart.tools.main import main",
         f"main(['run', {str(tour)!r}, *{ON_CAN!r}, '--runs', {str(tmp_path / 'runs')!r}])",
-        **{"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, stream: writing},
+        stdout=subprocess.DEVNULL,
+        stderr=writing,
     )
     os.close(writing)
     end = time.monotonic() + LATEST_S

@@ -177,7 +177,7 @@ def living(group: int) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("jobs", "kind"), [(1, signal.SIGTERM), (2, signal.SIGTERM), (2, signal.SIGINT)])
+@pytest.mark.parametrize(("jobs", "kind"), [(1, signal.SIGTERM), (2, signal.SIGINT)])
 def test_a_campaign_of_processes_is_ended_by_a_signal(
     tour: Path, tmp_path: Path, jobs: int, kind: signal.Signals
 ) -> None:

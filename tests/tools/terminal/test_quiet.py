@@ -33,7 +33,7 @@ def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]
         ("schema", "robot"),
         ("check", LIBRARY / "map.yaml"),
         pytest.param(("check", LIBRARY / "task.yaml"), marks=pytest.mark.slow),
-        pytest.param(("check", ROOT / "backends/robots/librarian/robot.yaml"), marks=pytest.mark.slow),
+        pytest.param(("check", ROOT / "backends/robots/cart/robot.yaml"), marks=pytest.mark.slow),
     ],
 )
 @pytest.mark.slow
