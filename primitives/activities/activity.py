@@ -26,7 +26,9 @@ class ActivityFile(FileModel):
     objects: dict[Name, Name]
     """Names of objects in the world, by the term in the definition."""
     floors: dict[Name, tuple[float, float, float, float]] = Field(default_factory=dict)
-    """Part of the floor that a floor's term means, in [m]: least x and y, greatest x and y (default: all)."""
+    """Part of the floor by its term in the definition, as least x, least y, greatest x and greatest y on the
+    map, in [m] (default: the complete floor).
+    """
     beside: dict[Name, Name] = Field(default_factory=dict)
     """Term in the definition of what a moved object has to be next to, by the name of the object."""
     goal: dict[Name, tuple[Name, ...]] = Field(default_factory=dict)

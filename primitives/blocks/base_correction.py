@@ -31,12 +31,16 @@ View = Generator[None, None, Fixed]
 
 
 class FixOnce:
-    """No correction, as in the paper; base class of all corrections. One instance serves one attempt."""
+    """Placing without correction of the base's turn and tilt (Hatano et al. 2000); base class of all
+    corrections.
+
+    One instance serves one attempt.
+    """
 
     needs_imu: ClassVar[bool] = False
     """True if the robot needs inertial sensors."""
     views_landmark: ClassVar[bool] = False
-    """True if the landmark of the fixation is viewed again, with the block in the hand."""
+    """True if the landmark of the fixation is viewed again before placing, with the block in the hand."""
     views_goal: ClassVar[bool] = False
     """True if a landmark beside the goal is viewed, and the goal is found relative to it."""
     looks: ClassVar[int] = 1
@@ -51,13 +55,15 @@ class FixOnce:
             robot: robot with its hand over the landmark.
             before: last fixation; None without one.
             now: fixation by the view.
-            swings: number of swings of the loaded arm to the view.
+            swings: number of swings of the loaded arm between the two fixations; each turns the base.
         """
         return now
         yield
 
     def measure_over_goal(self, robot: Robot) -> Generator[None, None, bool]:
-        """Measure with the block over its goal; return whether the goal is to be computed again."""
+        """Measure with the block over its goal, if the correction needs it; return whether the goal has to be
+        computed again.
+        """
         return False
         yield
 
@@ -94,7 +100,9 @@ class ByModel(FixOnce):
         return known.corrected(inverse(turned) @ goal.pose, np.eye(4), 0)
 
     def turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
-        """Return the base's turn since a fixation, the swings to come included, in [rad]."""
+        """Return the yaw of the base since a fixation, in [rad], with that of the swings still to come;
+        positive to the left.
+        """
         return turn_by_model(robot, fixed.swings + swings_to_come).yaw
 
 
@@ -121,7 +129,9 @@ class FixAgain(FixOnce):
 
 
 class FixAgainModel(ByModel):
-    """Correction by `FixAgain`, then by the model from there on, fused with the earlier fixation."""
+    """Correction by viewing the landmark again, fused with the earlier fixation, then by the suspension's
+    model.
+    """
 
     views_landmark: ClassVar = True
 
@@ -137,7 +147,11 @@ class FixAgainModel(ByModel):
 
 
 class FixAgainImu(FixAgainModel):
-    """Correction by `FixAgainModel`; turn by the gyros, tilt beyond the model by the accelerometers."""
+    """Correction by viewing the landmark again, fused with the earlier fixation, then by the inertial
+    sensors.
+
+    The turn is that of the gyros; the tilt beyond the suspension's model is that of the accelerometers.
+    """
 
     needs_imu: ClassVar = True
 

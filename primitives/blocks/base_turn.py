@@ -14,14 +14,15 @@ FUSION_GATE_SIGMAS = 5.0  # sigmas
 
 
 class BaseTurn(NamedTuple):
-    """A turn of the base, and its sigma, in [rad]."""
+    """Yaw of the base, positive to the left, with its standard deviation, in [rad]."""
 
     yaw: float
     sigma: float
 
 
 def turn_by_model(robot: Robot, swings: int) -> BaseTurn:
-    """Return the yaw that the suspension's model predicts for `swings` of the loaded arm.
+    """Return the yaw of the base that the suspension's model predicts for a number of swings of the loaded
+    arm.
 
     Hatano et al. (2000), eq. 12.
     """
@@ -40,9 +41,9 @@ def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> Base
 def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
     """Return a fixation that fuses the current one with an earlier one and the base's turn since then.
 
-    The position of the base is assumed unchanged. Both are weighed by their variance (update of a Kalman
-    filter with states measured one by one). If they differ by more than `FUSION_GATE_SIGMAS`,
-    the base was moved meanwhile: the earlier fixation is dropped.
+    The position of the base is assumed unchanged. Positions and headings of both fixations are weighted by
+    their variances (update of a Kalman filter with states measured one by one). If they differ by more than
+    `FUSION_GATE_SIGMAS` standard deviations, the base was moved meanwhile: the earlier fixation is dropped.
     """
     spread = math.hypot(before.sigma[1], turn.sigma)
     place = (before.sigma[0] ** 2, now.sigma[0] ** 2)

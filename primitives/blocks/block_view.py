@@ -89,7 +89,7 @@ def _flat(height: float) -> Transform:
 
 
 def _as_block(seen: Pose2, expected: Pose2) -> Pose2:
-    """Return the heading, of the two from which a block looks the same, that is nearer to the expected
+    """Return a seen pose, turned half around if that heading, which looks the same, is nearer to the expected
     one.
     """
     turned = math.cos(seen.theta - expected.theta) < 0.0

@@ -42,7 +42,7 @@ class Fixed(NamedTuple):
     moved: float
     """Time over which the gyros' rates were integrated until the measurement, in [s], by `Attitude.moved`."""
     swings: int = 0
-    """Swings of the loaded arm since the measurement."""
+    """Number of swings of the loaded arm since the measurement; each turns the base a little."""
 
     @property
     def covariance(self) -> FloatArray:

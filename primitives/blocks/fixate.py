@@ -84,7 +84,7 @@ class Fixate(ActionPrimitive):
         robot.localization.found_at(pose, upright_sigma(blocks.fixed, pose))
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the base has kept its pose: gyros, if any, have measured no turn since."""
+        """Return whether the base has kept its pose since the fixation: gyros, if any, measured no turn."""
         blocks = model.of(Blocks)
         fixed, feels = blocks.fixed, robot.spec.imu is not None
         if fixed is not None and feels and abs(turn_by_gyros(robot, fixed).yaw) >= MOST_TURNED:

@@ -67,7 +67,7 @@ class Fixation(NamedTuple):
 def planned_view(
     robot: Robot, mark: LandmarkPlan, planned: Pose2, hand: Transform | None = None
 ) -> PlannedView:
-    """Return the view of a landmark from a base at its target place (relation A).
+    """Return the view of a landmark from a base at its target place (relation A of Hatano et al. 2000).
 
     Args:
         robot: robot whose hand-eye calibration is used.
@@ -167,7 +167,7 @@ def fixate(
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
-    """Return the pose of the base for the world model; `planned` is map_T_base of the place."""
+    """Return the result of a fixation for the world model; `planned` is map_T_base of the place."""
     pose = planned.compose(found.planned_T_base)
     reach = (float(found.base_T_hand[0, 3]), float(found.base_T_hand[1, 3]))
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
@@ -196,7 +196,8 @@ def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transfo
     Args:
         fixed: fixation with the measured pose.
         known: suspension model, whose tilt is removed.
-        height: height of the landmark, in [m], whose place in the picture a tilt displaces.
+        height: height of the landmark above the floor, in [m]: the higher it is, the further a tilt moves it
+            in the picture.
         beside: (4, 4) motion of the base by the tilt beyond the model, removed as well.
     """
     hand = transform((*fixed.reach, height))
@@ -222,7 +223,9 @@ def _mean(poses: Sequence[Pose2]) -> Pose2:
 
 
 def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
-    """Return the hand's pose at the planned height, oriented as planned except about the vertical."""
+    """Return the hand's pose (4, 4), moved to the planned height and tilted as planned; x, y and heading
+    stay.
+    """
     turn = base_T_hand[:3, :3] @ view.base_T_hand[:3, :3].T
     yaw = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     result = transform(rpy=(0.0, 0.0, yaw)) @ view.base_T_hand
@@ -265,7 +268,7 @@ def _identified(
 def _make_sure(
     robot: Robot, start: Transform, views: LandmarkViews, held: Box | None, around: Sequence[Box]
 ) -> Periods:
-    """Look from elsewhere until one explanation is left of what is seen."""
+    """Take views from elsewhere until one explanation of the seen marks is left."""
     for _ in range(MOST_VIEWS):
         if len(views.explanations) < 2:
             return

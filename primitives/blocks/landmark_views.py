@@ -41,7 +41,9 @@ SAME_PX = 8.0  # between two finds of one mark in a picture
 
 
 class Sought(NamedTuple):
-    """A landmark to be looked at, among those around it."""
+    """Landmark that is searched for, with all others that it may be confused with, and the believed base
+    pose.
+    """
 
     mark: PlannedMark
     among: tuple[PlannedMark, ...]
@@ -57,17 +59,18 @@ class _Seen(NamedTuple):
 
 class _Difference(NamedTuple):
     rival: int
-    """Index of the explanation that differs."""
+    """Index, among the other explanations, of the one that disagrees with the likeliest one."""
     place: Pose2
-    """base_T_mark of the landmark that differs."""
+    """base_T_mark of the landmark that only one of the two explanations expects."""
     weight: float
-    """Gain of the likeliest explanation's lead if the view confirms it."""
+    """Gain of the likeliest explanation's lead, in log-likelihood, if a view confirms it."""
 
 
 class LandmarkViews:
-    """Pictures of one fixation. `frames` counts them, `explanation` is the likeliest one of what they show.
+    """Pictures of one fixation, and the explanations of the marks seen in them.
 
-    A mark that was seen is remembered until a picture that should show it doesn't.
+    `frames` is the number of pictures. An explanation assigns the seen marks to landmarks of the plan. A mark
+    that was seen is remembered until a picture that should show it doesn't.
     """
 
     def __init__(self, robot: Robot, view: PlannedView, sought: Sought, evidence: Evidence) -> None:
@@ -125,7 +128,7 @@ class LandmarkViews:
         return None
 
     def hides(self) -> bool:
-        """Return whether the landmark is missing in the last picture although it should be in view."""
+        """Return whether the wanted landmark is missing in the last picture although it should be in view."""
         if self.explanation is None or self.wanted() is not None:
             return False
         mark = self._sought.mark
@@ -160,7 +163,9 @@ class LandmarkViews:
     def _differences(
         self, best: MarkAssignment, others: Sequence[MarkAssignment]
     ) -> dict[Kind, list[_Difference]]:
-        """Return landmarks that only one of two explanations has, where no picture was taken yet."""
+        """Return landmarks that only the best or only another explanation expects, where no picture was taken
+        yet.
+        """
         found: dict[Kind, list[_Difference]] = {}
         expected = self._expected(best)
         for rival, otherwise in enumerate(map(self._expected, others)):
@@ -177,7 +182,7 @@ class LandmarkViews:
         return found
 
     def _expected(self, explanation: MarkAssignment) -> dict[Kind, list[Pose2]]:
-        """Return base_T_mark of all landmarks of the plan, by kind."""
+        """Return base_T_mark of all landmarks of the plan by an explanation, grouped by kind."""
         to_base = explanation.planned_T_base.inverse()
         places: dict[Kind, list[Pose2]] = {}
         for mark in self._sought.among:
@@ -223,7 +228,7 @@ class LandmarkViews:
 
 
 def offsets(rings: int) -> list[tuple[float, float]]:
-    """Return x and y of views around a first one, in [m], the nearest first."""
+    """Return x and y of further views relative to a first one, in [m], the nearest first."""
     steps = [SEARCH_STEP_M * n for n in range(-rings, rings + 1)]
     views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
     return sorted(views, key=lambda view: (math.hypot(*view), math.atan2(view[1], view[0])))

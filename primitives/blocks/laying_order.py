@@ -49,7 +49,7 @@ def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
 
 
 def laying_orders(drawing: Drawing) -> list[list[DrawnBlock]]:
-    """Return the orders to choose from: row by row, and in steps along the wall."""
+    """Return the one or two possible laying orders of all blocks: row by row, and in steps along the wall."""
     blocks = drawing.blocks
     ends = np.array([block.place.floor[:2] for block in blocks])
     _, _, axes = np.linalg.svd(ends - ends.mean(axis=0))

@@ -179,7 +179,7 @@ class PickUpBlock(ActionPrimitive):
         return seen.lift(float(stands[2, 3]))
 
     def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
-        """Return base_T_block (4, 4) by the plan and the pose of the base."""
+        """Return base_T_block (4, 4) by the building plan and the estimated pose of the base."""
         if self.at == "robot":
             return plan.seat(self.number).pose
         if self.number > len(plan.supply):

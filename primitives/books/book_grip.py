@@ -50,7 +50,10 @@ def unlike_book(robot: Robot, model: ModelView) -> str:
 
 
 def opening(robot: Robot, book: Book | None) -> Measured:
-    """Return the gripper's reading for a Discrepancy: its error from a book's thickness, or the width."""
+    """Return the opening of the fingers for a `Discrepancy`: its error from the book's thickness.
+
+    If no book is known or nothing is between the fingers, it is the opening itself.
+    """
     if book is None or not robot.gripper.closed_on_something():
         return width_read(robot)
     off = abs(1e3 * robot.gripper.width() - book.thickness_mm)

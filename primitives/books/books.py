@@ -30,7 +30,7 @@ class Slot(NamedTuple):
     before: str
     """Call number of the right neighbour."""
     sides: tuple[float, ...] = ()
-    """y of the sides of books left of it, its own left side among them, in [m]."""
+    """y of the sides of books to the left of the slot, including the slot's own left side, in [m]."""
 
     def moved(self, y: float) -> Slot:
         """Return the slot moved to the left, with its neighbours, by `y` in [m]."""

@@ -236,6 +236,8 @@ def _yield_aside(robot: Robot) -> Generator[None, None, float]:
 
 
 def _about(edge: float, aside: float, turn: float) -> Transform:
-    """Return hand_T_hand (4, 4): moved by `aside`, and turned around the point `edge` [m] ahead."""
+    """Return start_T_hand (4, 4) of a hand moved left by `aside` in [m], and turned left by `turn` in [rad]
+    around a point `edge` ahead of it in [m].
+    """
     there = transform((edge, aside, 0.0), (0.0, 0.0, turn))
     return there @ transform((-edge, 0.0, 0.0))

@@ -205,7 +205,9 @@ class Search(ActionPrimitive):
         return () if right is None else (Gap(left, right),)
 
     def _where(self, book: Book, number: CallNumber) -> GapFound | NoGap:
-        """Return the interval between labelled books where the book belongs, whether it is free or not."""
+        """Return the interval between labelled books where the book belongs, whether a slot is free there or
+        not.
+        """
         reading = self._reading()
         self._note(reading)
         widest = max((gap.width for gap in reading.intervals), default=0.0)
@@ -243,7 +245,9 @@ class Search(ActionPrimitive):
         )
 
     def _find(self, book: Book, number: CallNumber, slots: tuple[Gap, ...]) -> GapFound | NoGap:
-        """Return the slot among `slots`."""
+        """Return the slot of the book among candidate slots; their widths are scaled by known book
+        thicknesses first.
+        """
         reading = self._reading()
         self._note(reading)
         scale = scale_of(self._views, self._thicknesses)
@@ -303,7 +307,7 @@ def _thicknesses(catalogue: Catalogue) -> dict[CallNumber, float]:
 
 
 def _sides_left_of(y: float, reading: ShelfReading) -> tuple[float, ...]:
-    """Return y of the sides of books within LEFT_OF of y, y included, in [m]; one of two that touch."""
+    """Return y of the book sides between y and `LEFT_OF` to its left, in [m]; one of two that touch."""
     sides = {y}
     for side in sorted((side for book in reading.books for side in (book.left, book.right)), key=float):
         if MAX_SIDE_GAP_M < side - y < LEFT_OF and all(abs(side - other) > MAX_SIDE_GAP_M for other in sides):

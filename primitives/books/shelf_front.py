@@ -18,9 +18,11 @@ FRONT_GATE_M = 0.10  # that the front may be off where map and pose have it
 
 
 def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform]:
-    """Measure base_T_shelf (4, 4), the base standing still before the shelf: see `Shelf` for the frame.
+    """Measure base_T_shelf (4, 4) from a base at rest before the shelf.
 
-    Distance and angle are measured on the shelf's front; along it the localizer's pose counts.
+    The shelf's frame has x into the shelf, y to the left and z up; its origin is the middle of the front edge
+    at the height of the board. Distance and angle are measured on the shelf's front; the position along the
+    front is that of the localizer.
 
     Args:
         robot: robot before the shelf, at rest.

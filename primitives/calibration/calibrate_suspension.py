@@ -130,7 +130,12 @@ class CalibrateSuspension(ActionPrimitive):
         return sightings
 
     def _swing(self, robot: Robot, scene: HandSurroundings) -> Generator[None, None, tuple[FloatArray, int]]:
-        """Swing; return headings (n, m) of the base over the first landmark, and the swings between rows."""
+        """Swing the load out and back; return the base's headings over the first landmark, and the swings
+        between rows.
+
+        The headings (swings + 1, views) are in [rad], positive to the left, relative to the landmark's
+        heading. Each row is measured at rest after one more motion out and back, which counts as two swings.
+        """
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
         here = above(robot, base_T_mark, VIEW_HEIGHTS_M[0])
         out = _farthest(robot, scene, here)
@@ -167,7 +172,9 @@ class CalibrateSuspension(ActionPrimitive):
 
 
 def _farthest(robot: Robot, scene: HandSurroundings, here: Transform) -> Transform:
-    """Return base_T_hand (4, 4) over the landmark farthest from `here`; it must be a swing away."""
+    """Return base_T_hand (4, 4) over the landmark farthest from `here`; at least the length of a swing
+    away.
+    """
     views = [above(robot, mark, VIEW_HEIGHTS_M[0]) for mark in scene.base_T_marks]
     far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
     least = MIN_SWING_RATIO * robot.spec.suspension.swing_from_mm / 1e3

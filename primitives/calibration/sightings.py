@@ -35,7 +35,7 @@ class Seen(NamedTuple):
     landmark: Landmark
     base_T_hand: Transform
     base_T_landmark: Pose2
-    """Pose on its table, with the base assumed to be level."""
+    """Pose of the landmark in the base frame by the picture, with the base assumed to be level."""
 
 
 def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:

@@ -17,7 +17,7 @@ _robot_time: ContextVar[Callable[[], float] | None] = ContextVar("_robot_time", 
 
 
 class WallClockError(RuntimeError):
-    """A behaviour reads the wall clock or sleeps."""
+    """Error in a behaviour that reads the wall clock or sleeps."""
 
 
 class TickTime(ModuleType):

@@ -40,20 +40,22 @@ def wall_clock_reads(kind: type) -> tuple[str, ...]:
 
 
 def _given_reads(node: Behaviour) -> Iterator[str]:
-    """Yield the reads of the functions that a node was given."""
+    """Yield descriptions of the wall-clock reads in the functions that a node was given."""
     for value in vars(node).values():
         yield from _Search(type(node).__name__).in_value(value, "")
 
 
 class _Search:
-    """Walk through code from one class on; each function and class once."""
+    """Search for wall-clock reads in the code of one class and all that it calls; each function and class
+    once.
+    """
 
     def __init__(self, owner: str) -> None:
         self._owner = owner
         self._seen = list[Any]()
 
     def in_class(self, kind: type, depth: int = 0) -> Iterator[str]:
-        """Yield the reads of the methods that a class has or inherits."""
+        """Yield descriptions of the wall-clock reads in the methods that a class has or inherits."""
         for base in kind.__mro__:
             if self._is_new(base) and not _is_trusted(base.__module__):
                 outer, self._owner = self._owner, base.__name__ if depth else self._owner
@@ -62,7 +64,13 @@ class _Search:
                 self._owner = outer
 
     def in_value(self, value: Any, package: str, depth: int = 0) -> Iterator[str]:
-        """Yield the reads of a value that code of `package` names; "" if an object was given the value."""
+        """Yield descriptions of the wall-clock reads of a value, such as a function, class or partial.
+
+        Args:
+            value: the value.
+            package: package of the code that names it; "" if an object was given the value.
+            depth: number of calls from the searched class.
+        """
         while isinstance(value, partial):
             value = value.func
         if depth > MAX_DEPTH:
@@ -76,7 +84,9 @@ class _Search:
             yield from self._in_function(value, depth)
 
     def _in_member(self, name: str, member: Any, depth: int) -> Iterator[str]:
-        """Yield the reads of a class attribute: a method, property, class or static method."""
+        """Yield descriptions of the wall-clock reads of a class attribute: method, property, class or static
+        method.
+        """
         member = getattr(member, "__func__", member)
         if is_clock(member):
             yield f"{self._owner}.{name} is {member.__name__}"
@@ -90,7 +100,10 @@ class _Search:
                 yield from self._in_function(function, depth)
 
     def _in_function(self, function: FunctionType | MethodType, depth: int) -> Iterator[str]:
-        """Yield the reads of a function and of what it names; of a trusted one, of its closure alone."""
+        """Yield descriptions of the wall-clock reads of a function and of all that it names.
+
+        Of a function in `TRUSTED_PACKAGES`, only the closure variables are searched.
+        """
         plain: Any = function.__func__ if isinstance(function, MethodType) else function
         if not isinstance(plain, FunctionType) or not self._is_new(plain):
             return

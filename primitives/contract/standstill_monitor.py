@@ -13,7 +13,8 @@ MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is not motion
 
 
 class StandstillMonitor:
-    """Distinguishes a base with stuck drives from a waiting base, which is not commanded to drive.
+    """Monitor that distinguishes a base with stuck drives from a waiting base, which is not commanded to
+    drive.
 
     A base held back by an obstacle waits until that has gone.
     """

@@ -17,7 +17,7 @@ IN_A_ROW = 3  # periods of it: a single reading may be broken
 
 
 class TrackingErrorMonitor:
-    """Compares the joints' readings with their commands, period by period.
+    """Monitor that compares the joints' readings with their commands, period by period.
 
     A stuck arm and frozen encoders look alike here; the arm is unusable in both cases.
     """

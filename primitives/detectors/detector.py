@@ -35,7 +35,7 @@ class Detection(NamedTuple):
 
 
 class Detector(ABC):
-    """Finds objects in colour and depth.
+    """Base class of detectors that find objects in colour and depth pictures.
 
     An entry point names a subclass. It is built once for a run with what the file of objects has under its
     name, and asked for each depth picture.
@@ -60,7 +60,7 @@ class Detector(ABC):
 
 
 class BrokenDetector(InputError):
-    """A detector can't be built, raises, or returns something else than detections."""
+    """Error of a detector that can't be built, raises, or returns something other than detections."""
 
 
 def make_detector(

@@ -37,7 +37,8 @@ def state_after(
         name: name of the door.
         joint: believed joint in the base frame.
         pulled: measured path of the handle.
-        span: opening before, and the wanted one, in [rad] or [m].
+        span: opening before the motion, and the wanted opening, in [rad] if the door is hinged, in [m] if it
+            slides.
     """
     path, opens = pulled.path, 1.0 if span[1] > span[0] else -1.0
     if path.is_curved is None:
@@ -55,7 +56,9 @@ def state_after(
 
 
 def _joint_of(path: PathFit, handle: Transform, opens: float) -> DoorJoint:
-    """Return the joint of a measured path that began at a handle (4, 4), as if that were closed."""
+    """Return the joint that a measured path shows, as if the handle's pose (4, 4) at its begin were the
+    closed one.
+    """
     if path.is_curved:
         x, y, _ = (inverse(handle) @ np.append(path.hinge().point, 1.0))[:3].tolist()
         return DoorJoint(handle, (x, y), opens * math.copysign(1.0, path.curvature))

@@ -37,14 +37,14 @@ STRAIGHT_STEP_M = 0.01
 
 
 class PlannedHandle(NamedTuple):
-    """A way to take a handle."""
+    """Planned grasp of a handle, with the share of the door's path that the arm can follow."""
 
     before: FloatArray
     """(n,) joints where the hand lines up, in [rad] or [m]."""
     base_T_grip: Transform
     """Pose (4, 4) of the hand around the bar, in the base frame."""
     reach: float
-    """Share of the believed path that the arm can follow."""
+    """Share of the believed path of the handle that the arm can follow, 0 to 1."""
     lever: float
     """Least way of the hand along the path by a turn of 1 rad of the joint that turns most, in [m]."""
 
@@ -112,7 +112,10 @@ def hand_poses(door: KnownDoor, tip: float) -> Iterator[Transform]:
 def _followed(
     arm: ArmModel, joints: FloatArray, grip: Transform, joint: DoorJoint, openings: Sequence[float]
 ) -> tuple[float, float]:
-    """Return the share of the path that a posture can follow, and its least lever on it."""
+    """Return the share (0 to 1) of the path that a posture can follow, and the least lever on it.
+
+    The lever is the motion of the hand, in [m], by a turn of 1 rad of the joint that turns most.
+    """
     begin, end = openings
     from_now = np.linalg.inv(joint.displaced(begin))
     count = max(1, math.ceil(abs(joint.travel(end - begin)) / STEP_M))

@@ -61,7 +61,7 @@ class Pull(NamedTuple):
 
 
 def measured_bar(robot: Robot, grip: FloatArray) -> FloatArray:
-    """Return the middle (3,) of a held bar in the base frame, by the measured joints, in [m]."""
+    """Return the middle (3,) of a held handle's bar in the base frame, by the measured joints, in [m]."""
     return np.asarray((robot.base_T("hand") @ np.append(grip, 1.0))[:3])
 
 
@@ -155,7 +155,7 @@ def pull(
 
 
 def is_blocked(travels: Sequence[float]) -> bool:
-    """Return whether a handle got no further, by its ways in [m] at all periods."""
+    """Return whether a handle has stopped advancing, by its travel along the path in each period, in [m]."""
     return (
         len(travels) > BLOCKED_PERIODS
         and max(travels[-BLOCKED_PERIODS:]) - travels[-1 - BLOCKED_PERIODS] < BLOCKED_TRAVEL_M
@@ -163,7 +163,9 @@ def is_blocked(travels: Sequence[float]) -> bool:
 
 
 def _apart(points: FloatArray) -> FloatArray:
-    """Return the points (m, 3) of (n, 3) that are some way from each other, the first one included."""
+    """Return those (m, 3) of points (n, 3), in [m], that are `POINT_SPACING_M` apart; the first is
+    included.
+    """
     kept = [points[0]]
     for point in points[1:]:
         if float(np.linalg.norm(point - kept[-1])) >= POINT_SPACING_M:
@@ -172,12 +174,19 @@ def _apart(points: FloatArray) -> FloatArray:
 
 
 def _force(robot: Robot) -> FloatArray:
-    """Return the force (3,) on the hand, in the base frame, in [N]."""
+    """Return the measured force (3,) on the hand, rotated into the base frame, in [N]."""
     return np.asarray(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())
 
 
 def _turn_rate(robot: Robot, first: Transform, turned: float) -> FloatArray:
-    """Return the turn rate (3,) that brings the hand to its first orientation, turned about the vertical."""
+    """Return the angular velocity (3,) in the base frame, in [rad/s], towards the first orientation turned by
+    `turned`.
+
+    Args:
+        robot: robot whose commanded hand pose is used.
+        first: (4, 4) base_T_hand at the begin of the pull.
+        turned: turn of the path about the vertical since then, in [rad], positive to the left.
+    """
     wanted = Rotation.from_euler("z", turned).as_matrix() @ first[:3, :3]
     now = robot.arm_model.forward(robot.arm.command())[:3, :3]
     off = Rotation.from_matrix(wanted @ now.T).as_rotvec()
@@ -185,7 +194,12 @@ def _turn_rate(robot: Robot, first: Transform, turned: float) -> FloatArray:
 
 
 def _step(robot: Robot, twist: FloatArray) -> bool:
-    """Command a velocity (6,) of the hand, in [m/s] and [rad/s]; return False at a joint's limit."""
+    """Command a velocity of the hand for one period; return False at a joint's limit, without a command.
+
+    Args:
+        robot: robot with an arm.
+        twist: (6,) linear velocity in [m/s], then angular velocity in [rad/s], in the base frame.
+    """
     arm, here = robot.arm_model, robot.arm.command()
     J = arm.jacobian(here)
     rates = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(6), twist)
@@ -199,7 +213,7 @@ def _step(robot: Robot, twist: FloatArray) -> bool:
 
 
 def _lead(robot: Robot) -> float:
-    """Return how far a joint is from its command, in [rad]; of joints that slide, in [m]."""
+    """Return the largest distance of a joint from its command, in [rad], or [m] for a sliding joint."""
     return float(np.abs(robot.arm.command() - robot.arm.joints()).max())
 
 

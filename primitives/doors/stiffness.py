@@ -14,7 +14,9 @@ class Stiffness:
     """Stiffness of an arm that pulls a handle, by the steps of its command and the force after each."""
 
     def __init__(self, most: float, sudden: float) -> None:
-        """Prepare for a pull that keeps below `most` [N], and below `sudden` [N] where the handle stops."""
+        """Prepare for a pull with forces below `most` in [N], and below `sudden` in [N] if the handle stops
+        abruptly.
+        """
         self._most, self._sudden = most, sudden
         self._now = self._first = MIN_STIFFNESS_N_M
         self._before: float | None = None
@@ -32,9 +34,13 @@ class Stiffness:
             self._first = max(found, self._first)
 
     def step(self, resistance: float) -> float:
-        """Return the step in [m] after which the hand still pulls with less than it may; negative: back."""
+        """Return the step along the path in [m] after which the hand pulls with no more than the allowed
+        force.
+
+        It is negative if the hand has to go back.
+        """
         return SHARE * (self._most - resistance) / self._now
 
     def sudden_step(self) -> float:
-        """Return the longest step in [m] of a hand in motion: the handle may stop within it."""
+        """Return the longest step in [m] whose force stays allowed if the handle stops within it."""
         return (self._sudden - MARGIN_N) / self._first

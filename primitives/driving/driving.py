@@ -38,11 +38,10 @@ OBSTACLE_MEMORY_RADIUS_M = 2.5  # around an obstacle in a car's way, in which re
 
 
 def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) -> Way:
-    """Plan a route on the reduced generalized Voronoi graph with the footprint of arm and load.
+    """Plan a route to a place on the reduced generalized Voronoi graph, with the footprint of arm and load.
 
-    It avoids everything on the map and all sensed points; with `cells` also the recently sensed cells,
-    which later lidar beams may clear.
-    Without a route, the result holds the reason.
+    It avoids everything on the map and all sensed points; with `cells` also the recently sensed cells, which
+    later lidar beams may clear. If no route is found, the result holds the reason.
     """
     grid = map_with_cells(model) if cells else model.map
     ways = Ways(grid, robot.spec.footprint_shape, robot.pose, avoided_points(robot, model))
@@ -81,7 +80,9 @@ def held_before(place: str, held: HoldingObstacle) -> Discrepancy:
 
 
 def _shortage(way: Way) -> Measured | None:
-    """Return the clearance or width that was too small."""
+    """Return the clearance or width that was too small for a route, as a reading with its limit; None if none
+    was.
+    """
     if not way.fits:
         return Measured("Base", "from the place to what is nearest", way.clearance, way.needed, "m")
     return Measured("Base", "width of the way", way.width, way.width_needed, "m") if way.narrow else None
@@ -136,7 +137,7 @@ def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObsta
 
 
 class FieldObstacleMonitor:
-    """Watches a car's path for any obstacle, known or not, because outdoor maps are inexact."""
+    """Monitor of a car's path for any obstacle, known or not, because outdoor maps are inexact."""
 
     def __init__(self, radius: float) -> None:
         """Watch for a footprint of `radius`, in [m]."""
@@ -177,7 +178,7 @@ class FieldObstacleMonitor:
 
 
 class ObstacleMonitor:
-    """Watches a route for what the map doesn't show."""
+    """Monitor of a route for obstacles that the map doesn't show."""
 
     def __init__(self, grid: GridMap, radius: float) -> None:
         """Watch for a footprint of `radius`, in [m]."""

@@ -72,11 +72,11 @@ class ExploringDrive:
             yield
 
     def is_near(self, pose: Pose2) -> bool:
-        """Return whether the base is near enough to look from there."""
+        """Return whether a pose map_T_base is near enough to the goal to look at the frontier from there."""
         return pose.distance(self.goal) < NEAR_M and pose.turn(self.goal) < NEAR_RAD
 
 
 def looking_at(view: tuple[float, float], point: tuple[float, float]) -> Pose2:
-    """Return the pose at a place from which the base heads to a point, both in [m]."""
+    """Return map_T_base at a place (x, y) with the heading towards a point (x, y), both on the map in [m]."""
     x, y = np.subtract(point, view).tolist()
     return Pose2(*view, math.atan2(y, x))

@@ -36,12 +36,12 @@ LEFT_WORDS = {
 
 
 class FrontierGoal(NamedTuple):
-    """A frontier that is driven to."""
+    """Frontier to which the base drives."""
 
     view: tuple[float, float]
-    """Place to look from, in [m]."""
+    """x and y on the growing map, in [m], from which the frontier is looked at."""
     middle: tuple[float, float]
-    """Middle of the frontier, in [m]."""
+    """x and y of the middle of the frontier on the growing map, in [m]."""
 
     def is_same(self, other: FrontierGoal) -> bool:
         """Return whether both are about the same frontier."""
@@ -49,12 +49,12 @@ class FrontierGoal(NamedTuple):
 
 
 class FrontierLook(NamedTuple):
-    """Result of a look at the map so far."""
+    """Result of drawing the map so far, with the next frontier."""
 
     grid: GridMap
     field: LikelihoodField
     covariance: FloatArray
-    """Covariance (3, 3) of the pose, in [m, m, rad]."""
+    """Covariance (3, 3) of the base's pose on the map, of x, y in [m] and heading in [rad]."""
     border: Border
     target: FrontierGoal | None
     """Next frontier; None if none is left that the robot can reach."""
@@ -62,21 +62,25 @@ class FrontierLook(NamedTuple):
 
 
 class ExploringLook:
-    """Chooses frontiers, and remembers which ones are left and why."""
+    """Chooser of frontiers, which remembers the ones that are left and the reasons."""
 
     def __init__(self, robot: Robot, grown: GrowingMap, radius_m: float) -> None:
-        """Begin at a robot's start, on a map that grows; `radius_m` limits the region around it."""
+        """Begin at a robot's start, on a map that grows; frontiers beyond `radius_m` from the start are
+        left.
+        """
         self._map, self._start, self._reach = grown, grown.poses[0], radius_m
         self._shape = robot.spec.footprint_shape
         self._left = list[tuple[float, float, str]]()
         self._postponed = list[tuple[float, float]]()
 
     def leave(self, point: tuple[float, float], reason: str) -> None:
-        """Leave the border around a point in [m] for a reason of `LEFT_WORDS`."""
+        """Explore the border around a point (x, y) on the map, in [m], no further; `reason` is a key of
+        `LEFT_WORDS`.
+        """
         self._left.append((*point, reason))
 
     def postpone(self, point: tuple[float, float]) -> None:
-        """Choose a frontier at a point, in [m], only after all others."""
+        """Choose a frontier at a point (x, y) on the map, in [m], only after all others."""
         self._postponed.append(point)
 
     def take(self, here: Pose2, current: FrontierGoal | None) -> FrontierLook:

@@ -27,7 +27,7 @@ SAME_WALL_M = 0.15  # of an echo from where the map has the wall
 
 
 class LidarWatch:
-    """Watches the beams of one drive; asked once a period."""
+    """Monitor of a drive's lidar for covered, dirty or missing beams; called once a period."""
 
     def __init__(self) -> None:
         self._blind_since: float | None = None

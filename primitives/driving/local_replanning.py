@@ -55,7 +55,14 @@ class LocalReplanning:
     """Obstacles that one drive senses and the map lacks, and the route around them."""
 
     def __init__(self, robot: Robot, model: ModelView, name: str, place: Place | None = None) -> None:
-        """Begin a drive to a place, or to another one on the way, with what earlier drives sensed."""
+        """Begin a drive, with the obstacles that earlier drives sensed.
+
+        Args:
+            robot: robot that drives.
+            model: world model with the map and the sensed obstacles.
+            name: name of the place to drive to.
+            place: place on the way, where this drive ends; None: the place `name`.
+        """
         self._model, self._name = model, name
         self._place: Place = place or model.places[name]
         self._goal = self._place.pose
@@ -103,7 +110,9 @@ class LocalReplanning:
         return self._near.layer
 
     def sense(self, robot: Robot) -> None:
-        """Add this period's scan to the sensed layer; if its pose is in doubt, only look for people."""
+        """Add this period's scan to the sensed obstacles; if the base's pose is in doubt, only look for
+        people.
+        """
         self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
@@ -203,7 +212,16 @@ class LocalReplanning:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Yield during the check or planning of the route, about once for each graph; return the result."""
+        """Check or plan the route, yielding about once for each graph; return the result.
+
+        Args:
+            pose: map_T_base.
+            route: (n, 2) present route on the map in [m]; None without one.
+            avoided: (m, 2) further points on the map in [m] to avoid.
+            time: the robot's time, in [s].
+            lead: distance that the base drives meanwhile, in [m].
+            better: True to look for a better route even if the present one is free.
+        """
         grid = self.people.drawn_on(self._layer.merged().with_points(avoided), pose)
         if self._far is None:
             look = yield from self._replanner.looking(

@@ -9,7 +9,9 @@ LAST_SIGMA, LAST_WAY = 0.002, 0.5  # [m] the same on the last stretch, and how l
 
 
 class LooksAtRest:
-    """Stops for scans at rest, because wheels worse than the robot's file says would lead the base astray."""
+    """Decision when a base stops for scans at rest, because its wheels are worse than the robot's file
+    says.
+    """
 
     def __init__(self, localization: Localization) -> None:
         """Create the stops of a drive that begins now."""

@@ -18,17 +18,18 @@ BEYOND_REACH_M = 1.0  # of the lidar, that the window reaches
 
 
 class NearMap:
-    """The map about the base, distances to what it shows, and the layer of what it does not show.
+    """Map around the base, with distances to its obstacles and with the sensed cells that it does not show.
 
-    Sensed cells that a window leaves are kept, and are in the layer again when it comes back.
+    Of a large map, only a window that moves with the base is held. Sensed cells outside the window are kept,
+    and are used again when the window comes back.
     """
 
     def __init__(self, grid: GridMap, sensed: FloatArray, reach: float, pose: Pose2) -> None:
-        """Begin with what earlier drives sensed.
+        """Begin with the cells that earlier drives sensed.
 
         Args:
             grid: the complete map.
-            sensed: (n, 4) rows of `ScanLayer.cells`.
+            sensed: (n, 4) sensed cells: x, y on the map in [m], score, and time of the last hit in [s].
             reach: range of the lidar, in [m].
             pose: map_T_base.
         """
@@ -62,7 +63,7 @@ class NearMap:
         self._set_window(sensed)
 
     def cells(self) -> FloatArray:
-        """Return all sensed cells (n, 4), as `ScanLayer.cells` does."""
+        """Return all sensed cells (n, 4): x, y on the map in [m], score, and time of the last hit in [s]."""
         return np.vstack([self.layer.cells(), self._rows_beyond])
 
     def forget(self, before: float) -> bool:
@@ -73,6 +74,6 @@ class NearMap:
         return self.layer.forget(before) or dropped
 
     def all_points(self) -> FloatArray:
-        """Return the centres (n, 2) of all occupied cells that were sensed, in [m]."""
+        """Return the centres (n, 2) of all cells sensed as occupied, on the map in [m]."""
         beyond = self._rows_beyond[self._rows_beyond[:, 2] >= OCCUPIED_SCORE, :2]
         return np.vstack([self.layer.points, beyond])

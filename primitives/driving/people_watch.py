@@ -27,7 +27,7 @@ NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the
 
 
 class BeamOrder(NamedTuple):
-    """Order in which a scan's beams turn to the left, evenly."""
+    """Order of a scan's beams by rising angle, with evenly spaced angles."""
 
     order: IntArray
     angles: FloatArray
@@ -35,7 +35,7 @@ class BeamOrder(NamedTuple):
 
 
 class PeopleWatch:
-    """Tracks people during one drive; keeps no distance to people before the first scan."""
+    """Tracker of people during one drive; before the first scan the base keeps no distance to people."""
 
     def __init__(self, robot: Robot) -> None:
         """Begin before any person is seen."""
@@ -56,11 +56,12 @@ class PeopleWatch:
         Args:
             robot: whose lidar it is.
             scan: scan of this period.
-            ranges: (n,) measured ranges in [m], NaN of blind beams.
-            explained: (n,) beams that end at what the map shows.
+            ranges: (n,) measured ranges in [m], in the order of the scan; NaN for blind beams.
+            explained: (n,) True for beams that end at obstacles on the map.
 
         Returns:
-            The beams (n,) that end at moving people, and the ground that these have left.
+            Mask (n,) of the beams that end at moving people, and discs (k, 3) that these people have left: x,
+                y and radius on the map, in [m].
         """
         moving = np.zeros(len(ranges), dtype=np.bool_)
         if robot.time <= self._taken_at or len(ranges) < 3:
@@ -89,7 +90,9 @@ class PeopleWatch:
         return TrackedScan(moving, np.empty((0, 3)))
 
     def _ordered(self, angles: FloatArray) -> BeamOrder:
-        """Return the beams of a scan in even steps to the left; where they are uneven, the nearest ones."""
+        """Return the beams in evenly spaced angles to the left; if the scan's angles are uneven, the nearest
+        beams.
+        """
         if self._beams is None or len(self._beams.order) != len(angles):
             order = np.argsort(angles, kind="stable")
             even = np.linspace(angles[order[0]], angles[order[-1]], len(angles))
@@ -137,7 +140,9 @@ class PeopleWatch:
         )
 
     def drawn_on(self, grid: GridMap, pose: Pose2) -> GridMap:
-        """Return a map with the people that a route has to lead around, with the distance of this attempt."""
+        """Return a map in which the people that a route must avoid are occupied, with this attempt's distance
+        to them.
+        """
         if self.is_last_attempt:
             return grid
         keep = self._keep * (1.0 if self._level == 0 else LESS_ROOM_RATIO)
@@ -172,6 +177,6 @@ class PeopleWatch:
 
 
 def _ends(map_T_sensor: Pose2, angles: FloatArray, ranges: FloatArray) -> FloatArray:
-    """Return the ends (n, 2) of beams on the map, in [m]."""
+    """Return the ends (n, 2) of beams on the map, in [m], by angles (n,) in [rad] and ranges (n,) in [m]."""
     rays = np.column_stack([np.cos(angles), np.sin(angles)])
     return np.asarray(map_T_sensor.apply(ranges[:, None] * rays))

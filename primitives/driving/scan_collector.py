@@ -25,7 +25,7 @@ STALE_TRAVEL_M = 0.3  # of the wheels, in which a lidar repeats its scan: it doe
 
 
 class ScanCollector:
-    """Adds a keyframe to a map whenever the base has moved enough by its wheels."""
+    """Collector of a drive's scans, which adds a keyframe to a map whenever the base has moved enough."""
 
     def __init__(self, robot: Robot, lidar: Lidar, known: GridMap | None) -> None:
         """Begin with the scan of a robot at rest, on a given map if there is one."""
@@ -93,7 +93,7 @@ class ScanCollector:
         self.flush()
 
     def found_at(self, pose: Pose2) -> None:
-        """Carry the pose on from a measured start_T_base."""
+        """Set the pose of the base to a measured start_T_base; the wheels continue it from there."""
         self.map.carry_on_from(self._keyframe(-1).odometry, pose)
 
     def look(self) -> Keyframe:

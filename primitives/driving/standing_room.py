@@ -24,7 +24,7 @@ MAX_START_INTRUSION_M = 0.3  # by which the base may be too near to something wh
 
 
 class StandingRoom:
-    """Obstacles around a work place of one robot."""
+    """Free room around a work place for base and arm of one robot."""
 
     def __init__(
         self,

@@ -46,7 +46,7 @@ class Field(FileModel):
     rocks: tuple[Rock, ...] = ()
     """Known obstacles."""
     aside_m: Positive = 0.75
-    """Distance from the middle of the rear axle to a target on its right, when a sensor is laid."""
+    """Distance from the middle of the rear axle to a target on its right, from which a sensor is laid."""
     stand_tolerance_mm: Positive | DirectedTolerance | None = None
     """Maximum position error of the base at the place for a target, measured with 3 sigma.
 

@@ -83,7 +83,10 @@ class FieldWork(Section):
                     yield Finding(str(self.listed_in), target.line, target.column, f"{wrong} {left}")
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """See `Section`: the arm takes a sensor, and holds it over the target before the base arrives."""
+        """Return the arm's motion during a drive to a target: it takes a sensor and holds it over the target.
+
+        None if the place is not that of a target.
+        """
         from .on_the_way import SensorOnTheWay
 
         if self.field is None or place not in self.targets:

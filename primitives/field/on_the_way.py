@@ -44,7 +44,9 @@ class SensorOnTheWay:
 
 
 def _check_inside(robot: Robot, arm: SensorArm, beside: np.ndarray) -> None:
-    """Raise `Discrepancy` if arm or sensor, with the tip at `beside` (2,), would leave the footprint."""
+    """Raise `Discrepancy` if arm or sensor would leave the footprint with the tip at `beside` (2,), in the
+    base frame in [m].
+    """
     elbow = math.hypot(*arm.scara.mount[:2]) + arm.scara.upper
     out = max(elbow, float(np.hypot(*beside)) + arm.wide)
     if out > robot.spec.footprint_radius_m:

@@ -56,7 +56,7 @@ def scara_of(robot: Robot) -> Scara:
 
 
 def _axis(robot: Robot, joints: np.ndarray[tuple[int], np.dtype[np.float64]], joint: int) -> np.ndarray:
-    """Return x and y of a joint's upright axis in the base frame, (2,) in [m]."""
+    """Return x and y of a joint's upright axis in the base frame, (2,) in [m], in a posture `joints` (n,)."""
     J = robot.arm_model.jacobian(joints)
     hand = robot.arm_model.forward(joints)[:3, 3]
     if np.abs(J[3:, joint] - (0.0, 0.0, 1.0)).max() > UPRIGHT_TOLERANCE:

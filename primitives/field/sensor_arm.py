@@ -37,9 +37,10 @@ FORCE_SMOOTHING_S = 0.1  # over which the force is smoothed
 
 
 class SensorArm:
-    """A SCARA arm and its fingers: it takes a sensor, brings it over a place, and comes back.
+    """SCARA arm with fingers that takes a sensor, brings it over a place, and comes back.
 
-    Places are (2,) in [m] in the arm's frame, seen from above.
+    Places are x and y (2,) in [m] in the arm's own frame: origin on the axis of its first joint, seen from
+    above.
     """
 
     def __init__(self, robot: Robot, field: Field) -> None:
@@ -89,8 +90,8 @@ class SensorArm:
             )
 
     def place_of(self, point: FloatArray) -> FloatArray:
-        """Return a ground point in the arm's own frame (2,), in [m], by the current estimate of the base's
-        pose.
+        """Return a point on the ground in the arm's own frame (2,), in [m], by the estimated pose of the
+        base.
 
         Args:
             point: (2,) in the field's frame, in [m].
@@ -101,7 +102,7 @@ class SensorArm:
         )
 
     def place_beside(self, point: FloatArray) -> FloatArray:
-        """Return a point in the arm's own frame (2,), in [m].
+        """Return a point of the base frame in the arm's own frame, (2,) in [m].
 
         Args:
             point: (2,) in the base frame, in [m].
@@ -125,7 +126,7 @@ class SensorArm:
             raise _out_of_reach(place)
 
     def reach(self, place: FloatArray) -> Periods:
-        """Bring the tip over a place (2,) of the base frame, in [m], from home through the middle state.
+        """Bring the tip over a place (2,) in the arm's own frame, in [m], from home through the middle state.
 
         The way is checked to be free beforehand.
         """
@@ -141,7 +142,12 @@ class SensorArm:
             yield from self.lead(end)
 
     def _check_free(self, begin: FloatArray, way: list[FloatArray]) -> None:
-        """Raise `Discrepancy` if links, hand or sensor would touch wheels or body on the way."""
+        """Raise `Discrepancy` if links, hand or sensor would touch wheels or body on the way.
+
+        Args:
+            begin: (3,) joints from which the tip is led, in [rad] and [m].
+            way: ends (2,) of the straight lines in the arm's own frame, in [m].
+        """
         collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD_NAME))
         path = [self._robot.arm.command(), begin]
         for end in way:
@@ -159,8 +165,10 @@ class SensorArm:
             )
 
     def line_free(self, place: FloatArray) -> bool:
-        """Return whether the tip can move straight to a place (2,) of the base frame, in [m], and from there
-        all the way down.
+        """Return whether the tip can move straight to a place, and from there all the way down.
+
+        Args:
+            place: (2,) in the arm's own frame, in [m].
         """
         here = self._robot.arm.command()
         line = line_postures(self.scara, here, place)
@@ -172,7 +180,9 @@ class SensorArm:
         return collision.path_free(np.array(path), step=0.03)
 
     def lead(self, end: FloatArray) -> Periods:
-        """Bring the tip to a place (2,) of the base frame, in [m], in a straight line, by resolved rates."""
+        """Bring the tip to a place (2,) in the arm's own frame, in [m], in a straight line, by resolved
+        rates.
+        """
         robot, joints = self._robot, self._robot.arm.command()
         rates = ResolvedRate(self.scara, self.scara.tip(joints), end, RateLimits(rate=self._top()))
         begun = robot.time
@@ -185,7 +195,7 @@ class SensorArm:
             yield
 
     def _top(self) -> float:
-        """Return the speed limit of the turning joints, in [rad/s]."""
+        """Return the speed limit of the two turning joints, in [rad/s]."""
         return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = SLIDE_SPEED_M_S) -> Generator[None, None, float]:
@@ -223,7 +233,7 @@ class SensorArm:
                 self._shift(math.copysign(GIVES_WAY * robot.period, push))
 
     def _shift(self, way: float) -> None:
-        """Move the tip along the fingers' stroke, by `way` in [m]."""
+        """Move the tip along the fingers' stroke by `way` in [m]; the sign is that of the hand's y axis."""
         joints = self._robot.arm.command()
         angle = self.scara.mount[3]
         turned = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])

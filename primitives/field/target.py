@@ -16,7 +16,7 @@ TargetName = Annotated[str, Field(min_length=1), Names("targets")]
 
 
 class Target(NamedTuple):
-    """A place on the ground where a sensor is to be laid."""
+    """Place on the ground where a sensor is to be laid, in the field's frame."""
 
     name: str
     x: float
@@ -31,7 +31,7 @@ class Target(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """A sensor that was let go."""
+    """Sensor that was released, with its believed position in the field's frame."""
 
     name: str
     x: float

@@ -96,7 +96,7 @@ class _Wrong(ValueError):
 
 
 class _Near:
-    """Targets by the square that they lie in, so that each is compared with few others."""
+    """Targets grouped by squares of the ground, so that each is compared with few others."""
 
     def __init__(self) -> None:
         self._squares: defaultdict[tuple[int, int], list[tuple[str, float, float]]] = defaultdict(list)
@@ -105,7 +105,9 @@ class _Near:
         self._squares[math.floor(x / LEAST_APART), math.floor(y / LEAST_APART)].append((name, x, y))
 
     def to(self, x: float, y: float) -> list[str]:
-        """Return the names of those that lie nearer than allowed."""
+        """Return the names of the targets that are nearer to a point (x, y), in [m], than two targets may
+        be.
+        """
         column, row = math.floor(x / LEAST_APART), math.floor(y / LEAST_APART)
         squares = [(column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
         others = [other for square in squares for other in self._squares.get(square, ())]

@@ -57,7 +57,9 @@ def remember_bump(
 
 
 def _arm_outlines(robot: Robot) -> list[FloatArray]:
-    """Return of each body of the arm (k, 2) points in the base frame in [m], as it is measured."""
+    """Return for each body of the arm, as measured, the points (k, 2) of its outline in the base frame, in
+    [m].
+    """
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None:
         return []
@@ -70,8 +72,8 @@ def _arm_outlines(robot: Robot) -> list[FloatArray]:
 def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> None:
     """Let the base keep off every place where it ran into an obstacle.
 
-    The footprint's current place counts as free. A base that `returns` to its start keeps off only the
-    region straight ahead of the place where it was stopped, because it may have slid along the obstacle.
+    The footprint's current place counts as free. A base that `returns` to its start keeps off only the region
+    straight ahead of the place where it was stopped, because it may have slid along the obstacle before.
     """
     radius = robot.spec.footprint_radius_m
     felt = bump_fronts(model.bumps, radius)
@@ -82,7 +84,9 @@ def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> No
 
 
 def _away(robot: Robot, points: FloatArray) -> FloatArray:
-    """Return those of points (n, 2) on the map in [m] that the footprint leaves free where the base is."""
+    """Return those of points (n, 2), on the map in [m], that are outside the footprint at the base's current
+    pose.
+    """
     distance = robot.spec.footprint_shape.distances(robot.pose.inverse().apply(points))
     return np.asarray(points[distance > ROOM_M])
 

@@ -99,7 +99,9 @@ class Section:
     LEARNED: ClassVar[tuple[str, ...]] = ()
     """Entries that a run finds out: a checkpoint keeps them, by their annotated types."""
     ELEMENT: ClassVar[tuple[str, ...]] = ()
-    """Entries of `LEARNED` that are cleared (None) when an element of a repeat ends."""
+    """Entries of `LEARNED` that are cleared (None) when a `repeat` of the task's file goes on to its next
+    element.
+    """
 
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
@@ -160,7 +162,8 @@ class Section:
         return None
 
     def discs(self) -> FloatArray:
-        """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].
+        """Return known obstacles for a base that plans without a map, as discs (n, 3): x, y and radius, in
+        [m].
 
         They are in the parent frame of the robot's pose, such as the map.
         """

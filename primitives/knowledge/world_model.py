@@ -53,7 +53,7 @@ class UndeclaredAccess(HandcartError, AttributeError):
 
 
 class Detour(NamedTuple):
-    """A route that was planned around what was sensed."""
+    """Route that was planned around sensed obstacles."""
 
     goal: str
     points: FloatArray
@@ -73,16 +73,18 @@ class WorldModel:
     map: GridMap
     places: Mapping[str, Place]
     obstacles: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 2)))
-    """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
+    """(n, 2) sensed points that are not on the map, x and y on the map in [m]; kept for the run."""
     sensed_cells: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 4)))
-    """(n, 4) cells in which something was sensed lately that is not on the map: x, y in [m], score, and time
-    of the last hit in [s]; beams that pass clear them (`ScanLayer`)."""
+    """(n, 4) cells sensed lately as occupied that the map does not show, each with x, y on the map in [m],
+    score, and time of the last hit in [s]; beams that pass through a cell clear it (`ScanLayer`).
+    """
     bumps: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 3)))
-    """(n, 3) where the base ran into something that no sensor shows: map_T_base in [m], and direction of the
-    motion on the map in [rad]; kept for the run."""
+    """(n, 3) places where the base ran into an obstacle that no sensor shows, each with x, y of the base on
+    the map in [m] and direction of its motion on the map in [rad]; kept for the run.
+    """
     arm_bumps: FloatArray = dataclass_field(default_factory=lambda: np.empty((0, 3)))
-    """(n, 3) points of the arm at those moments, one of which may have touched: x and y on the map in [m],
-    direction of the motion in [rad]; kept for the run.
+    """(n, 3) points of the arm when the base ran into an obstacle, one of which may have touched, each with
+    x, y on the map in [m] and direction of the motion in [rad]; kept for the run.
     """
     detour: Detour | None = None
     """Planned detour; kept for one element of a repeat."""
@@ -121,7 +123,8 @@ class WorldModel:
 
     @property
     def discs(self) -> FloatArray:
-        """Return known obstacles (n, 3) for a base that plans without a map: x, y and radius, in [m].
+        """Return known obstacles for a base that plans without a map, as discs (n, 3): x, y and radius, in
+        [m].
 
         They are in the parent frame of the robot's pose, such as the map.
         """

@@ -31,7 +31,17 @@ MORE_GOALS = 3  # postures that a way is looked for to then
 def move_to_posture(
     robot: Robot, name: str, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move to a named posture of the robot's file. Arguments and errors as for `move_to_joints`."""
+    """Move to a named posture of the robot's file, without collisions with the robot and known bodies.
+
+    Args:
+        robot: its arm holds the last commanded joints.
+        name: name of the posture.
+        held: held object, posed in the hand frame.
+        around: bodies to keep clear of, posed in the base frame.
+
+    Raises:
+        Discrepancy: no free path was found.
+    """
     yield from move_to_joints(robot, np.array(robot.spec.posture(name)), held, around)
 
 
@@ -122,7 +132,8 @@ def move_straight(
 
 
 def follow(robot: Robot, path: FloatArray) -> Periods:
-    """Move along straight joint lines (m, n) in [rad], from where the arm was last commanded.
+    """Move along straight lines between the rows (m, n) of a joint path, in [rad] or [m], from the last
+    command.
 
     Raises:
         Discrepancy: the arm doesn't follow.
@@ -142,7 +153,13 @@ def follow(robot: Robot, path: FloatArray) -> Periods:
 
 
 def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:
-    """Return the collision model of arm, hand and held object; arguments as for `move_to_joints`."""
+    """Return the collision model of arm, hand and held object.
+
+    Args:
+        robot: robot with an arm.
+        held: held object, posed in the hand frame.
+        around: bodies to keep clear of, posed in the base frame.
+    """
     gripper, arm = robot.backend.get(Gripper), robot.arm_model  # type: ignore[type-abstract]
     if gripper is not None:
         width = FINGER_RESOLUTION_M * round(max(0.0, gripper.width() / 2.0) / FINGER_RESOLUTION_M)
@@ -153,7 +170,9 @@ def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = 
 def _plan_another_way(
     collision: CollisionModel, here: FloatArray, base_T_hand: Transform, seed: int
 ) -> FloatArray | None:
-    """Plan to one of several postures that have the hand at a pose; None if none of them can be reached."""
+    """Plan a path (m, n) to one of several postures with the hand at base_T_hand (4, 4); None if none is
+    reached.
+    """
     found = collision.arm.solutions(base_T_hand, here, restarts=MORE_STARTS, seed=seed)
     free = [joints for joints in found if not collision.in_collision(joints)]
     free.sort(key=lambda joints: float(np.abs(joints - here).max()))
@@ -168,7 +187,9 @@ def _no_way(robot: Robot, collision: CollisionModel, here: FloatArray, joints: F
 
 
 def _beyond(robot: Robot, angles: FloatArray, verb: str) -> str:
-    """Return the joints that are beyond their limits, in words; empty if none is."""
+    """Return in words the joints that are beyond their limits by angles (n,) in [rad] or [m]; empty if none
+    is.
+    """
     arm, units = robot.arm_model, robot.spec.joint_units
     limits = enumerate(zip(angles, arm.lower, arm.upper, arm.endless, strict=True))
     return "; ".join(

@@ -53,7 +53,9 @@ def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
 
 
 def gripped(robot: Robot, size: Size) -> Box:
-    """Return a thing in the hand, posed in the hand frame, as `gripping` grips it; `size` is in [m]."""
+    """Return a thing of `size` in [m] as a box in the hand frame, held from above by its top as `gripping`
+    does.
+    """
     length, width, height = size
     middle = transform((hand_to_tips(robot) - GRIP_DEPTH_M + height / 2, 0.0, 0.0))
     return Box(middle, (height, length, width), HELD_NAME)

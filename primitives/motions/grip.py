@@ -64,7 +64,7 @@ def holds(robot: Robot, width: float, most: float) -> bool:
 
 
 def width_off(robot: Robot, width: float, most: float, what: str) -> Measured:
-    """Return the difference between the measured opening and a width, as a Discrepancy reports it.
+    """Return the distance of the measured opening from a width, as the reading of a `Discrepancy`.
 
     Args:
         robot: robot with a gripper.

@@ -49,7 +49,7 @@ UPRIGHT_TOLERANCE_RAD = math.radians(15.0)
 
 
 class HeldPhase(Enum):
-    """Phase of the held object."""
+    """Phase of the object that is handed over."""
 
     CARRIED = "carried"
     OFFERED = "offered"

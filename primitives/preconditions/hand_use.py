@@ -15,7 +15,7 @@ class Hand(Enum):
     SAME = "same"
     """Unchanged."""
     ANY = "any"
-    """Something or nothing: nothing is required, or nothing is claimed."""
+    """Something or nothing; as `before`, no content is required, as `after`, none is known."""
 
 
 class HandUse(NamedTuple):

@@ -33,7 +33,7 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
 
 
 def rejoin(robot: Robot, moment: Moment) -> Generator[None, None, None]:
-    """Command the arm evenly, within its joint speeds, to its command of a moment.
+    """Move the arm evenly, within its joint speeds, from its current command to its command in a moment.
 
     An arm that was held has another command than that at which its motion was broken off.
     """

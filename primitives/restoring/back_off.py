@@ -54,16 +54,19 @@ def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, No
 
 
 def _away(robot: Robot, blocked: Blocked) -> float:
-    """Return the distance in [m] from where the base was stopped, negative on the far side of it."""
+    """Return the base's distance from where it was stopped, in [m]; negative if it is ahead in that
+    motion.
+    """
     pose = robot.localization.odometry_pose
     ahead = blocked.pose.inverse().compose(pose).x * (1.0 if blocked.forwards else -1.0)
     return math.copysign(pose.distance(blocked.pose), -ahead)
 
 
 def _way_in(trace: Trace, blocked: Blocked, length: float) -> tuple[FloatArray, FloatArray]:
-    """Return (n,) distances in [m] back from where the base was stopped, and headings (n,) there in [rad].
+    """Return distances (n,) in [m] back along the way from where the base was stopped, and headings (n,) in
+    [rad].
 
-    Up to `length`, in [m], or to where the base last came from the other side, or turned without driving.
+    They end at `length`, in [m], or where the base last came from the other side, or turned without driving.
     """
     moments = trace.moments[: trace.nearest(blocked.pose) + 1]
     turned = Pose2(0.0, 0.0, blocked.direction)

@@ -88,13 +88,17 @@ def _is_beside(robot: Robot, start: Snapshot, room: float) -> bool:
 
 
 def _since_start(robot: Robot, start: Snapshot) -> Pose2:
-    """Return the base in the frame of the start's estimate: errors common to both poses do not count."""
+    """Return the pose of the base in the frame of its pose estimated at the start; errors common to both
+    cancel.
+    """
     moved = robot.localization.displacement
     return robot.pose if moved is None else start.pose.compose(Pose2(*moved.mean.tolist()))
 
 
 def _discs_around(robot: Robot, model: WorldModel, here: Pose2) -> FloatArray:
-    """Return known obstacles and those of this period's scan (n, 3), in [m], in the frame of `here`."""
+    """Return known obstacles and those of this period's scan as discs (n, 3): x, y and radius in the frame of
+    `here`, in [m].
+    """
     known = known_discs(robot, model)
     known = np.column_stack([robot.pose.inverse().apply(known[:, :2]), known[:, 2]])
     points = robot.surroundings()

@@ -27,7 +27,7 @@ MIN_HELD_WIDTH_M = 0.002
 """Opening above which fingers that press on something hold it; below, they press on each other."""
 
 Seen = Mapping[str, tuple[float, ...]]
-"""Objects by name: where each was seen, in [m]."""
+"""Positions of objects, as last seen in the base frame in [m], by the objects' names."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,9 @@ class Snapshot:
     pose_sigma: tuple[float, float]
     """Sigma of the position in [m] and of the heading in [rad]."""
     joints: FloatArray
-    """(n,) measured, in [rad]; (0,) without an arm."""
+    """Measured joints (n,), in [rad] or [m]; (0,) without an arm."""
     joint_command: FloatArray
-    """Commanded joints (n,), in [rad]."""
+    """Commanded joints (n,), in [rad] or [m]."""
     gripper_command: float
     """Commanded width in [m]; 0 without a gripper."""
     gripper_width: float
@@ -49,7 +49,7 @@ class Snapshot:
     holding: bool
     """True if the fingers press on an object."""
     seen: Seen
-    """The objects that the primitive can touch."""
+    """Positions of the objects that the primitive can touch, in the base frame in [m]."""
     dead_reckoned: bool = False
     """True if only the wheels measured the base's motion."""
     odometry_pose: Pose2 | None = None

@@ -22,7 +22,7 @@ class Moment(NamedTuple):
     pose: Pose2
     """map_T_base as estimated."""
     joints: FloatArray
-    """(n,) commanded, in [rad]; (0,) without an arm."""
+    """Commanded joints (n,), in [rad] or [m]; (0,) without an arm."""
     grip: float
     """Commanded opening, in [m]; 0 without a gripper."""
     odometry_pose: Pose2 | None = None
@@ -88,7 +88,7 @@ class Trace:
 
 
 def _small_steps(robot: Robot, moments: Sequence[Moment]) -> list[Moment]:
-    """Return the moments, with more between two whose joints are further apart than they move in a period.
+    """Return the moments, with further ones between two whose joints differ by more than a period's motion.
 
     A stuck arm accepts commands that it could not follow.
     """

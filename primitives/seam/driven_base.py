@@ -38,7 +38,7 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
 
 
 class DrivenBase:
-    """Drives the base level with the tool, and finds the arm's joints for the base's next pose.
+    """Base that drives level with the tool, and whose motion the arm's joints correct in each period.
 
     The base strays from its way when wheels slip; the localizer measures it once a period, and the arm
     corrects it in the next: "base feedback" of Shin et al. (2005), section 4.

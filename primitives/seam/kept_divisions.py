@@ -11,7 +11,7 @@ MAX_DIVISIONS = 32  # that are kept
 
 
 class KeptDivisions:
-    """Cache of divisions, by all data that they depend on."""
+    """Cache of divisions, by all data on which they depend."""
 
     def __init__(self) -> None:
         self._kept: dict[bytes, Placements] = {}

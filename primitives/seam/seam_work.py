@@ -20,9 +20,9 @@ class SeamPart(NamedTuple):
     """Part of a seam that is tracked from one place, or on the straight way from it."""
 
     place: str
-    """Name of the base's target place."""
+    """Name of the base's place at the begin of the part."""
     pose: Pose2
-    """map_T_base there."""
+    """map_T_base at that place."""
     first: int
     """Index of its first point on the seam."""
     last: int

@@ -65,7 +65,7 @@ class _Plan(NamedTuple):
     tools: ToolPath
     """Path of the tool, one point each period."""
     way_in: FloatArray
-    """(m, n) joint angles that lead to the first point."""
+    """(m, n) joints of the arm on the way to the first point, in [rad] or [m]."""
 
 
 class Track(ActionPrimitive):

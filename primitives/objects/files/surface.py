@@ -113,7 +113,9 @@ class ObjectSurface(LevelPose):
                 yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], thick, high), name)
 
     def contact_names(self, name: str) -> tuple[str, ...]:
-        """Return the names in contacts of what an object on it touches; `name` is its own."""
+        """Return the names of all bodies, in contacts, that an object on the surface touches; `name` is the
+        surface's.
+        """
         return (name, *FLOOR_NAMES) if self.height_m <= 0.0 else (name,)
 
     @property
@@ -127,7 +129,9 @@ class ObjectSurface(LevelPose):
         return self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * self._half)
 
     def movable_area(self) -> MovableArea | None:
-        """Return where on the map it may be now; None for the floor, and if it is fixed."""
+        """Return the area of the map where the surface may be now; None for the floor, and if the surface is
+        fixed.
+        """
         if self.fixed or (self.height_m <= 0.0 and not self.walls):
             return None
         by_turn = float(np.hypot(*self._half)) * math.sin(MAX_SIGMAS_MOVED * PLACED_SIGMA_RAD)

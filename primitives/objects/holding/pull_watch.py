@@ -87,7 +87,7 @@ class PullWatch:
 
     @property
     def is_strong(self) -> bool:
-        """True if one of the last readings is as strong as a pull."""
+        """True if the force of one of the last readings is as strong as a pull, in any direction."""
         return any(float(np.linalg.norm(force)) >= self._least for force in self._forces)
 
     def lasting(self, share: float = 1.0) -> FloatArray | None:

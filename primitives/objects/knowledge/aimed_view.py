@@ -103,7 +103,7 @@ def _shifted(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
 
 
 def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatArray]) -> float:
-    """Return how well a view looks in the first wanted direction: the cosine of the angle between them."""
+    """Return the cosine of the angle between the view's direction and the first wanted one; 1 is best."""
     back = base_T_camera[:3, 3] - point
     return float(towards[0] @ back / np.linalg.norm(back)) if towards else 0.0
 

@@ -49,7 +49,7 @@ class ObjectSighting(NamedTuple):
 
 
 class SurfacePose(NamedTuple):
-    """A surface as it was measured last, from a base that stood at it."""
+    """Surface as it was measured last by a base at rest before it."""
 
     surface: str
     pose: Pose2
@@ -236,9 +236,8 @@ class Objects(Section):
         return (*surface.contact_names(name), *reached)
 
     def believed(self, name: str) -> Pose2 | None:
-        """Return where an object is believed to be, on the map; it is moved with its surface.
-
-        None for anywhere on the surface.
+        """Return the believed pose of an object on the map, moved with its surface; None for anywhere on the
+        surface.
         """
         known = self.objects.objects[name]
         if known.x_m is None or known.y_m is None:

@@ -44,9 +44,9 @@ PITCHES_RAD = tuple(math.radians(value) for value in (90.0, 55.0, 30.0))
 """Pitch angles of a hand over a surface, pointing down or slanting ahead."""
 TURNS_RAD = tuple(math.radians(value) for value in (0.0, 90.0, 180.0, -90.0))
 SIDES = ("-x", "-y", "+x", "+y")
-"""Sides of a surface that the base faces, one for each of `TURNS_RAD` relative to the surface."""
+"""Sides of a surface that the base may face, one for each angle of `TURNS_RAD` relative to the surface."""
 HEADINGS_RAD = tuple(math.radians(value) for value in (0.0, 45.0, 90.0, 135.0))
-"""Headings of a hand that comes from above; half a turn further it grips alike."""
+"""Headings of a hand that comes from above; a heading turned by half a turn grips in the same way."""
 
 
 class NoStandingPlace(Exception):
@@ -148,7 +148,9 @@ def _place_at(base: Pose2) -> Place:
 
 
 def _work(file: ObjectsFile, name: str) -> FloatArray:
-    """Return (n, 2) points on the map where objects are believed to be or go."""
+    """Return the points (n, 2) on the map, in [m], where objects of a surface are believed to be or are put
+    down.
+    """
     spots = [(spot.x_m, spot.y_m) for spot in file.surfaces[name].spots.values()]
     believed = [
         (object_.x_m, object_.y_m)
@@ -181,7 +183,7 @@ def _tips_on(kind: ObjectKind) -> float:
 
 
 def _is_believed(known: KnownObject, name: str) -> bool:
-    """Return whether an object is believed to be at a place on a surface."""
+    """Return whether the file gives an object a believed place on this surface."""
     return known.on == name and known.x_m is not None and known.y_m is not None
 
 
@@ -217,7 +219,7 @@ def _free(robot: RobotFile, grid: GridMap, poses: Sequence[Pose2], places: Seque
 
 
 def _ahead(base: Pose2, robot: RobotFile, surface: ObjectSurface) -> FloatArray:
-    """Return the point (1, 2) of the surface right before the base."""
+    """Return the point (1, 2) of the surface straight ahead of the base, on the map in [m]."""
     for away in np.arange(robot.footprint_radius_m, robot.footprint_radius_m + 1.0, 0.01).tolist():
         point = base.apply(np.array([[away + INWARD_M, 0.0]]))
         if surface.margin(*point[0].tolist()) >= min(INWARD_M, min(surface.size_m) / 2) - 0.01:
@@ -247,7 +249,9 @@ def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose
 def _headings_missed(
     robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray
 ) -> int:
-    """Return in how many of `HEADINGS_RAD` the hand cannot grip and lift at a point (3,) from above."""
+    """Return how many of `HEADINGS_RAD` do not let the hand grip and lift at a point (3,) on the map from
+    above.
+    """
     base_T_map = inverse(base.lift())
     tips = apply(base_T_map, point[None])[0]
     collision = CollisionModel(arm, tuple(box.seen_from(base_T_map) for box in surface.boxes("surface")))

@@ -51,14 +51,16 @@ class ObjectBelief(NamedTuple):
 
 
 class Standing(NamedTuple):
-    """Thing that was seen on a surface, with the kinds and poses that would explain it."""
+    """Thing seen on a surface in depth pictures, with the kinds and poses that would explain it."""
 
     cluster: PointCluster
     may_be: tuple[SolidCandidate, ...]
 
 
 def take_depth(robot: Robot) -> tuple[DepthImage, CameraModel] | None:
-    """Return this period's depth picture and its lens; None if the robot has no depth camera."""
+    """Return this period's depth picture and the model of its camera; None if the robot has no depth
+    camera.
+    """
     camera = robot.backend.get(DepthCamera)  # type: ignore[type-abstract]
     return None if camera is None else (camera.image(), camera.model)
 
@@ -69,7 +71,7 @@ def standing(
     surface: ObjectSurface,
     kinds: Mapping[str, ObjectKind],
 ) -> list[Standing]:
-    """Return what stands on a surface by all depth pictures of a stop.
+    """Return the things seen on a surface in all depth pictures that were taken from one place of the base.
 
     Args:
         views: pictures.
@@ -92,7 +94,7 @@ def identify(
     base_T_surface: Transform,
     views: int,
 ) -> Located:
-    """Return where an object without tags is.
+    """Return the pose of an object without tags, chosen among the things that were seen on its surface.
 
     Args:
         name: name of the object.
@@ -136,7 +138,8 @@ def identify(
 def obstacles(
     found: Sequence[Standing], base_T_surface: Transform, base_T_object: Transform, kind: ObjectKind
 ) -> Iterator[Box]:
-    """Yield boxes, posed in the base frame, around what stands beside an object on its surface.
+    """Yield boxes, posed in the base frame, around the things that were seen next to an object on its
+    surface.
 
     Args:
         found: all that stands on the surface.
@@ -165,7 +168,7 @@ def contradiction(
     kind_name: str,
     kind: ObjectKind,
 ) -> str:
-    """Return in words what stands where an object's tag was read, if it can't be of its kind; "" if it may.
+    """Return in words which other thing is seen at the place of an object's tag; "" if it may be the object.
 
     Args:
         found: all that stands on the surface.
@@ -210,10 +213,11 @@ def _candidate(found: Standing, kind_name: str) -> SolidCandidate:
 
 
 def _assigned(name: str, kind_name: str, places: FloatArray, beliefs: Sequence[ObjectBelief]) -> int:
-    """Return which of the places (n, 2), in [m] in the base frame, is that of an object.
+    """Return the index of the place that belongs to an object, out of places (n, 2) in the base frame, in
+    [m].
 
-    All places are assigned to objects of the kind. The best assignment has to be far likelier than all in
-    which the object is elsewhere.
+    All places are assigned to objects of the kind. The best assignment has to be far likelier than any in
+    which the object is at another place.
     """
     mine = next(number for number, object_belief in enumerate(beliefs) if object_belief.object == name)
     if len(places) > len(beliefs):
@@ -263,7 +267,9 @@ def _log_density(place: FloatArray, belief: ObjectBelief) -> float:
 def _located(
     found: SolidCandidate, kind: ObjectKind, heading: float, base_T_surface: Transform, eye: FloatArray
 ) -> Located:
-    """Return a candidate in the base frame; of headings that look the same, the one next to that expected."""
+    """Return a candidate in the base frame; of headings that look the same, with the one nearest to the
+    expected one.
+    """
     pose = np.asarray(base_T_surface @ found.surface_T_solid)
     yaw = math.atan2(pose[1, 0], pose[0, 0])
     step = math.pi / 2 if abs(kind.size[0] - kind.size[1]) < SQUARE_M else math.pi

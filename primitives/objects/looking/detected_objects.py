@@ -51,9 +51,9 @@ def detect_all(
 def explained(
     found: Sequence[Standing], detected: Sequence[DetectedObject], base_T_surface: Transform
 ) -> list[Standing]:
-    """Return what stands on a surface, with the kinds and poses that detections give where there are any.
+    """Return the things on a surface, with kinds and poses by the detections that belong to them.
 
-    Elsewhere the sizes decide, as without detectors. Detections of one kind in several pictures are fused.
+    For things without a detection the sizes decide. Detections of one kind in several pictures are fused.
 
     Args:
         found: what was seen in the depths.

@@ -53,7 +53,7 @@ MAX_OFF_SURFACE_M = 0.02  # that the middle of a foot may be beyond an edge
 
 @dataclass
 class ObjectLook:
-    """Tags that were read, and depths, from one stop of the base."""
+    """Readings of tags, depth pictures and detections, all from one place of the base."""
 
     reads: list[ReadTag] = field(default_factory=list)
     depths: list[DepthView] = field(default_factory=list)
@@ -237,7 +237,7 @@ def base_T_top(robot: Robot, model: ModelView, surface: str) -> Transform:
 def _beliefs(
     robot: Robot, model: ModelView, name: str, surface: str, expected: Transform | None
 ) -> list[ObjectBelief]:
-    """Return where all objects of an object's kind on a surface are believed to be, that one first."""
+    """Return the believed poses of all objects of an object's kind on a surface, the object itself first."""
     objects = model.of(Objects)
     file, held = objects.objects, objects.held_object
     found = []

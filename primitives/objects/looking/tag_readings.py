@@ -133,10 +133,10 @@ def locate(
 
 
 def _on_height(base_T_object: Transform, view: TagView, height: float) -> FloatArray:
-    """Return the place (3,) of an object's foot, moved along the line of sight to the height of a surface.
+    """Return the place (3,) of an object's foot in the base frame, moved along the line of sight to a height.
 
-    From afar a single picture of a tag determines the distance least. A level line of sight never meets that
-    height: then the place is as it was seen.
+    From afar a single picture of a tag determines the distance least. If the line of sight is level, it never
+    meets that height, and the place stays as seen.
     """
     foot, tag = base_T_object[:3, 3], apply(base_T_object, view.on_box.mean(axis=0)[None])[0]
     sight = tag - view.base_T_camera[:3, 3]

@@ -19,7 +19,7 @@ from handcart.robotics.manipulation.motions.collision_model import CollisionMode
 from handcart.robotics.numerics.arrays import FloatArray
 
 Direction = Literal["any", "above", "slanted"]
-"""Directions that the camera looks from."""
+"""Directions from which the camera may look at an object."""
 SPACING_M = 0.04  # between places where the object may be
 ELSEWHERE_SHARE = 0.05  # of the belief that is spread over the whole surface
 IK_RESTARTS = 3
