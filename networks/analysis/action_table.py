@@ -21,9 +21,9 @@ class TableRow(FileModel):
 
     do: str
     ok: int
-    """Row that follows Success."""
+    """Number of the row that follows Success."""
     fail: int
-    """Row that follows Fail."""
+    """Number of the row that follows Fail."""
     facts: Annotated[dict[str, Fact], Field(default_factory=dict)]
     """Physical facts that hold where the row begins, as far as they are known."""
 
@@ -36,7 +36,7 @@ class ActionTable(FileModel):
     start: int
     rows: dict[int, TableRow]
     ends: dict[int, str]
-    """Rows in which a run ends: GOAL, GIVEUP."""
+    """Ends of a run, GOAL or GIVEUP, by the number of the row."""
     requires: Annotated[list[str], Field(default_factory=list)]
     """Primitives that the task needs."""
 

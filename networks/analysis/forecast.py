@@ -23,7 +23,9 @@ LIKELY_SHARE = 0.3
 STAGE_STEPS = 20
 """Steps of effort for a stage whose chain is known already."""
 Change = Callable[[Stage, Collection[int]], Stage]
-"""Function that takes a stage and numbers of its actions, and returns the stage with these changed."""
+"""Function that takes a stage and numbers of its actions, and returns the stage with these actions
+changed.
+"""
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,15 @@ class Forecast:
 
 
 def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
-    """Return the exact forecast of a network; see `Forecaster`."""
+    """Return the exact forecast of a network.
+
+    Args:
+        network: the network.
+        chances: outcome probabilities of each action, by its number; None for a skip.
+
+    Raises:
+        TooLarge: a part of the network has too many states.
+    """
     return Forecaster(network, chances).forecast()
 
 

@@ -32,7 +32,7 @@ class Held(NamedTuple):
 
 
 class _Use(NamedTuple):
-    """Use of the hand by one action."""
+    """Requirement of one action on the hand, and the hand's content after its Success."""
 
     use: HandUse
     thing: str

@@ -132,7 +132,7 @@ def _piece(stage: Stage, effort: Effort) -> _Piece:
 
 
 class _Come(NamedTuple):
-    """A run that reaches a state with the fewest Fails, as a link to the state before."""
+    """Last step of a run that reaches a state with the fewest Fails, with the state before it."""
 
     before: State
     action: int

@@ -11,7 +11,7 @@ from .step_maker import State, Step
 
 
 class ChainEnd(IntEnum):
-    """End of a run in a row."""
+    """Kind of end of a run, as a column number."""
 
     GOAL = 0
     NO_WAY = 1
@@ -21,7 +21,7 @@ class ChainEnd(IntEnum):
 
 
 class ChainLink(NamedTuple):
-    """A step from a row to another one."""
+    """Transition from one row of a chain to another."""
 
     row: int
     to: int

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Chance:
-    """Probabilities of one attempt of an action; the rest is Fail."""
+    """Probabilities of Success and GiveUp of one attempt of an action; the rest is Fail."""
 
     success: float
     give_up: float = 0.0

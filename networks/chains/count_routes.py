@@ -18,18 +18,18 @@ TIE_SLACK = 1e-9
 
 
 class CountRoutes(NamedTuple):
-    """First actions of the cheapest routes from all situations, for several counts of Fails."""
+    """First actions of the cheapest routes from all situations, for n combinations of earlier Fails."""
 
     action: IntArray
-    """(situations, n) number of the action; `NO_ACTION` without a route."""
+    """(situations, n) number of the first action; `NO_ACTION` if no route leads to the goal."""
     is_tied: BoolArray
-    """(situations, n) True if another route costs the same."""
+    """(situations, n) True if another first action leads to a route of the same cost."""
     has_to_fail: BoolArray
-    """(situations, n) True if the action leads on by its Fail only."""
+    """(situations, n) True if the route needs a Fail of this action."""
 
 
 class _Way(NamedTuple):
-    """Actions between the same two situations, or one action's Fail."""
+    """Actions that lead from one situation to another, or the Fail of one action that does."""
 
     source: int
     target: int
@@ -38,7 +38,7 @@ class _Way(NamedTuple):
 
 
 class RouteFinder:
-    """Finds routes by relaxation (Bellman, 1958) over all counts of Fails at once.
+    """Search for the cheapest routes by relaxation (Bellman, 1958), for many combinations of Fails at once.
 
     The weights are those of `PlanSearch`: each Fail doubles the weight of an action, and used-up attempts
     exclude it.
@@ -79,11 +79,20 @@ class RouteFinder:
         return sorted(ways, key=lambda way: (float(far[way.source]), way.source))
 
     def routes(self, counts: Uint16Array) -> CountRoutes:
-        """Return the routes of Successes for counts of Fails (n, counters)."""
+        """Return the routes of Successes for combinations of Fails.
+
+        Args:
+            counts: (n, counters) number of Fails of each counter, in the order of `ActionNetwork.shared`.
+        """
         return self._search(counts, self._plain)
 
     def hoping(self, counts: Uint16Array) -> CountRoutes:
-        """Return the routes that need the fewest Fails, for counts (n, counters) without any other route."""
+        """Return the routes that need the fewest Fails.
+
+        Args:
+            counts: (n, counters) number of Fails of each counter, in the order of `ActionNetwork.shared`; no
+                route of Successes is left for them.
+        """
         return self._search(counts, self._hoping)
 
     def _search(self, counts: Uint16Array, ways: Sequence[_Way]) -> CountRoutes:
@@ -115,7 +124,9 @@ class RouteFinder:
 
 
 def _relax(fails: FloatArray, cost: FloatArray, way: _Way, weight: FloatArray) -> None:
-    """Improve the routes (situations, n) by a way with its weights (n,), those with fewer Fails first."""
+    """Improve the routes (situations, n) by an action or Fail with its weights (n,); fewer Fails come
+    first.
+    """
     come = cost[way.target] + weight
     there = np.where(come < math.inf, fails[way.target] + way.fails, math.inf)
     better = (there < fails[way.source]) | ((there == fails[way.source]) & (come < cost[way.source]))
@@ -124,6 +135,6 @@ def _relax(fails: FloatArray, cost: FloatArray, way: _Way, weight: FloatArray) -
 
 
 def _weights(cost_s: float, attempts: int, is_skip: bool) -> FloatArray:
-    """Return the weight of an action for each count of its Fails."""
+    """Return the weight of an action, in [s], for each number of its Fails from 0 on."""
     base = SKIP_WEIGHT if is_skip else cost_s
     return np.array([*(math.ldexp(base, fails) for fails in range(attempts)), math.inf])

@@ -13,18 +13,21 @@ from handcart.robotics.numerics.arrays import FloatArray, IntArray, Uint16Array
 from .step_maker import Aftermath, State
 
 MAX_CODE = 2**62
-"""Upper limit of the codes in one word."""
+"""Upper limit of a code in one integer; larger codes take several."""
 
 
 class FlowStates(NamedTuple):
-    """States with the moments of the cost of the runs that come to them, as in `Moments`."""
+    """n states, each with the probability and the cost so far of the runs that come to it."""
 
     counts: Uint16Array
-    """(n, counters) counts of Fails."""
+    """(n, counters) number of Fails of each counter, in the order of `ActionNetwork.shared`."""
     place: IntArray
-    """(n,) number of the situation."""
+    """(n,) number of the situation of each state."""
     mass: FloatArray
-    """(n, 3 or 6) moments of the runs; the second three are for runs that have left elements undone."""
+    """(n, 3 or 6) p, E[C; state] and E[C²; state] of the cost C so far in [s] (`Moments`).
+
+    The second three columns are for the runs that have left an element of a repeat undone.
+    """
 
     @property
     def p(self) -> FloatArray:
@@ -37,10 +40,12 @@ class FlowStates(NamedTuple):
 
 
 class StateCodes:
-    """Rows of the states in one network, and their codes, by which equal ones are found."""
+    """Conversion of states of one network into rows of integers, and into codes that are equal for equal
+    states.
+    """
 
     def __init__(self, network: ActionNetwork, after: Aftermath) -> None:
-        """Prepare the codes of a network."""
+        """Prepare the conversion for a network."""
         self._names, self._counters = list(network.situations), list(network.shared)
         self.place = {name: number for number, name in enumerate(self._names)}
         """Number of each situation."""
@@ -53,7 +58,7 @@ class StateCodes:
         self._factors = self._code_factors(network)
 
     def _code_factors(self, network: ActionNetwork) -> IntArray:
-        """Return the factors (counters, words) of counts in codes, a mixed radix."""
+        """Return the factors (counters, integers) by which numbers of Fails enter a code, a mixed radix."""
         words = [[0] * len(self._counters)]
         factor = len(self._names)
         for number, counter in enumerate(self._counters):
@@ -66,7 +71,7 @@ class StateCodes:
         return np.array(words, np.int64).T
 
     def one(self, state: State, mass: FloatArray) -> FlowStates:
-        """Return a state with the moments (3 or 6,) of the runs that come to it."""
+        """Return one state, with the moments (3 or 6,) of the runs that come to it, as a row."""
         counts = np.zeros((1, len(self._counters)), np.uint16)
         for counter, fails in state.fails:
             counts[0, self._counters.index(counter)] = fails
@@ -84,7 +89,7 @@ class StateCodes:
         return State(self._names[place], tuple(fails))
 
     def forgotten(self, states: FlowStates) -> FlowStates:
-        """Return the states without the Fails that cannot matter in their situations any more."""
+        """Return the states without the Fails of actions that cannot follow in their situations any more."""
         return states._replace(counts=states.counts * self._keeps[states.place])
 
     def merged(self, every: Sequence[FlowStates]) -> FlowStates:

@@ -21,9 +21,9 @@ class LinearSolver:
 
         Args:
             size: number of rows.
-            links: row, row that follows, probability.
-            circles: whether rows may follow each other in circles; otherwise what follows a row has a
-                smaller number.
+            links: for each transition its row, the row that follows, and the probability.
+            circles: whether rows may follow each other in circles; otherwise what follows a row has a smaller
+                number.
         """
         rows, to, p = zip(*links, strict=True) if links else ((), (), ())
         follows = csc_array((p, (rows, to)), shape=(size, size))

@@ -21,7 +21,7 @@ from .step_maker import State
 
 @dataclass(frozen=True)
 class Chain:
-    """Results of a part of a network, over the runs that enter it."""
+    """Probabilities, starts and costs of the runs through a part of a network."""
 
     ends: Ends
     starts: tuple[float, ...]
@@ -30,7 +30,7 @@ class Chain:
     """Derivative of P(goal) by each action's probability of Success, with the Fails becoming fewer."""
     rows: ChainRows
     ended: FloatArray
-    """(situations, ends) probability that a run ends there, by `ChainEnd`."""
+    """(situations, ends) probability that a run ends in each situation, with a column for each `ChainEnd`."""
     skips: float
     """Average number of skips."""
 
@@ -104,7 +104,9 @@ class _Solution:
         return list(zip(map(float, complete[:, 0]), map(float, first.sum(axis=1)), strict=True))
 
     def _ended(self, visits: FloatArray) -> FloatArray:
-        """Return the probabilities (situations, ends) that a run ends in each situation."""
+        """Return the probabilities (situations, ends) that a run ends in each situation, by the visits
+        (rows,) to each row.
+        """
         found = np.zeros((self._situations, len(ChainEnd)))
         np.add.at(found, self._rows.places, self._into(skips=True) * visits[:, None])
         return found
@@ -116,7 +118,9 @@ class _Solution:
         return tuple(map(float, found))
 
     def _into(self, skips: bool) -> FloatArray:
-        """Return the probabilities (rows, ends) of ending in each row; `skips` adds skips into the goal."""
+        """Return the probabilities (rows, ends) that a run ends right after each row; `skips` adds skips that
+        reach the goal.
+        """
         into = np.zeros((self._size, len(ChainEnd)))
         for row, end, p, _ in self._rows.ends:
             into[row, end] += p
@@ -127,7 +131,13 @@ class _Solution:
         return into
 
     def _moments(self, solver: LinearSolver, into: FloatArray) -> FloatArray:
-        """Return moments of the cost by rows and ends: probability, E[C; end], E[C²; end]."""
+        """Return moments (rows, ends, 3) of the cost C from each row on: probability, E[C; end] and E[C²;
+        end].
+
+        Args:
+            solver: solver of the chain's equations.
+            into: (rows, ends) probabilities that a run ends right after each row.
+        """
         cost = np.array(self._rows.cost)[:, None]
         p = solver.solve(into)
         first = solver.solve(cost * p)
@@ -136,7 +146,9 @@ class _Solution:
         return np.stack((p, first, second), axis=-1)
 
     def _gain(self, goal: FloatArray) -> FloatArray:
-        """Return for each row by how much P(goal) after a Success exceeds that after a Fail."""
+        """Return by how much P(goal) after a Success exceeds that after a Fail, (rows,); `goal` (rows,) is
+        P(goal) from each row.
+        """
         gain = np.zeros(self._size)
         success = np.zeros(self._size)
         for row, to, p in self._rows.succeeds:
@@ -150,7 +162,10 @@ class _Solution:
         return gain - self._after_fail(goal)
 
     def _after_fail(self, goal: FloatArray) -> FloatArray:
-        """Return P(goal) after a Fail of each row: the mean over its causes, unweighted if all have p = 0."""
+        """Return P(goal) after a Fail of each row, (rows,); `goal` (rows,) is P(goal) from each row.
+
+        It is the mean over the causes of the Fail, unweighted if all have p = 0.
+        """
         links = [(row, p, float(goal[to])) for row, to, p in self._rows.fails]
         links += [(row, p, float(end == ChainEnd.GOAL)) for row, end, p, failed in self._rows.ends if failed]
         total, count, mean = np.zeros(self._size), np.zeros(self._size), np.zeros(self._size)

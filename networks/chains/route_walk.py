@@ -58,7 +58,7 @@ class RouteWalk:
                 self._after_fail[number, action.index] = place[to or action.source]
 
     def after(self, states: FlowStates) -> Iterator[FlowStates]:
-        """Yield the states after the next Fail of runs from `states`, which are ordered by their counts."""
+        """Yield the states after the next Fail of runs from `states`, which are sorted by `counts`."""
         counts, place, mass = states
         first = np.append(True, (counts[1:] != counts[:-1]).any(axis=1))
         counts, tree = counts[first], np.cumsum(first) - 1
@@ -73,14 +73,14 @@ class RouteWalk:
     def _walk(
         self, routes: CountRoutes, counts: Uint16Array, tree: IntArray, place: IntArray, mass: FloatArray
     ) -> Iterator[FlowStates]:
-        """Follow routes to their ends; yield the states after the Fails.
+        """Follow the runs along their routes to the routes' ends; yield the states after the Fails.
 
         Args:
             routes: the routes.
-            counts: (trees, counters) counts of Fails of each tree of routes.
-            tree: (n,) number of the routes that each run follows.
+            counts: (trees, counters) numbers of Fails; all states with equal ones share a tree of routes.
+            tree: (n,) index in `counts` of the tree that each run follows.
             place: (n,) situation of each run.
-            mass: (n, 3 or 6) moments of each.
+            mass: (n, 3 or 6) moments of each, as in `FlowStates`.
         """
         while len(tree):
             action, is_tied = routes.action[place, tree], routes.is_tied[place, tree]
@@ -102,7 +102,15 @@ class RouteWalk:
     def _attempted(
         self, counts: Uint16Array, place: IntArray, action: IntArray, mass: FloatArray
     ) -> Generator[FlowStates, None, FloatArray]:
-        """Start actions (n,); yield the states after their Fails, return the moments of their Successes."""
+        """Start one action in each of n states; yield the states after Fails, return the moments after
+        Successes.
+
+        Args:
+            counts: (n, counters) numbers of Fails.
+            place: (n,) numbers of the situations.
+            action: (n,) numbers of the actions.
+            mass: (n, 3 or 6) moments of the runs, as in `FlowStates`.
+        """
         is_skip = self._is_skip[action]
         mass = _later(mass, self._cost[action])
         started = mass[:, ::3].sum(axis=1)
@@ -153,7 +161,7 @@ class RouteWalk:
 
 
 def _later(mass: FloatArray, cost: FloatArray) -> FloatArray:
-    """Return the moments (n, 3 or 6) after a step of this cost (n,), in [s]."""
+    """Return the moments (n, 3 or 6) of runs after one more step with a cost (n,), in [s]."""
     later = mass.copy()
     for at in range(0, mass.shape[1], 3):
         later[:, at + 1] += cost * mass[:, at]

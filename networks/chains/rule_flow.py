@@ -23,7 +23,7 @@ MAX_OPEN = 1e-4
 FIRST_LEAST, LEAST_FACTOR = 1e-5, 0.25
 """Least probability of a state that is followed: in the first pass, and its factor from pass to pass."""
 MAX_WAYS = 300
-"""Actions of a network up to which all its routes are computed at once."""
+"""Maximum number of a network's actions for which all routes are computed at once."""
 MAX_BATCH_STATES = 20_000
 """States that are followed at once."""
 BATCH_STEPS, STATE_STEPS, ROUTE_STEPS = 30.0, 0.3, 0.01
@@ -37,7 +37,7 @@ class FlowResult(NamedTuple):
     starts: FloatArray
     """(actions,) average number of starts of each action."""
     ended: FloatArray
-    """(situations, ends) probability that a run ends there, by `ChainEnd`."""
+    """(situations, ends) probability that a run ends in each situation, with a column for each `ChainEnd`."""
     skips: float
     """Average number of skips."""
 
@@ -97,7 +97,12 @@ class RuleFlow:
             level += 1
 
     def _follow(self, level: int, chosen: IntArray) -> None:
-        """Follow the chosen states (n,) of one number of Fails."""
+        """Follow the chosen states; all of them have the same number of Fails.
+
+        Args:
+            level: the number of Fails.
+            chosen: (n,) row numbers of the states.
+        """
         states, routes = self._waiting[level], ROUTE_STEPS * len(self._network.actions)
         for begin in range(0, len(chosen), MAX_BATCH_STATES):
             batch = chosen[begin : begin + MAX_BATCH_STATES]

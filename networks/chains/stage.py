@@ -40,7 +40,9 @@ class Stage:
         return place[self.network.start], place[self.network.goal], rows
 
     def _more(self, a: Action, place: Mapping[str, int]) -> tuple[object, ...]:
-        """Return what planning with an action also depends on: results, shared attempts and renewals."""
+        """Return further data that planning with an action depends on: results, shared attempts and
+        renewals.
+        """
         others = tuple((place[other.target], other.p) for other in a.others)
         p = a.p if a.others else None
         counts = a.counter, a.unlimited, a.renewals, self.network.renewed_by.get(a.index, ())

@@ -124,7 +124,7 @@ class Aftermath:
         }
 
     def matters(self, situation: str, counter: int) -> bool:
-        """Return whether an action of a counter of Fails can follow in a situation."""
+        """Return whether an action whose Fails a counter counts can still follow in a situation."""
         return bool(self._ahead.bits(situation) & self._bits[counter])
 
     def successes(

@@ -78,7 +78,7 @@ class PendingRequest(NamedTuple):
 
 
 class Supervision:
-    """Honours requests at each period of an attempt.
+    """Supervisor of an attempt, which honours requests from outside at each period.
 
     A pause, a continuation, a cancel and a stop are meant for the run, a restore for the action that runs
     when it is asked for. Each may name an action; one that is over or has not begun is never replaced by

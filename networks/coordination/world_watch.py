@@ -57,8 +57,8 @@ class WorldWatch:
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
         """Return the situation that holds now; None if that cannot be decided.
 
-        It is an earlier situation with the facts of `here`, the last one, if only the base has moved
-        between the two snapshots, and has moved to its pose of that time.
+        It is the latest earlier situation with the facts of `here` if only the base has moved between the
+        snapshots `stood` and `now`, and has moved to its pose in that situation.
         """
         kinds = {residual.kind for residual in self._moved(stood, now).all}
         if not kinds <= _BASE or not self._sure(now):

@@ -28,7 +28,7 @@ def _chance(action: Action) -> Chance:
 
 
 class BestPlanner(Planner):
-    """Plans by the best policy; a decision that was made before is looked up.
+    """Planner by the best policy, which looks up decisions that were made before.
 
     A plan follows the usual result of each action. For a goal other than the network's, the rule plans.
     """

@@ -37,18 +37,18 @@ Bounds = Callable[[State], tuple[float, float] | None]
 
 
 class _Solution(NamedTuple):
-    """Solution of the equations of a policy, by the bounds of states that were not expanded."""
+    """Values and visits of a policy's states, with the bounds of states that were not expanded."""
 
     states: IntArray
-    """(n,) the expanded states that it reaches."""
+    """(n,) numbers of the expanded states that the policy reaches."""
     low: FloatArray
     high: FloatArray
     visits: FloatArray
-    """(all states,) expected number of visits."""
+    """(states,) expected number of visits of the policy to each state of the table."""
 
 
 class _Decisions(NamedTuple):
-    """The best decisions by the upper bounds."""
+    """Best decision in each state by the upper bounds."""
 
     options: IntArray
     cost: FloatArray

@@ -21,7 +21,7 @@ SWEEP_TOLERANCE = 1e-6
 
 
 class DrawnAction(NamedTuple):
-    """Probabilities of one action, each (draws,)."""
+    """Outcome probabilities of one action in many draws; each array is (draws,)."""
 
     success: Sequence[FloatArray]
     """Probability of each situation that a Success leads to, as in `Step.succeeded`."""
@@ -31,12 +31,12 @@ class DrawnAction(NamedTuple):
 
 
 class PricedRow(NamedTuple):
-    """One state of a policy."""
+    """Cost and successors of one state of a policy, in many draws."""
 
     cost: FloatArray
     """(draws,) cost of its decision, with the prices of ends that follow at once, in [s]."""
     leads: list[tuple[FloatArray, int]]
-    """(draws,) probabilities of the states that follow, each with its number."""
+    """Probability (draws,) of each state that follows, with the number of that state."""
 
 
 class DrawnPrices:

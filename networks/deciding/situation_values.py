@@ -20,7 +20,9 @@ MAX_TIGHT_SITUATIONS = 30
 MAX_TIGHT_SWEEPS, TIGHT_CHANGE_S = 40, 1e-6
 """Maximum number of sweeps that tighten the bound, and the improvement in [s] below which they end."""
 _Row = tuple[float, list[tuple[float, int]]]
-"""Cost of an action, and probability and place of each situation of its component that may follow."""
+"""Cost of an action in [s], with the probability and index within its component of each situation that
+follows.
+"""
 _BETTER = 1e-12
 """Least relative improvement for which policy iteration changes an action."""
 
@@ -61,12 +63,12 @@ class SituationValues:
         return known[situation]
 
     def without_each(self, number: int, out: BoolArray, places: IntArray) -> FloatArray:
-        """Return a lower bound for states of a component in which further actions are excluded.
+        """Return a lower bound of the expected cost for states of a component in which actions are excluded.
 
         Args:
             number: number of the component.
             out: (n, actions) the excluded actions, in the order of the component's situations.
-            places: (n,) place of the situation of each state in the component.
+            places: (n,) index of each state's situation within the component.
 
         Returns:
             (n,) lower bounds, in [s].
@@ -98,8 +100,8 @@ class SituationValues:
         """Return costs and transitions of the actions of a component, made once.
 
         Returns:
-            (actions,) costs; (actions, situations) probabilities; and for each situation that has actions the
-            number of the first one, and its place.
+            Costs (actions,) in [s]; probabilities (actions, situations); and for each situation that has
+                actions, the index of its first action and the index of the situation, both (k,).
         """
         if number not in self._in_arrays:
             inside = {name: place for place, name in enumerate(names)}

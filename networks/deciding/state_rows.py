@@ -16,28 +16,29 @@ from .process import MIN_PROBABILITY, Process
 
 GOAL_ROW = -1
 _Ending = tuple[float, int, bool]
-"""Probability, place of the situation, and whether it follows a Fail."""
+"""Probability, index of the situation in `StateRows.names`, and whether it follows a Fail."""
 
 
 class Following(NamedTuple):
     """Options of some states, and the states that follow them."""
 
     state: IntArray
-    """(options,) number of the state in which each option can be started; ascending."""
+    """(options,) number of the state in which each option can be started, ascending."""
     action: IntArray
-    """(options,) place of its action in `StateRows.actions`."""
+    """(options,) index in `StateRows.actions` of each option's action."""
     option: IntArray
-    """(transitions,) number of the option of each transition."""
+    """(transitions,) number of the option to which each transition belongs."""
     p: FloatArray
-    """(transitions,) its probability."""
+    """(transitions,) probability of each transition."""
     rows: Uint16Array
-    """(transitions, 1 + counters) the state that follows."""
+    """(transitions, 1 + counters) row of the state to which each transition leads, as in `StateRows`."""
 
 
 class StateRows:
     """Rows of the states in one strongly connected component, and of those just beyond it.
 
-    A row is the place of a situation and the count of each counter that can matter there.
+    A row (1 + counters,) has the index of a situation in `names`, then the number of Fails of each counter
+    that can still matter there.
     """
 
     def __init__(self, process: Process, part: int, carried: Sequence[int] = ()) -> None:
@@ -150,7 +151,13 @@ class StateRows:
         return Following(state, action, option, self._p[acts, number], after)
 
     def _renew(self, after: Uint16Array, acts: IntArray, at_fail: BoolArray) -> None:
-        """Give attempts back in the rows (n, 1 + counters) that follow a Success."""
+        """Give attempts back in the rows (n, 1 + counters) that follow a Success, in place.
+
+        Args:
+            after: (n, 1 + counters) rows of the following states.
+            acts: (n,) index of the action before each.
+            at_fail: (n,) True for rows that follow a Fail.
+        """
         for place, columns in self._renews.items():
             chosen = np.flatnonzero((acts == place) & ~at_fail)
             for column in columns:

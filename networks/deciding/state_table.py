@@ -18,7 +18,7 @@ STOP_CHOICE = -1
 
 
 class Choices(NamedTuple):
-    """The best option of each state, by given values of the states that follow."""
+    """Best option of each state, by assumed expected costs of the states that follow."""
 
     cost: FloatArray
     """(states,) least expected cost, in [s]; infinite for states that were not expanded."""
@@ -209,8 +209,8 @@ class StateTable:
             options: (n,) numbers of the options; `STOP_CHOICE` has no transitions.
 
         Returns:
-            For each transition the index of its option in `options`, the state that follows, and the
-                probability, given that the state is left.
+            Arrays (k,) over the transitions: index of the option in `options`, number of the following state,
+                and probability on condition that the state is left.
         """
         acting = np.flatnonzero(options != STOP_CHOICE)
         chosen = options[acting]
@@ -221,7 +221,7 @@ class StateTable:
         return np.repeat(acting, count), self._to.all[places], p
 
     def action(self, option: int) -> int:
-        """Return the place of an option's action in `StateRows.actions`."""
+        """Return the index in `StateRows.actions` of an option's action."""
         return int(self._action.all[option])
 
     def prices(self, states: IntArray, options: IntArray) -> FloatArray:

@@ -188,7 +188,7 @@ def _moved(text: Text, x: float, y: float) -> Text:
 
 
 class _Drawing:
-    """Draws each part, those within it first."""
+    """Drawing of all parts of a network, inner parts first."""
 
     def __init__(self, folded: FoldedNetwork, ended: Counter[tuple[int, str]] | None) -> None:
         self._folded, self._ended = folded, ended

@@ -28,7 +28,7 @@ def has_conditions(document: Document) -> bool:
 
 
 class ConditionReader:
-    """Reads the conditions of a generated network; wrong types are reported with the complete file."""
+    """Reader of the conditions of a generated network; wrong types are reported with the complete file."""
 
     def __init__(self, document: Document) -> None:
         """Read the facts and what is said of them."""

@@ -14,11 +14,11 @@ from handcart.networks.graph.network import Fact
 from .condition_entry import ConditionEntry, value_in_words
 
 State = tuple[int, ...]
-"""Number of the value of each fact, in the order of the space."""
+"""Index of the present value of each fact, the facts in the order of `FactSpace.values`."""
 Condition = tuple[tuple[int, frozenset[int]], ...]
-"""Facts by their numbers, each with the numbers of the allowed values."""
+"""Pairs of a fact's number and the indices of the values that are allowed."""
 Change = tuple[tuple[int, int], ...]
-"""Facts by their numbers, each with the number of its new value."""
+"""Pairs of a fact's number and the index of its new value."""
 Faults = Iterator[tuple[KeyPath, str]]
 RESERVED_NAMES = ("p", "result")
 """Keys of an entry of `then`, which no fact can have as its name."""
@@ -40,7 +40,7 @@ class FactSpace:
 
     @cached_property
     def number(self) -> dict[str, int]:
-        """Number of each fact."""
+        """Number of each fact in the order of `values`, by its name."""
         return {name: number for number, name in enumerate(self.values)}
 
     @cached_property
@@ -52,12 +52,14 @@ class FactSpace:
         return self.changed((0,) * len(self.values), self.change(given))
 
     def condition(self, given: Mapping[str, object]) -> Condition:
-        """Return conditions by numbers; all names and values are known."""
+        """Return conditions as numbers of facts and indices of allowed values; all names and values are
+        known.
+        """
         listed = ((name, item if isinstance(item, list) else [item]) for name, item in given.items())
         return tuple((self.number[name], self._numbers(name, item)) for name, item in listed)
 
     def change(self, given: Mapping[str, Fact]) -> Change:
-        """Return changes by numbers; all names and values are known."""
+        """Return changes as numbers of facts and indices of new values; all names and values are known."""
         return tuple((self.number[name], self._numbered(name, value)) for name, value in given.items())
 
     def changed(self, state: State, change: Change) -> State:

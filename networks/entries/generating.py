@@ -42,7 +42,7 @@ class Generated(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """A situation whose actions are still to be followed."""
+    """Situation that was found and whose actions are still to be followed."""
 
     state: State
     number: int
@@ -51,7 +51,7 @@ class _Place(NamedTuple):
 
 @dataclass(frozen=True)
 class _Rule:
-    """An entry with its conditions and effects as numbers."""
+    """Action of the file with its conditions and effects as numbers."""
 
     number: int
     condition: Condition
@@ -68,7 +68,7 @@ class _Rule:
 
 
 class NetworkGenerator:
-    """Follows all actions from the start, and collects the situations that they lead to.
+    """Generator of a network, which follows all actions from the start to the situations that they lead to.
 
     All situations in which the goal's conditions hold are one.
     """

@@ -16,7 +16,7 @@ from .run_end import RunEnd
 
 @dataclass(frozen=True)
 class Planned:
-    """A plan was made, or no plan was found."""
+    """Event of a plan that was made, or of no plan having been found."""
 
     time: float
     """The robot's time, in [s], as in all events."""
@@ -48,7 +48,7 @@ class Restoring:
 
 @dataclass(frozen=True)
 class Ended:
-    """An action has ended, and its outcome is in the journal."""
+    """Event of an action that has ended, after its outcome is in the journal."""
 
     time: float
     number: int
@@ -62,7 +62,7 @@ class Ended:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """An action that was not started, or an element of a repeat that is left undone."""
+    """Event of an action that was not started, or of an element of a repeat that is left undone."""
 
     time: float
     action: Action

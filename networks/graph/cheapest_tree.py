@@ -7,14 +7,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 Ways = Sequence[Sequence[tuple[int, tuple[int, ...]]]]
-"""Successors of each situation, by its number, each with the actions that lead there."""
+"""For each situation, by number, the following situations with the numbers of the actions that lead there."""
 
 
 class CheapestTree:
     """Tree of the cheapest routes from all situations to the goal.
 
-    It answers at once whether a Fail has made the route of a situation dearer, by the nested intervals of a
-    depth-first numbering.
+    It answers at once whether a Fail has made the route of a situation more expensive, because the situations
+    of each subtree have consecutive numbers in a depth-first order.
     """
 
     def __init__(self, ways: Ways, base: Sequence[float], goal: int) -> None:
@@ -68,13 +68,14 @@ class CheapestTree:
         return enter, [begin + item for begin, item in zip(enter, size, strict=True)]
 
     def spoiled(self, failed: Mapping[int, float]) -> list[tuple[int, int]]:
-        """Return the situations whose routes contain a failed action, as intervals of depth-first numbers.
+        """Return the situations whose routes contain a failed action, as intervals of their depth-first
+        numbers.
 
         Args:
             failed: weights of the failed actions by the actions' numbers; only the numbers are used.
 
         Returns:
-            First number of each interval, and the number after its last.
+            First number of each interval, and the number after its last one.
         """
         sources = (self._source[index] for index in failed if index in self._source)
         return [(self._enter[here], self._leave[here]) for here in sources]
@@ -84,7 +85,8 @@ class CheapestTree:
 
         Args:
             here: number of the situation in the network.
-            spoiled: intervals as returned by `spoiled`.
+            spoiled: intervals of depth-first numbers, each with its first number and the number after its
+                last.
         """
         number = self._enter[here]
         for enter, leave in spoiled:  # noqa: SIM110 (a generator takes twice as long)

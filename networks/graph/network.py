@@ -42,11 +42,13 @@ MAX_ROUNDS = 20
 
 
 class NetworkError(InputError):
-    """Situations and actions that are not a valid network; the message says why."""
+    """Error in situations and actions that do not form a valid network; the message gives the reason."""
 
 
 class NotBound(Exception):
-    """A late-bound parameter has no fitting value now; the action counts as failed before it starts."""
+    """Error of a late-bound parameter without a fitting value; the action counts as failed before it
+    starts.
+    """
 
 
 @dataclass(frozen=True)

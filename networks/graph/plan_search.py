@@ -18,7 +18,7 @@ _SLACK = 1e-9
 
 
 class Segment(NamedTuple):
-    """First actions of a plan, up to a situation from which its rest is planned separately."""
+    """First actions of a plan, up to a situation from which the rest is planned separately."""
 
     actions: tuple[Action, ...]
     end: str
@@ -31,12 +31,12 @@ class Segment(NamedTuple):
 
 
 class PlanSearch:
-    """Finds the route that Dijkstra's search over the whole network finds, and searches little.
+    """Search for the same route as Dijkstra's over the complete network, with less work.
 
     A Fail only makes routes dearer, so the cost to the goal while nothing has failed is a lower bound: A*
     finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968). Then Dijkstra's search, with the
-    tie-break of networkx, looks only at situations that can lie on a route as cheap, and stops where all
-    of those routes meet.
+    tie-break of networkx, looks only at situations that can lie on a route as cheap, and stops where all of
+    those routes meet.
     """
 
     def __init__(self, network: ActionNetwork, goal: str | None = None) -> None:
@@ -126,7 +126,15 @@ class PlanSearch:
         fails: Mapping[int, int],
         spoiled: Sequence[tuple[int, int]] = (),
     ) -> Segment | None:
-        """Return the first actions of a route, up to where all meet outside of the `spoiled` parts."""
+        """Return the first actions of the cheapest route, up to the next situation that all equally cheap
+        routes share.
+
+        Args:
+            start: number of the situation where the route begins.
+            weights: weights of the actions that failed, in [s], by number.
+            fails: counts of Fails by counter.
+            spoiled: intervals of situations (`CheapestTree.spoiled`) in which the segment must not end.
+        """
         self.steps = 0
         cost = self._cheapest(start, weights)
         if cost == math.inf:
@@ -136,7 +144,7 @@ class PlanSearch:
         return Segment(tuple(self._best(*pair, weights) for pair in pairs), self._names[nodes[-1]])
 
     def _weights(self, fails: Mapping[int, int]) -> dict[int, float]:
-        """Return the present weights of the actions that failed."""
+        """Return the present weights, in [s], of the actions that failed, by number."""
         known, found = self._doubled, dict[int, float]()
         for failed in fails.items():
             if failed not in known:
@@ -145,7 +153,7 @@ class PlanSearch:
         return found
 
     def _doubled_weights(self, counter: int, count: int) -> dict[int, float]:
-        """Return the weights of the actions of one counter of Fails."""
+        """Return the weights, in [s], of all actions that share a counter, after a count of Fails."""
         shared, base = self._network.shared, self._base
         return {
             action.index: math.inf

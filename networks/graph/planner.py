@@ -45,7 +45,8 @@ class NoWay:
 
 
 class Planner:
-    """Plans by the rule: the cheapest route, with the weight of an action doubled by each of its Fails.
+    """Planner by the rule, which takes the cheapest route, where each Fail of an action doubles the action's
+    weight.
 
     The network never changes: Fails are counted here.
     """

@@ -54,7 +54,7 @@ class Run(TypedDict):
 
 @with_config(_OPEN)
 class PlannedRecord(TypedDict):
-    """A plan, or the reason why no plan was found."""
+    """Record of a plan, or of the reason why no plan was found."""
 
     situation: str
     way: NotRequired[list[Index]]
@@ -72,7 +72,7 @@ ActionWords = TypedDict(
 
 @with_config(_OPEN)
 class StartRecord(TypedDict):
-    """An action is about to start."""
+    """Record of an action that is about to start."""
 
     n: Number
     action: ActionWords
@@ -106,7 +106,7 @@ class _Result(TypedDict):
 
 
 class Succeeded(_Result):
-    """An action ended in Success."""
+    """Record of an action that ended in Success."""
 
     outcome: Literal["Success"]
     result: NotRequired[str]
@@ -114,7 +114,7 @@ class Succeeded(_Result):
 
 
 class Failed(_Result):
-    """An action ended in Fail."""
+    """Record of an action that ended in Fail."""
 
     outcome: Literal["Fail"]
     reason: str
@@ -122,7 +122,7 @@ class Failed(_Result):
 
 
 class GivenUp(_Result):
-    """An action ended in GiveUp."""
+    """Record of an action that ended in GiveUp."""
 
     outcome: Literal["GiveUp"]
     reason: str
@@ -155,7 +155,7 @@ class EndRecord(TypedDict):
 
 @with_config(_OPEN)
 class Intent(TypedDict):
-    """The running action is about to do something that cannot simply be repeated."""
+    """Record of an effect, about to begin, that cannot simply be repeated."""
 
     n: Number
     effect: str
@@ -163,7 +163,7 @@ class Intent(TypedDict):
 
 @with_config(_OPEN)
 class PointOfNoReturn(TypedDict):
-    """The running action passes a point of no return."""
+    """Record of a point of no return that the running action passes."""
 
     n: Number
     what: str
@@ -171,7 +171,7 @@ class PointOfNoReturn(TypedDict):
 
 @with_config(_OPEN)
 class StopRecord(TypedDict):
-    """The robot was commanded to stop, as was requested; times in [s]."""
+    """Record of a stop that was commanded to the robot on request, with times in [s]."""
 
     cause: str
     asked_s: float
@@ -188,7 +188,7 @@ class Restore(TypedDict):
 
 @with_config(_OPEN)
 class NotStartedRecord(TypedDict):
-    """An action could not be started."""
+    """Record of an action that could not be started."""
 
     action: Index
     reason: str
@@ -196,7 +196,7 @@ class NotStartedRecord(TypedDict):
 
 @with_config(_OPEN)
 class Skip(TypedDict):
-    """An element of a repeat is left undone."""
+    """Record of an element of a repeat that is left undone."""
 
     action: Index
     element: str
@@ -231,7 +231,7 @@ class Acknowledgement(TypedDict):
 
 @with_config(_OPEN)
 class Epoch(TypedDict):
-    """Another process resumes the run."""
+    """Record of another process that resumes the run."""
 
     after: Annotated[int, Field(ge=-1)]
     in_doubt: Number | None

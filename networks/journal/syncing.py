@@ -16,7 +16,7 @@ continues: the control loop never waits.
 
 
 class DiskSync:
-    """Brings a file's content to the disk; after a failure never tries again (row D8)."""
+    """Synchronizer of a file with the disk, which never tries again after a failure (row D8)."""
 
     def __init__(self, file: int, sync: Sync) -> None:
         """Create a sync of an open file; `never` needs none."""

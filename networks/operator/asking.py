@@ -26,7 +26,7 @@ _JOURNAL = "journal.jsonl"
 
 
 class NotAlive(InputError):
-    """No run is alive in the folder."""
+    """Error, because no run is alive in the folder."""
 
 
 class ClosedToYou(InputError):

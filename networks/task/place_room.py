@@ -83,7 +83,7 @@ class PlaceRooms:
 
 
 class _Named(NamedTuple):
-    """Places that actions name."""
+    """Names of the places that actions name."""
 
     names: set[str]
     any: bool
@@ -166,7 +166,9 @@ def _start_of(task: Task) -> str | None:
 
 
 def _named(actions: Collection[Action], driving: bool = False) -> _Named:
-    """Return the places that actions name; of those that drive, or of all."""
+    """Return the places that the parameters of actions name; with `driving`, only of actions that drive the
+    base.
+    """
     names: set[str] = set()
     late = False
     for action in actions:

@@ -68,7 +68,7 @@ class BeliefEntry(FileModel):
 
 
 class Each(FileModel):
-    """A value of the element of a repeat."""
+    """Reference to a value of the present element of a repeat."""
 
     each: str
     """NAME, or NAME.KEY."""
