@@ -15,7 +15,9 @@ MAX_BYTES = 1 << 22
 
 
 class CsvRow(NamedTuple):
-    """A row of a CSV file, with the line that it ends in and the column where each cell begins."""
+    """Row of a CSV file, with the line in which it ends and the column in which each cell begins, both from
+    1.
+    """
 
     line: int
     cells: tuple[str, ...]

@@ -16,21 +16,24 @@ from handcart.files.printable import printable
 
 
 class HandcartError(Exception):
-    """Anything that handcart refuses or cannot do; never an expected end of a motion."""
+    """Base class of all errors by which handcart refuses something or cannot do it.
+
+    It is never used for an expected end of a motion.
+    """
 
     exit_status: ClassVar[int] = 5
     """Exit status of a command that this error ends."""
 
 
 class InputError(HandcartError, ValueError):
-    """Unusable input of the user, found before anything moved."""
+    """Error in a user's input, found before anything moved."""
 
     exit_status: ClassVar[int] = 2
 
 
 @dataclass(frozen=True, order=True)
 class Finding:
-    """One problem at one place of a file.
+    """Problem at one place of a file.
 
     `message` reads "what is wrong; what is allowed". `line` and `column` count from 1; line 0 means that
     `file` has no lines (`--set KEY=VALUE` on the command line).
@@ -47,7 +50,7 @@ class Finding:
 
 
 class FileError(InputError):
-    """A file that cannot be used, with everything found wrong in it, in the order of the lines."""
+    """Error with all findings in a file that cannot be used, in the order of the lines."""
 
     def __init__(self, findings: Iterable[Finding]) -> None:
         self.findings: tuple[Finding, ...] = tuple(sorted(set(findings)))
@@ -59,7 +62,9 @@ class FileError(InputError):
 
 
 class UnsafePath(InputError):
-    """A path in a file that is absolute, leads out of its root or is not a portable relative path."""
+    """Error of a path in a file that is absolute, leads out of its root or is not a portable relative
+    path.
+    """
 
     def __init__(self, path: str, reason: str) -> None:
         self.path = path

@@ -30,8 +30,8 @@ def extra_of(error: ImportError) -> str | None:
 
 
 def lack(who: str, extra: str) -> str | None:
-    """Return the message that `who` needs an extra, and how to install it; None if all its modules are
-    installed.
+    """Return the message that a part of handcart, named `who`, needs an extra, and how to install it; None if
+    all its modules are installed.
     """
     missing = [module for module in EXTRA_MODULES[extra] if not is_there(module)]
     if not missing:

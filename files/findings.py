@@ -6,7 +6,7 @@ from handcart.files.errors import FileError, Finding
 
 
 class Findings:
-    """A growing list of findings, raised together.
+    """Growing list of findings, which are raised together as one `FileError`.
 
     findings = Findings()
     if unknown:

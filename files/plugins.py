@@ -31,7 +31,7 @@ def entry_points_of(group: str) -> list[EntryPoint]:
 
 
 class BrokenPlugin(InputError):
-    """A plugin of another package that cannot be used."""
+    """Error of another package's plugin that cannot be used."""
 
     def __init__(self, what: str, wrong: str) -> None:
         how = "allowed: to fix the package, or to uninstall it"
@@ -61,7 +61,9 @@ def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
 
 
 def package_of(point: EntryPoint) -> str:
-    """Return the words that name the package of an entry point, to be put after its name."""
+    """Return the text " of the package NAME" to be put after an entry point's name; empty if the package is
+    unknown.
+    """
     return f" of the package {point.dist.name}" if point.dist else ""
 
 

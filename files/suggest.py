@@ -23,7 +23,9 @@ def suggest(name: str, allowed: Iterable[str]) -> str:
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str | None:
-    """Return the allowed name most like `name` (case apart), or None when none is like it."""
+    """Return the allowed name most similar to `name`, apart from upper and lower case; None if none is
+    similar.
+    """
     folded = {candidate.casefold(): candidate for candidate in allowed}
     # Longer names are never meant, and difflib is quadratic.
     matches = get_close_matches(name.casefold()[:100], folded, n=1, cutoff=0.6)

@@ -22,7 +22,7 @@ SHIPPED_DOMAINS = ("books", "blocks", "field", "seam", "calibration", "objects",
 
 
 class BrokenDomain(InputError):
-    """A domain of another package can't be used."""
+    """Error of another package's domain that can't be used."""
 
     def __init__(self, point: EntryPoint, wrong: str) -> None:
         package = package_of(point)
@@ -124,7 +124,7 @@ def domains() -> tuple[Domain, ...]:
 
 
 def _names(domain: Domain) -> set[str]:
-    """Return the names that only one domain can have."""
+    """Return the names of a domain that no other domain may have, such as those of its primitives."""
     keys = domain.knowledge.files if domain.knowledge else ()
     kinds = {
         "the primitive": domain.primitives,

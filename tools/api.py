@@ -198,16 +198,17 @@ def campaign(
         task: its file, or the name of a task.
         trials: number of trials.
         first: seed of the first trial.
-        jobs: number of parallel processes; with more than one, a script needs
-            `if __name__ == "__main__":`. None: 2, on the network alone 1.
-        backend: as in `run`.
-        robot: as in `run`.
-        set: as in `run`.
-        generate: `NAME` or `NAME.KEY=VALUE` each: a generated world for each seed.
-        out: the campaign's folder: each trial is kept there, and the same call continues.
+        jobs: number of parallel processes; with more than one, a script needs `if __name__ == "__main__":`.
+            None: 2, on the network alone 1.
+        backend: another backend than the task names.
+        robot: another robot than the task names, a shipped robot's name or the path of a robot's file.
+        set: parameters of the task.
+        generate: generator of a world for each seed and its options, `NAME` or `NAME.KEY=VALUE` each.
+        out: folder of the campaign, in which each trial is kept; the same call continues an unfinished
+            campaign.
         shard: `K/N`: the K-th of N parts, for `handcart campaign merge`.
-        cluster: address of a Dask scheduler, or its file: its workers run the trials.
-        until: `p > 0.95`: end as soon as it is certain whether that holds.
+        cluster: address of a Dask scheduler whose workers run the trials, or the path of its file.
+        until: claim about the success rate, such as `p > 0.95`; the campaign ends as soon as it is decided.
         vary: file of numbers that vary by trial (docs/how_to/campaigns.md).
         faults: file of injected faults (docs/how_to/campaigns.md).
         level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were

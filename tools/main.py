@@ -10,7 +10,7 @@ from handcart.tools.terminal.streams import Streams
 
 
 class NotText(InputError):
-    """A word of the command line that no file can hold."""
+    """Error in a word of the command line that no file can hold, because it is not valid text."""
 
 
 def main(arguments: list[str] | None = None) -> None:

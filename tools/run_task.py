@@ -186,7 +186,12 @@ def _with_choices(settings: list[str], **choices: str | None) -> list[str]:
 
 
 def _dry_run(task: Path, *options: Any) -> int:
-    """Check and plan a task without a robot, and return the exit status; `options` as of `dry_run`."""
+    """Check and plan a task without a robot, and return the exit status.
+
+    Args:
+        task: the task's file.
+        *options: the further arguments of `dry_run`: backend, settings, seed, situation, script, as JSON.
+    """
     from handcart.tools.checks.dry_run import dry_run
     from handcart.tools.terminal.first_use import announced
 

@@ -47,7 +47,12 @@ def judge_goal(definition: Definition, things: Mapping[str, TrueThing]) -> Verdi
 
 
 def judge_start(definition: Definition, things: Mapping[str, TrueThing]) -> Verdict:
-    """Return whether the initial conditions of an activity hold; arguments as of `judge_goal`."""
+    """Return whether the initial conditions of an activity hold.
+
+    Args:
+        definition: the activity.
+        things: true state of each thing, by its term in the definition.
+    """
     from bddl.condition_evaluation import compile_state, evaluate_state
 
     compiled = compile_state(

@@ -50,7 +50,9 @@ class FurnitureLevel(NamedTuple):
     walls: tuple[str, ...]
     """Sides with a wall up to the clearance."""
     thickness: float
-    """Thickness of the board under the surface, in [m]; as `height` if it is solid down to the floor."""
+    """Thickness of the board under the surface, in [m]; equal to `height` if the piece is solid down to the
+    floor.
+    """
     wall_height: float | None = None
     """Height of the walls, in [m]; None if they reach up to the clearance."""
 

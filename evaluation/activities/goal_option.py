@@ -12,7 +12,9 @@ from .thing_table import CarriedEntry, FurnitureEntry
 
 
 class GoalOption:
-    """Conditions that hold together at the end; `add` takes them one by one."""
+    """One way to the goal of an activity, as conditions that hold together at the end; `add` takes them one
+    by one.
+    """
 
     def __init__(
         self, definition: Definition, initial: Iterable[ThingRelation], supports: Mapping[str, str]

@@ -65,7 +65,18 @@ def make(
 def plan_activity(
     name: str, instance: int, robot: str, scale: bool
 ) -> tuple[Definition, Room, Mapping[str, float]]:
-    """Return an activity's definition, its room, and the width factors of narrower things; see `make`."""
+    """Return an activity's definition, its room, and the width factors of narrower things, by term.
+
+    Args:
+        name: name of the activity.
+        instance: number of its definition.
+        robot: name or file of the robot.
+        scale: True to make things narrower that are too wide for the robot's fingers, False to reject them.
+
+    Raises:
+        NoBddl: the package with the definitions is missing.
+        FileError: the activity, or something in it, isn't known or not possible, at its line.
+    """
     definition = load_definition(name, instance)
     relations = relations_of(definition)
     sizes, scaled = _sizes(definition, relations, _widest_mm(robot), scale)

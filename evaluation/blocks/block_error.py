@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class BlockError(NamedTuple):
-    """Error of one block in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
+    """Error of one block in the frame of its goal, goal minus actual (eq. 14), in [mm]."""
 
     number: int
     x: float
@@ -21,9 +21,9 @@ class BlockError(NamedTuple):
     """Error along x as read on the paper's scale with steps of 0.5 mm."""
     read_y: float
     yaw_mrad: float
-    """Turn of the base from the fixation to the release of the block."""
+    """Turn of the base from the fixation to the release of the block, positive to the left."""
     lean_mrad: float
-    """Tilt of the base around its x axis in that time: the paper's pitch."""
+    """Tilt of the base about its x axis from the fixation to the release of the block (the paper's pitch)."""
 
     @property
     def size(self) -> float:

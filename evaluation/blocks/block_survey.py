@@ -31,7 +31,7 @@ FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
 
 
 class BaseAttitude(NamedTuple):
-    """True turn and tilt of the base."""
+    """True heading and tilt of the base in a simulated world."""
 
     heading: float
     lean: tuple[float, float]
@@ -39,7 +39,7 @@ class BaseAttitude(NamedTuple):
 
 @dataclass(frozen=True)
 class BlockNotes:
-    """Observations that a resumed run could not repeat."""
+    """Observations of a `BlockSurvey` that a resumed run could not make again."""
 
     reference: tuple[float, tuple[float, float]] | None
     """Heading and tilt of the base at the fixation, as `BaseAttitude`; None before the first one."""
@@ -51,7 +51,9 @@ class BlockNotes:
 
 
 class BlockSurvey(Survey):
-    """Observes a scene once a period, and records the base's pose when blocks are gripped and released."""
+    """Survey that records the base's true attitude when blocks are gripped and released, and the blocks'
+    errors.
+    """
 
     name = "blocks"
     effects = BLOCK_EFFECTS
@@ -146,8 +148,8 @@ class BlockSurvey(Survey):
         return result
 
     def faults(self) -> list[str]:
-        """Return false claims of a whole run's Success, which claims that every block of the plan is near its
-        goal.
+        """Return a message for each block that is not near its goal, as the Success of a complete run
+        claims.
         """
         goals, errors = len(self.plan.goals) if self.plan else 0, self.errors()
         far = [
@@ -174,7 +176,9 @@ class BlockSurvey(Survey):
         return now.heading - self._reference.heading, now.lean[0] - self._reference.lean[0]
 
     def _shift(self, block: Any) -> FloatArray:
-        """Return the shift of the block's place by turn and tilt since the fixation, in the base frame."""
+        """Return the shift (3,) of a block's place by the base's turn and tilt since the fixation, in the
+        base frame in [m].
+        """
         if self._reference is None:
             return np.zeros(3)
         now, pivot = self._attitude(), self.scene.robot.errors.lean_pivot_m

@@ -23,7 +23,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .stop_reach import StopReach
 
 Work = dict[tuple[str, str], dict[str, LevelPose]]
-"""Blocks taken or laid from a stop, with their places, by place and landmark."""
+"""Poses of the blocks taken or laid from each stop of the base, by the stop's place and landmark, then by
+block.
+"""
 
 
 def block_facts(task: Task) -> dict[str, Any]:
@@ -81,7 +83,7 @@ def _work(task: Task, plan: Building) -> Work:
 
 
 def _until_driven(task: Task, situation: str) -> list[Action]:
-    """Actions that may follow, none beyond a MOVE_TO or a FIXATE."""
+    """Return the actions that may follow a situation, up to a MOVE_TO or a FIXATE."""
     seen, ahead, found = {situation}, [situation], list[Action]()
     while ahead:
         for _, target, action in task.network.graph.out_edges(ahead.pop(), data="action"):

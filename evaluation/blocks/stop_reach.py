@@ -71,7 +71,9 @@ class StopReach:
         return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
 
     def goal(self, place: LevelPose) -> Goal:
-        """Return the hand's work at a block: it approaches from above, and looks at the block from above."""
+        """Return the hand's work at a block: poses by which it approaches from above, and one that looks at
+        the block.
+        """
         grip = pointing_down(place.floor, place.height_m + self._block[2] - GRIP_DEPTH_M + self._tip)
         work = tool_path([transform((0.0, 0.0, up)) @ grip for up in (WAIT_HEIGHT_M, WAIT_HEIGHT_M / 2, 0.0)])
         level = place.floor.theta
@@ -107,11 +109,19 @@ class StopReach:
         return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:
-        """Return the hand (2 points) with the camera above a landmark, turned by the heading of the base."""
+        """Return two poses of the hand with the camera above a landmark, turned by the base's `heading` in
+        [rad].
+        """
         return self._looking(mark.floor, mark.height_m, heading)
 
     def _looking(self, floor: Pose2, height: float, heading: float) -> ToolPath:
-        """Return the hand (2 points) with the camera straight above a place."""
+        """Return two poses of the hand, one above the other, with the camera straight above a place.
+
+        Args:
+            floor: x and y of the place on the map.
+            height: height of the place above the floor, in [m].
+            heading: direction of the picture, in [rad].
+        """
         view = pointing_down(Pose2(0.0, 0.0, heading), 0.0)
         view[:3, 3] = (floor.x, floor.y, height + VIEW_DISTANCE_M) - (view @ self._hand_T_camera)[:3, 3]
         return tool_path([view, transform((0.0, 0.0, HEIGHT_STEP_M)) @ view])

@@ -17,7 +17,7 @@ MIN_ZONE_SIDE_M = 0.01  # [m] of a zone's side
 ZONE_MARGIN_M = 0.01  # [m] above and below
 
 Zone = tuple[float, float, float, float, float]
-"""x, y, yaw, length, width in [m] and [rad]."""
+"""Rectangle on the map as x, y of its middle in [m], yaw in [rad], length and width in [m]."""
 
 
 def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:

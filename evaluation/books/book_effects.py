@@ -110,7 +110,9 @@ def _in_order(left: list[str], right: list[str], own: str) -> bool:
 
 
 def _gap_at(books: BookProps, held: object, shelf: str, y: float) -> tuple[float, float]:
-    """Left and right side, y in S in [m], of the gap between the books' middles about `y`."""
+    """Return y of the left and right side, in the shelf's frame in [m], of the gap between books whose
+    middles are on both sides of `y`.
+    """
     half = books.shelves[shelf].half_width
     sides = [(right, left) for right, left, _ in books.shelves[shelf].fixed_intervals()]
     row = [book for book in books.shelf_books(shelf) if book.book is not held]

@@ -19,12 +19,14 @@ from .stop_errors import stop_errors
 
 @dataclass(frozen=True)
 class BookNotes:
-    """Observations that a resumed run could not repeat."""
+    """Observations of a `BookSurvey` that a resumed run could not make again."""
 
     accessions: tuple[int, ...] | None
     """Accession numbers of the books to return; None if no books are returned."""
     fronts: list[tuple[int, float]]
-    """Accession number and initial position of the spine of each standing book, as in `Shelving`."""
+    """Accession number of each standing book, with the initial x of its spine in the shelf's frame, in
+    [m].
+    """
     labels: int
     stops: dict[str, float]
 
@@ -51,7 +53,9 @@ class BookSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """See `Survey`; where there are shelves, it counts how the base stops before them."""
+        """Return whether the run returns books, or has shelves, before which the stops of the base are
+        measured.
+        """
         return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
 
     @override
@@ -82,6 +86,8 @@ class BookSurvey(Survey):
         return {**self._stops, **stands.figures(), "labels_read": self._labels}
 
     def faults(self) -> list[str]:
-        """See `Survey`; Success claims that a librarian would be content."""
+        """Return a message if a book isn't shelved as a librarian would, which a complete run's Success
+        claims.
+        """
         stands = None if self._shelving is None else self._shelving.judge(self._books)
         return [] if stands is None or stands.right else [str(stands)]

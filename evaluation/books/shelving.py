@@ -52,7 +52,7 @@ class Shelving:
 
     accessions: tuple[int, ...]
     fronts: Mapping[int, float]
-    """S x of each standing book's spine, by accession, in [m]."""
+    """x of each standing book's spine in the frame of its shelf, by accession number, in [m]."""
 
     def judge(self, books: BookProps) -> ShelvedBooks:
         """Return the current state of the books."""

@@ -188,7 +188,9 @@ def _gaps(row: ShelfRow) -> list[float]:
 
 
 def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
-    """Return the row with each slot wider than its book by the book's play, in [mm]."""
+    """Return the row with each slot wider than its book by the play given for the book's accession, in
+    [mm].
+    """
     gaps = iter([round(float(book.thickness_mm + plays[book.accession]), 2) for book in m.row.lent])
     standing = tuple(next(gaps) if _is_slot(item) else item for item in m.row.standing)
     return replace(m, row=replace(m.row, standing=standing))

@@ -39,9 +39,9 @@ class Move(NamedTuple):
     """Test motion of an axis."""
 
     way: float
-    """Travel of the axis, in [m] or [rad]."""
+    """Travel of the axis, in [m] or [rad]; negative towards its lower limit."""
     seen: str
-    """Expected visible motion."""
+    """Visible motion that the operator should confirm."""
     unit: str
     shown: float
     """Factor from [m] or [rad] to the displayed unit."""
@@ -108,7 +108,9 @@ class AxesRung(Rung[Site]):
 
 
 def _held(site: Site, jogger: Jogger, axis: str, way: float, back: bool = False) -> Jogged:
-    """Jog an axis by `way`, in [m] or [rad], while a key is held; raises `RungFailed` if it stops short."""
+    """Jog an axis by `way`, in [m] or [rad], while a key is held; raises `RungFailed` if it stops short of
+    it.
+    """
     with site.operator.hold(f"{axis}: hold the space bar; letting go stops it") as held:
         done = jogger.jog(axis, way, held)
     if done.ended != "there" and not (back and done.ended == "limit"):

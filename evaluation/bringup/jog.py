@@ -73,12 +73,12 @@ class Jogged(NamedTuple):
     top_speed: float
     """Largest commanded speed, in [m/s] or [rad/s]."""
     ended: str
-    """`there`, `let go` or `limit`."""
+    """Reason of the end, `there` (way done), `let go` (key released) or `limit` (limit of the joint)."""
 
 
 @dataclass
 class Jogger:
-    """Moves single axes of a robot through its backend; axes are named as in the section `can`."""
+    """Mover of single axes of a robot through its backend; axes are named as in the section `can`."""
 
     backend: Backend
     robot: RobotFile

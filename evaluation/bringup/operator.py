@@ -83,16 +83,18 @@ class ScriptedOperator(BenchOperator):
     """Test operator that answers from a file by key; an unknown key is an error."""
 
     def __init__(self, answers: Mapping[str, Any], say: Callable[[str], None] = lambda _: None) -> None:
-        """Take the answers: true or false, or numbers."""
+        """Take the answers by key of the question, each true, false or a number; `say` shows messages."""
         super().__init__(say)
         self._answers = answers
 
     def confirm(self, key: str, question: str) -> bool:
-        """See `Operator`; raises `UnansweredQuestion`."""
+        """Return the file's answer to a question with yes or no; raises `UnansweredQuestion` if it has
+        none.
+        """
         return bool(self._answer(key, question, bool))
 
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """See `Operator`; raises `UnansweredQuestion`."""
+        """Return the file's number as answer to a question; raises `UnansweredQuestion` if it has none."""
         return float(self._answer(key, question, (int, float)))
 
     def _answer(self, key: str, question: str, kind: Any) -> Any:

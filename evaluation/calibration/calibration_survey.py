@@ -29,7 +29,7 @@ def _suspension(survey: CalibrationSurvey, claim: Claim) -> list[str]:
 
 
 class CalibrationSurvey(FiguresSurvey):
-    """Points lasers at walls while the suspension is calibrated, as the paper does."""
+    """Survey that points lasers at walls while the suspension is calibrated, as Hatano et al. (2000) do."""
 
     name = "calibration"
     effects: ClassVar = {CAMERA: _camera, SUSPENSION: _suspension}

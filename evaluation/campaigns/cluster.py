@@ -128,7 +128,9 @@ class SubmittedTrial:
 
 
 class Cluster:
-    """Runs trials on the workers of a scheduler; leaving the iteration early cancels the remaining trials."""
+    """Runner of trials on the workers of a scheduler; leaving the iteration early cancels the remaining
+    trials.
+    """
 
     def __init__(self, work: Work, address: str) -> None:
         """Prepare without contacting the scheduler; iterating does.

@@ -88,7 +88,7 @@ def load_faults(path: Path) -> FaultPlan:
 
 
 class InjectedFaults(RunObserver):
-    """Wraps a trial's backend and injects the plan's faults during the run.
+    """Injector of a plan's faults into a trial, by a layer around the trial's backend.
 
     Only one fault is active: a new fault ends the one before it. Exceptions reach the next caller of the
     backend other than the localizer, which runs above all backends alike.

@@ -76,7 +76,7 @@ class Worker:
 
 
 class Workers:
-    """Runs trials in processes; leaving the iteration early ends the processes."""
+    """Runner of trials in parallel processes; leaving the iteration early ends the processes."""
 
     def __init__(self, work: Work, jobs: int) -> None:
         """Prepare without starting a process; iterating does.

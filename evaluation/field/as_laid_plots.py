@@ -95,7 +95,7 @@ def _tall(survey: Laying) -> float:
 
 
 def _thinned(points: Sequence[Place] | Sequence[FloatArray]) -> FloatArray:
-    """Return points (2, n), thinned to at most `MAX_DRAWN_POINTS`."""
+    """Return points as (2, n), x and y in [m], thinned to at most `MAX_DRAWN_POINTS`."""
     return np.array(points[:: 1 + len(points) // MAX_DRAWN_POINTS]).T
 
 

@@ -38,13 +38,15 @@ MAX_NOTE_PERIOD_S = 5.0  # [s] at most between two notes
 
 @dataclass(frozen=True)
 class FieldNote:
-    """Changes since the last note."""
+    """Observations of a `FieldSurvey` since its last note."""
 
     laid: dict[str, tuple[str, Place | None]]
-    """Block and measured place of each sensor."""
+    """Name of the simulated body and measured position of each sensor laid since then, by the sensor's
+    name.
+    """
     tracks: dict[str, list[Place]]
     sights: list[tuple[float, float, float, float]]
-    """Time in [s] and position in [m] of each reading of the total station."""
+    """Time in [s] and x, y, z in the field's frame in [m] of each reading of the total station."""
 
 
 class FieldSurvey(Survey):
@@ -54,7 +56,7 @@ class FieldSurvey(Survey):
     effects = FIELD_EFFECTS
 
     def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`; raises NotAState where the notes in the run's folder make no sense."""
+        """Prepare to observe a run; raises `NotAState` if the notes in the run's folder make no sense."""
         super().__init__(run)
         self._model = run.model
         self._scene: Any = run.scene
@@ -78,7 +80,7 @@ class FieldSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """See `Survey`; the as-laid report needs no ground truth."""
+        """Return whether the run lays sensors, or has targets for which it reports where sensors lie."""
         return bool(run.does & cls.effects.keys() or run.model.of(FieldWork).targets)
 
     @override
@@ -120,7 +122,9 @@ class FieldSurvey(Survey):
         return {"sights": sights, **{name: len(points) for name, points in self.tracks.items()}}
 
     def _note(self, laid: list[str]) -> None:
-        """Note what is new: sensors by name, tracks and sights."""
+        """Write a note on the sensors named in `laid`, and on new points of tracks and readings of the total
+        station.
+        """
         if self._notes is None:
             return
         sights = self.station.sights[self._noted_lengths["sights"] :] if self.station is not None else []
@@ -176,7 +180,7 @@ class FieldSurvey(Survey):
         self._as_laid = write_as_laid(prepared, folder)
 
     def draw(self, folder: Path) -> None:
-        """Draw that report where sensors were surveyed."""
+        """Draw the as-laid report into a run's folder if sensors were surveyed."""
         if self._as_laid and self._scene is not None:
             from .as_laid_plots import draw_as_laid
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from handcart.primitives.field.target import Laid
 
 Place = tuple[float, float]
-"""x and y in [m]."""
+"""x and y in the field's frame, in [m]."""
 
 
 class Placement(NamedTuple):
@@ -15,13 +15,15 @@ class Placement(NamedTuple):
 
     name: str
     target: tuple[float, float]
-    """Target, in [m]."""
+    """Target in the field's frame, in [m]."""
     believed: Laid
     """Robot's estimate when it released the sensor."""
     measured: tuple[float, float] | None
-    """Measurement by the total station, in [m]; None if the reflector was out of sight."""
+    """Measurement by the total station in the field's frame, in [m]; None if the reflector was out of
+    sight.
+    """
     lies: tuple[float, float]
-    """True position of the sensor, in [m]."""
+    """True position of the sensor in the field's frame, in [m]."""
 
     @property
     def error_mm(self) -> tuple[float, float] | None:

@@ -26,7 +26,7 @@ class Sight(NamedTuple):
 
 
 class TotalStation:
-    """Reads the ground truth, only for evaluation.
+    """Total station that measures a reflector on the robot's hand by the ground truth, for evaluation only.
 
     Every 0.3 s it measures the reflector, unless body or mast of the robot, or an object in the field, is
     in between. The reflector is directly above the sensor; the paper has it on top of the slide, where a

@@ -60,7 +60,7 @@ def _kind(expression: Expression) -> str:
 
 
 class _Planning:
-    """Grounds one problem."""
+    """Grounding of one PDDL problem."""
 
     def __init__(self, domain: Expression, problem: Expression) -> None:
         self._lost: dict[LostConstruct, None] = {}

@@ -57,7 +57,7 @@ def import_smach(path: Path | str) -> Imported:
 
 
 class _SmachReader:
-    """Reads one file."""
+    """Reader of one file of SMACH."""
 
     def __init__(self, document: Document) -> None:
         self._document = document

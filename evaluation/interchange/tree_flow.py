@@ -50,7 +50,7 @@ Compile = Callable[[BehaviourNode, str, str], str]
 
 
 class TreeFlow:
-    """Adds the leaves of a tree to a draft, as actions between situations.
+    """Translator of a behaviour tree's leaves into actions between situations, which are added to a draft.
 
     A situation is the point in the tree where the flow of control is. A Fail changes no facts, so that
     `on_fail` may lead to the leaf that the tree ticks next.

@@ -85,7 +85,9 @@ def reachable_floor(
 
 
 def _is_known(grid: GridMap, points: FloatArray) -> FloatArray:
-    """Return (n,) 1 where a map shows what is at a point, otherwise 0."""
+    """Return for each point (n, 2) on the map, in [m], 1 if its cell is known to be free or occupied,
+    otherwise 0.
+    """
     inside = grid.inside(points)
     found = np.zeros(len(points))
     rows, columns = grid.to_cell(points[inside]).T

@@ -97,7 +97,9 @@ def _is_flipped(turned: Any) -> bool:
 
 
 def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
-    """Return time, parent, pose and whether it is upside down, of each frame in tf."""
+    """Return for each frame in tf, by name, its transforms: time in [s], parent, planar pose, whether it is
+    upside down.
+    """
     found = dict[str, list[tuple[float, str, Pose2, bool]]]()
     for message in bag.messages:
         if message.kind not in (TRANSFORMS, OLD_TRANSFORMS):
@@ -113,7 +115,20 @@ def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
 def _odometry(
     path: Path, bag: Bag, transforms: dict[str, list[Any]]
 ) -> tuple[FloatArray, FloatArray, str, str]:
-    """Return times, poses (n, 3), the base's frame and where they come from."""
+    """Return the odometry in a bag.
+
+    Args:
+        path: path of the bag, named in errors.
+        bag: its messages.
+        transforms: transforms of each frame in tf.
+
+    Returns:
+        Times (n,) in [s]; odom_T_base (n, 3), x, y in [m] and heading in [rad]; the base's frame; and their
+            source in words.
+
+    Raises:
+        FileError: the bag has no odometry.
+    """
     topic = next((topic for topic, kind in bag.topics.items() if kind == ODOMETRY), None)
     messages = [message for message in bag.messages if message.topic == topic]
     if len(messages) > 1:
@@ -138,7 +153,7 @@ def _finite(
 
 
 def _mount(transforms: dict[str, list[Any]], base: str, frame: str) -> tuple[Pose2, bool, str]:
-    """Return base_T_sensor, whether the lidar is upside down, and a note on that."""
+    """Return base_T_sensor, whether the lidar is upside down, and a note on the source of the mounting."""
     pose, is_flipped, seen = Pose2(0.0, 0.0, 0.0), False, {frame}
     at = frame
     while at != base:

@@ -42,9 +42,9 @@ class _Scans(NamedTuple):
     """Ranges in [m], angle of the first beam and field of view in [rad], and reach in [m] of each scan."""
     times: list[float]
     poses: list[tuple[float, ...]]
-    """Odometry pose that each scan's line states."""
+    """Odometry pose in each scan's line, as x, y in [m] and heading in [rad]."""
     track: list[tuple[float, ...]]
-    """x, y, heading and time of each ODOM line."""
+    """x, y in [m], heading in [rad] and time in [s] of each ODOM line."""
     mounts: list[Pose2]
     """Mounting of the lidar on the base by each scan's line."""
 

@@ -14,7 +14,11 @@ LOOP_COLUMNS = "first_time_s,second_time_s,x_m,y_m,heading_rad,inliers,residual_
 
 
 def loops_csv(log: ScanLog, built: BuiltMap) -> str:
-    """Return the accepted loop closures, one row each: two times, the pose between them, how good it is."""
+    """Return the accepted loop closures as CSV, one row each.
+
+    The columns are two times in [s], the pose between them, x, y in [m] and heading in [rad], the share of
+    inliers, the residual of the match in [m], and chi².
+    """
     lines = [LOOP_COLUMNS]
     for loop, chi2 in zip(built.accepted, built.chi2, strict=True):
         assert loop.match is not None

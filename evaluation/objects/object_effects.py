@@ -80,7 +80,13 @@ def _false_sighting(
 
 
 def _apart(turned: float, survey: Survey, name: str) -> float:
-    """Return an error of a heading, in [deg], up to turns after which an object looks the same."""
+    """Return an error of a heading in [deg], reduced by turns after which the object looks the same.
+
+    Args:
+        turned: the error, in [deg].
+        survey: survey that knows the file of objects.
+        name: name of the object.
+    """
     file = survey.run.model.of(Objects).objects
     kind = file.kind_of(name)
     if kind.is_round:

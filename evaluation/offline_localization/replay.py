@@ -59,22 +59,24 @@ class Replayed(NamedTuple):
     poses: FloatArray
     """(k, 3) estimated poses: x, y in [m], heading in [rad]."""
     covariances: FloatArray
-    """(k, 3, 3) covariances of the poses."""
+    """(k, 3, 3) covariances of the poses, of x, y in [m] and heading in [rad]."""
     known: BoolArray
     """(k,) whether the heading was known."""
     truth: FloatArray
-    """(k, 3) reference poses of the log; NaN where they are unknown."""
+    """(k, 3) reference poses of the log, x, y in [m] and heading in [rad]; NaN where they are unknown."""
     fixes: list[ReplayedFix]
     log_likelihood: float
     """Log-likelihood of the fixes; NaN for a localizer that does not compute it."""
     clouds: list[tuple[float, FloatArray]]
-    """Times in [s] and particles (3, n) at some instants; empty without a particle filter."""
+    """Times in [s], and particles (3, n) with x, y in [m] and heading in [rad]; empty without a particle
+    filter.
+    """
     ranges: tuple[int, int] = (0, 0)
     """Numbers of the ranges that a localizer by beacons received, and of those that it rejected."""
 
     @property
     def errors(self) -> FloatArray:
-        """Differences (k, 3) of estimate and reference: x, y in the world in [m], heading in [rad]."""
+        """Estimate minus reference (k, 3), x, y in the world in [m] and heading in [rad]."""
         away = self.poses - self.truth
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return away

@@ -113,7 +113,9 @@ def _is_base_frame(tree: LinkTree, link: str) -> bool:
 
 
 def _wheels(tree: LinkTree, bodies: Sequence[Shape], sideways: bool) -> Wheels | None:
-    """Return wheels with known names, otherwise the outermost joints named "wheel" that roll forward."""
+    """Return wheels with known names, otherwise the outermost joints named "wheel" on both sides; None
+    without any.
+    """
     known = driven_wheels(tree.moving)
     if known.left and known.right:
         left, right = known.left, known.right

@@ -24,7 +24,7 @@ class DividedPath(NamedTuple):
 
     title: str
     bases: FloatArray
-    """(b, 3): base poses that the division numbers."""
+    """(b, 3) base poses to whose rows the division refers, x, y in [m] and heading in [rad]."""
     division: Division
 
 

@@ -76,7 +76,9 @@ class SeamSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """See `Survey`; where a seam is known, it says how much of it was tracked."""
+        """Return whether the run tracks a seam in a simulated world, or knows one there, so that its share is
+        reported.
+        """
         return super().applies(run) or (run.scene is not None and run.model.of(Seam).seam is not None)
 
     @override
@@ -119,7 +121,9 @@ class SeamSurvey(Survey):
         ]
 
     def figures(self) -> dict[str, Any]:
-        """See `Survey`; none where no seam is known."""
+        """Return the number of parts, the tracked length and the errors of the tool; empty if no seam is
+        known.
+        """
         seam = self.run.model.of(Seam).seam
         if seam is None:
             return {}
@@ -136,7 +140,9 @@ class SeamSurvey(Survey):
         }
 
     def faults(self) -> list[str]:
-        """See `Survey`; Success claims that all of it was tracked, nowhere farther off than TRACK allows."""
+        """Return a message if the seam was not tracked completely, or not within TRACK's limit, as Success
+        claims.
+        """
         seam = self.run.model.of(Seam).seam
         if seam is None:
             return []

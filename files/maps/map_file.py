@@ -41,7 +41,9 @@ def _place(text: str) -> str:
 
 
 MapPlace = Annotated[str, AfterValidator(_place)]
-"""A relative path on every system, or an absolute one; still to be resolved."""
+"""Path of a map or picture as a file states it, relative on every system or absolute; still to be
+resolved.
+"""
 
 
 class MapFile(FileModel):
@@ -57,7 +59,7 @@ class MapFile(FileModel):
     resolution: Annotated[float, Field(ge=1e-3, le=100.0)]
     """Side of a cell, in [m]."""
     origin: tuple[Metres, Metres, float]
-    """Lower-left corner in [m], and turn of the map in [rad]."""
+    """x, y of the map's lower-left corner in [m], and turn of the map counter-clockwise in [rad]."""
     negate: Annotated[int, Field(ge=0, le=1)] | bool = 0
     """1 if dark cells are free."""
     occupied_thresh: Share = 0.65
@@ -78,7 +80,7 @@ class OccupancyFile(NamedTuple):
     resolution: float
     """Side of a cell, in [m]."""
     origin: tuple[float, float]
-    """Lower-left corner, in [m]."""
+    """x, y of the lower-left corner in the map's frame, in [m]."""
     warning: str | None
 
     @property
@@ -145,10 +147,15 @@ def read_occupancy(path: Path) -> OccupancyFile:
 
 
 def _placed(loaded: Loaded[MapFile], values: Int8Array, warning: str | None) -> OccupancyFile:
-    """Return the map with its origin; a turned one is resampled along the axes of the map frame.
+    """Return the occupancy in the map's frame; a turned map is resampled along the axes of that frame.
+
+    Args:
+        loaded: the map's file.
+        values: (h, w) occupancy in percent, -1 for unknown, row 0 at the bottom.
+        warning: warning about the picture; None without one.
 
     Raises:
-        FileError: turned, it has too many cells.
+        FileError: the turned map has too many cells.
     """
     spec = loaded.value
     x, y, yaw = spec.origin

@@ -43,7 +43,7 @@ _Placed = tuple[SchemaPlace, Any]
 
 
 def _meant(errors: list[_Placed], depth: int = 0) -> Iterable[_Placed]:
-    """Yield the errors without those of union members that the value was not meant to be.
+    """Yield the errors that belong to the union members that the value was most likely meant to be.
 
     Args:
         errors: errors of one value.
@@ -79,7 +79,7 @@ def _none_of(path: KeyPath, errors: list[_Placed]) -> _Placed:
 
 
 class _Wording:
-    """Puts one error of pydantic into words."""
+    """Converter of pydantic's errors into findings in words."""
 
     def __init__(self, walk: SchemaWalk, document: Document, at: KeyPath) -> None:
         self._walk = walk

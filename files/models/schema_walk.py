@@ -36,7 +36,7 @@ class SchemaPlace:
 
 
 class SchemaWalk:
-    """Walks in the schema of one model."""
+    """Look-up of places and descriptions in the schema of one model."""
 
     def __init__(self, schema: Schema) -> None:
         self._root = schema
@@ -45,7 +45,7 @@ class SchemaWalk:
             self._definitions = {part["ref"]: part for part in schema["definitions"]}
 
     def place(self, location: tuple[str | int, ...]) -> SchemaPlace:
-        """Return the place that pydantic calls `location`."""
+        """Return the place in the file and in the schema for pydantic's location of an error."""
         place = SchemaPlace((), self.bare(self._root), _ANY)
         if location and location[-1] == "[key]":
             mapping = self.place(location[:-2])

@@ -40,7 +40,9 @@ def shown(value: object) -> str:
 
 
 def described(walk: SchemaWalk, schema: Schema, key: str = "") -> str:
-    """Return the values that `schema` allows in words, with the unit that `key` names; "" if anything is."""
+    """Return the values that `schema` allows in words, with the unit that `key` names; "" if any value is
+    allowed.
+    """
     match schema["type"]:
         case "int" | "float" | "decimal":
             return _number(schema, unit_of(key))

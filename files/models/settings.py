@@ -51,7 +51,9 @@ def setting_value(key: str, text: str) -> Node:
 
 
 def _resolve_word(text: str) -> Scalar:
-    """Resolve an unquoted word; a number must be decimal, because 0x10 may be meant as text or as 10."""
+    """Return the value of an unquoted word; a number must be decimal, because 0x10 may be meant as text or as
+    10.
+    """
     if _OTHER_BASE.fullmatch(text):
         wrong = f"{text!r} is a number to base {16 if text[1] in 'xX' else 8}"
         raise UnclearScalar(f"{wrong}; allowed: {int(text, 0)}, or in quotes if it is text")

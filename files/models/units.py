@@ -32,7 +32,7 @@ _UNITS = {
 
 
 def unit_of(key: str) -> str:
-    """Return the unit that the end of `key` names, or "" when it names none."""
+    """Return the unit that a key's ending names, such as "mm" for `width_mm`; "" if it names none."""
     for suffix, unit in _UNITS.items():
         if key.endswith(suffix):
             return unit

@@ -20,7 +20,7 @@ _HALVES = re.compile("[\ud800-\udfff]")
 
 
 class TreeBuilder:
-    """Takes the events of one file; `root` is its tree after the last event.
+    """Builder of a file's tree from the parser's events; `root` is the tree after the last event.
 
     `take` raises `FileError` where it cannot continue (too deep, too many, a second document); everything
     else is collected in `findings`.
@@ -37,7 +37,9 @@ class TreeBuilder:
         self._open: list[_Open] = []
 
     def take(self, event: Any) -> None:
-        """Take the next event, of PyYAML or ruamel.yaml: theirs have the same names and fields."""
+        """Add the next event of PyYAML or ruamel.yaml to the tree; the events of both have the same names and
+        fields.
+        """
         self.latest = event.start_mark
         kind = type(event).__name__
         if kind in _NODES:
@@ -157,7 +159,7 @@ class TreeBuilder:
 
 
 class _Open:
-    """A list or mapping whose end is not reached yet."""
+    """List or mapping whose end has not been reached yet."""
 
     __slots__ = ("content", "key", "key_mark", "keys", "wants_key")
 

@@ -35,8 +35,8 @@ class PlanSearch:
 
     A Fail only makes routes dearer, so the cost to the goal while nothing has failed is a lower bound: A*
     finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968). Then Dijkstra's search, with the
-    tie-break of networkx, looks only at situations that can lie on a route as cheap, and stops where all of
-    those routes meet.
+    tie-break of networkx, looks only at situations that can lie on a route as cheap, and stops where all
+    of those routes meet.
     """
 
     def __init__(self, network: ActionNetwork, goal: str | None = None) -> None:

@@ -30,7 +30,7 @@ CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "netwo
 
 
 class NotPossible(InputError):
-    """Invalid options of a campaign, alone or together; nothing has moved."""
+    """Error of campaign options that are invalid, alone or together; nothing has moved."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,9 @@ class AskedCampaign:
             yield OpenCampaign(setting, seeds, arguments, log, settling, self.out, learned)
 
     def _learned(self, task: Task | None) -> Learned | None:
-        """Return the learned outcomes, validated on held-out trials."""
+        """Return the outcomes learned from campaign folders, validated on held-out trials; None without such
+        folders.
+        """
         if not self.learned_from or task is None:
             return None
         from handcart.evaluation.campaigns.learned.learned import Learned

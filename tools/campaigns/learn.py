@@ -178,7 +178,9 @@ def _write_chances(row: Any, entry: TaskEntry, each: EntryCounts) -> None:
 
 
 def _kept_shares(entry: TaskEntry, each: EntryCounts) -> dict[str, float]:
-    """Return probabilities of causes in the file's proportions, because the trials recorded no causes."""
+    """Return probabilities of a Fail's causes in the file's proportions, because the trials recorded no
+    causes.
+    """
     causes = entry.fail_entries
     known = [one.p for one in causes.values() if one.p is not None]
     before = 1.0 - (entry.p_success or 0.0) - entry.p_give_up
@@ -190,7 +192,7 @@ def _kept_shares(entry: TaskEntry, each: EntryCounts) -> dict[str, float]:
 
 
 def _with_p(row: Any, p: float) -> Any:
-    """Return the row of a cause in the file with its probability."""
+    """Return the row of a cause in `on_fail` with its probability added."""
     from ruamel.yaml.comments import CommentedMap
 
     if not isinstance(row, dict):
@@ -201,7 +203,7 @@ def _with_p(row: Any, p: float) -> Any:
 
 
 def _rounded(seconds: float, before: float) -> float:
-    """Return a time, rounded for the file; the file's value if the trials took no time."""
+    """Return a time in [s], rounded for the file; the file's value if the trials took no time."""
     if math.isnan(seconds) or seconds < 0.05:
         return before
     return round(seconds, 1)

@@ -29,7 +29,7 @@ PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 
 
 class NoSuchPicture(InputError):
-    """A picture of that kind can't be drawn."""
+    """Error, because a picture of the requested kind can't be drawn."""
 
 
 def robot_facts(

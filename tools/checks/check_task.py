@@ -110,7 +110,7 @@ def _looked_at(cases: WorstCases) -> str:
 
 
 def _first(lines: list[str]) -> list[str]:
-    """Return as many lines as a person reads."""
+    """Return at most `MAX_PRINTED_LINES` lines, and one that counts the omitted ones."""
     left = len(lines) - MAX_PRINTED_LINES
     return [*lines[:MAX_PRINTED_LINES], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
 

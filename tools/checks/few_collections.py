@@ -12,7 +12,9 @@ COLLECTION_THRESHOLDS = 200_000, 50, 1_000
 
 @contextmanager
 def few_collections() -> Iterator[None]:
-    """Collect garbage rarely: a network is in use as a whole, and each full collection looks through it."""
+    """Collect garbage rarely in this context, because each full collection looks through the complete network
+    in use.
+    """
     before = gc.get_threshold()
     gc.set_threshold(*COLLECTION_THRESHOLDS)
     try:

@@ -20,7 +20,9 @@ _GENERAL = {
 
 
 def kinds() -> dict[str, str]:
-    """Return the names allowed after `handcart-` in the key `format`, each with the model that reads it."""
+    """Return the kinds of files, which follow `handcart-` in the key `format`, each with the import path of
+    its model.
+    """
     found = dict(_GENERAL)
     for domain in domains():
         found |= domain.files

@@ -51,7 +51,7 @@ class Connections:
 
     @web.middleware
     async def heard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Note that a connection has sent a request, and whether it has shown the token."""
+        """Note that a connection has sent a request, with or without the token, and pass the request on."""
         self._silent.discard(request.protocol)
         if self._has_token(request) and len(self._known) < MOST_KNOWN:
             self._known.add(request.protocol)

@@ -90,7 +90,7 @@ class Handlers:
         return web.Response(body=details, content_type="application/json")
 
     async def after(self, request: web.Request) -> web.Response:
-        """Answer how a permission changes the probability of the goal."""
+        """Answer with P(goal) if the waiting action is permitted, has succeeded or is refused."""
         folder, action = self._folder(request), request.match_info["action"]
         state = next(item for item in self._watcher.states() if item["name"] == request.match_info["run"])
         asks = state.get("asks")
@@ -193,7 +193,7 @@ class Handlers:
         return folder
 
     async def _away(self, work: Any) -> Any:
-        """Do it beside the loop; what is wrong becomes an answer in words."""
+        """Run slow work in a thread, and return its result; an error of it becomes an answer in words."""
         try:
             return await self._watcher.away(work)
         except HandcartError as error:
@@ -203,7 +203,9 @@ class Handlers:
 
 
 def _each(folder: Path, message: dict[str, Any], places: object) -> dict[str, Any]:
-    """Send the message to a run for each situation in one box of the drawing; return the last reply."""
+    """Send a message to a run once for each situation that a box of the drawing stands for; return the last
+    reply.
+    """
     if not isinstance(places, list) or not places or not all(isinstance(item, str) for item in places):
         return {"ok": False, "error": "places is not a list of situations"}
     reply: dict[str, Any] = {}

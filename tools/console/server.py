@@ -31,7 +31,7 @@ _PAGES["/console.css"] = ("console.css", "text/css")
 
 
 class NoConsole(InputError):
-    """The console cannot be served."""
+    """Error, because the console cannot be served."""
 
 
 class Server:

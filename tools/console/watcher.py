@@ -95,7 +95,7 @@ class Watcher:
         return {run.folder.name: run for run in list_runs(self.folder)[:MAX_SHOWN_RUNS]}
 
     async def _look(self, name: str) -> None:
-        """Ask a run that may be running for its status.
+        """Ask a run that may be alive for its status, and note it.
 
         A run whose socket was left behind is asked only once.
         """

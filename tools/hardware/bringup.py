@@ -74,7 +74,8 @@ def _ladder(
 ) -> Ladder:
     """Return the steps of a robot.
 
-    `how` is whether the bench has the camera calibrated, whether ROS 2 drives, and the bench's differences.
+    `how` holds whether the bench's camera is calibrated, whether ROS 2 drives the robot, and the differences
+    of the bench's robot from its file as NAME=FACTOR.
     """
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.registry import bench_class

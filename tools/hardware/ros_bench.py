@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class RosBenchOptions(NamedTuple):
-    """Simulated robot, and the duration."""
+    """Options of a simulated robot behind topics, and the duration of its service."""
 
     robot: str
     """Name or path of the robot; that of the task where one is given."""
@@ -23,11 +23,11 @@ class RosBenchOptions(NamedTuple):
     """A task, which names robot, world and start."""
     seed: int
     faults: tuple[str, ...]
-    """Each KIND@TOPIC@SECONDS."""
+    """Injected faults, each as KIND@TOPIC@SECONDS."""
     seconds: float | None
     """Duration in [s]; None: until Ctrl-C."""
     wrong: tuple[str, ...] = ()
-    """Each NAME=FACTOR: how the robot differs from its file."""
+    """Differences of the robot from its file, each as NAME=FACTOR."""
 
 
 def serve_topics(options: RosBenchOptions) -> None:

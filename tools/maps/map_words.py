@@ -18,7 +18,7 @@ MAP_SUFFIX = ".yaml"
 
 
 def read_map(path: Path) -> GridMap:
-    """Return a map; print a warning if it deserves one."""
+    """Return the map in a file; print the warning about it, if there is one."""
     grid, warning = load_map(path)
     if warning:
         print(warning, file=sys.stderr)

@@ -23,7 +23,7 @@ NAME_PATTERN = r"[a-z][a-z0-9]*(_[a-z0-9]+)*"
 
 
 class NotAName(InputError):
-    """A name that no package can have."""
+    """Error in a name that no package can have."""
 
 
 class FolderInUse(InputError):

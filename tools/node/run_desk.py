@@ -36,7 +36,7 @@ Starter = Callable[[Sequence[str], IO[bytes]], "subprocess.Popen[bytes]"]
 
 
 class WaitingRecord(NamedTuple):
-    """A record of a run that waits for a person."""
+    """Journal record of a run that waits for a person."""
 
     record: int
     cause: str
@@ -67,8 +67,8 @@ def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes
 
 
 class RunDesk:
-    """Starts or resumes one run at a time, each a process of its own, and acknowledges what waits in the
-    last one.
+    """Server of requests to start or resume one run at a time, in a process of its own, and to acknowledge
+    its waits.
 
     The run itself decides whether the robot is free, as if it was started at a terminal.
     """
@@ -169,7 +169,15 @@ class RunDesk:
     def _started(
         self, words: Sequence[str], seconds: float, begun: Callable[[], Path | None], said: str
     ) -> Answer:
-        """Start a program, and answer once `begun` returns its folder, or by its last words."""
+        """Start a program, and answer once `begun` returns its run's folder, or with the program's last
+        words.
+
+        Args:
+            words: the command and its arguments.
+            seconds: time within which it has to begin, in [s].
+            begun: returns the run's folder once the run has begun; None before.
+            said: text of the answer once it has begun.
+        """
         command = [sys.executable, "-m", "handcart", *words, *self._node_options]
         with tempfile.TemporaryFile() as output:
             self._child = self._start(command, output)

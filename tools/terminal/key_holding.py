@@ -19,7 +19,7 @@ _FIRST = 30.0  # [s] in which the key is to be pressed
 
 
 class NoTerminal(InputError):
-    """Hold-to-run needs a person at a terminal."""
+    """Error, because hold-to-run needs a person at a terminal."""
 
     def __init__(self) -> None:
         super().__init__("standard input is not a terminal; needed: a person who holds a key there")

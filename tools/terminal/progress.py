@@ -135,7 +135,9 @@ class Progress(RunObserver):
             self._print(f"[dim]  {escape(printable(command))}[/dim]")
 
     def typed(self) -> bool | None:
-        """Return the typed answer: True for y, False for n, each with Enter; None for other input."""
+        """Return the typed answer, True for y or yes, False for n or no, each with Enter; None for other or
+        no input.
+        """
         if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
             return None
         return {"y": True, "yes": True, "n": False, "no": False}.get(sys.stdin.readline().strip().lower())
@@ -146,7 +148,9 @@ class Progress(RunObserver):
         self._status.update(self._now)
 
     def _how_far(self, time: float) -> str:
-        """Return the action's elapsed time against its expected time, and the expected time after it."""
+        """Return the action's elapsed and expected time, and the expected time of the rest to the goal, as
+        text.
+        """
         if not self._cost:
             return ""
         after = f", {self._rest:.0f} s more to the goal" if self._rest else ""

@@ -11,7 +11,12 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 
 def edited(text: str, change: Callable[[Any], None]) -> str:
-    """Return the text of a file after `change` was applied to its data (ruamel's, as for a round trip)."""
+    """Return the text of a YAML file after `change` was applied to its data, with comments and order kept.
+
+    Args:
+        text: text of the file.
+        change: changes ruamel's data of the file in place.
+    """
     yaml = YAML()
     yaml.width = 200
     yaml.preserve_quotes = True

@@ -206,7 +206,7 @@ def hand_shift(model: ArmModel, joints: FloatArray, number: int, way: float) -> 
 
 
 def _way(model: ArmModel, joints: FloatArray, number: int, slides: bool) -> float:
-    """Return a small motion away from the nearer limit."""
+    """Return a small motion of a joint away from its nearer limit, in [rad], or [m] if it slides."""
     size = SLIDE_M if slides else TURN_RAD
     lower, upper, now = float(model.lower[number]), float(model.upper[number]), float(joints[number])
     return size if upper - now > now - lower or not math.isfinite(lower) else -size

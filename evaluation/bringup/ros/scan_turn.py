@@ -60,8 +60,16 @@ def check_side(site: RosSite, before: Scan | None, after: Scan | None, turn: flo
 
 
 def shift_error(before: Scan, after: Scan, turn: float) -> float:
-    """Return the median relative difference of ranges if the lidar turned by an angle in [rad]; NaN if few
-    beams can be compared.
+    """Return the median relative difference of the ranges of two scans between which the lidar turned.
+
+    Args:
+        before: scan before the turn.
+        after: scan after the turn.
+        turn: assumed turn, in [rad], positive to the left.
+
+    Returns:
+        Median of the absolute logarithms of the ranges' ratios, without unit; NaN if few beams can be
+            compared.
     """
     seen = _ranges_at(before, after.angles + turn)
     both = np.isfinite(seen) & np.isfinite(after.ranges) & (seen > 0.0) & (after.ranges > 0.0)

@@ -11,7 +11,7 @@ from .driving import SPEED_M_S, base_of, moved
 from .ros_site import RosSite
 
 MAX_KEPT_S = 0.5
-"""[s] for which a base may keep its last speeds without a new command."""
+"""Longest time for which a base may keep its last speeds without a new command, in [s]."""
 WATCH_S = 3.0
 KEPT_SHARE, REST_SHARE = 0.7, 0.1
 """Shares of the speed above which it is kept, and below which the base is at rest."""

@@ -52,7 +52,7 @@ class LearnedOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) number of the history, see `context_of`.
+            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
         entry = self._entry[action]
@@ -66,7 +66,7 @@ class LearnedOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) number of the history, see `context_of`.
+            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
             ends: (n,) how they end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """

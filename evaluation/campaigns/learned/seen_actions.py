@@ -26,7 +26,7 @@ class SeenActions(NamedTuple):
     entry: IntArray
     """(m,) index of the action in the task's file."""
     context: IntArray
-    """(m,) number of the history, see `context_of`."""
+    """(m,) code of the action's earlier Fails and of a Fail just before, by `context_of`."""
     end: IntArray
     """(m,) end of the action, as `EndCode`."""
     seconds: FloatArray

@@ -67,7 +67,7 @@ class SplitRuns:
         """Names of the kept run folders."""
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue runs up to a level; see `Runs.advance`.
+        """Continue runs until they end or reach a level, and keep their states at the level.
 
         Args:
             level: importance at which they are stopped, from 1.

@@ -34,7 +34,7 @@ class WalkedRuns:
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue walks from their starts until each has ended or reached the level; see `Runs.advance`.
+        """Continue walks until they end or reach a level, and keep their states at the level.
 
         Args:
             level: importance at which they are stopped, from 1.

@@ -34,7 +34,7 @@ class FileOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) number of the history, see `context_of`.
+            context: (n,) code of the action's earlier Fails and of a Fail just before; not used.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
         ends = np.full(len(action), EndCode.FAIL, dtype=np.int8)

@@ -35,7 +35,7 @@ class Odds(Protocol):
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) number of the history, see `context_of`.
+            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
 
@@ -46,7 +46,7 @@ class Odds(Protocol):
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) number of the history, see `context_of`.
+            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
             ends: (n,) how they end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
@@ -61,7 +61,7 @@ CONTEXT_COUNT = 2 * (MOST_FAILS + 1)
 
 
 def context_of(fails: Int32Array, after_fail: BoolArray) -> Int32Array:
-    """Return the history (n,) that an action's odds may depend on, as numbers from 0 to `CONTEXT_COUNT` - 1.
+    """Return codes (n,) of the history that an action's odds may depend on, from 0 to `CONTEXT_COUNT` - 1.
 
     Args:
         fails: (n,) number of earlier Fails of the action; more than `MOST_FAILS` count as `MOST_FAILS`.

@@ -26,7 +26,7 @@ class Columns(NamedTuple):
 
     action: Int32Array
     fails: Int32Array
-    """Number of earlier Fails of the action."""
+    """Number of earlier Fails of the action that each state plans."""
     next: Int32Array
     """Number of the state after a Success that leads to the action's target."""
     after_fail: Int32Array

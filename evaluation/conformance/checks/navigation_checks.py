@@ -90,7 +90,15 @@ def _driven(rig: Rig) -> list[_Record]:
 
 
 def _by_wheels(records: list[_Record], tread: float) -> FloatArray:
-    """Return poses (n, 3) by the wheels, from the first record on; headings are not wrapped."""
+    """Return poses (n, 3) of the base by the wheels, in the frame of the first one.
+
+    Args:
+        records: n readings.
+        tread: distance between the wheels, in [m].
+
+    Returns:
+        x, y in [m] and heading in [rad]; headings are not wrapped.
+    """
     odometry, poses = Odometry(Pose2(0.0, 0.0, 0.0), tread), [np.zeros(3)]
     for before, now in pairwise(records):
         odometry.predict(now.left - before.left, now.right - before.right)
@@ -99,7 +107,16 @@ def _by_wheels(records: list[_Record], tread: float) -> FloatArray:
 
 
 def _by_scans(records: list[_Record], noise: float) -> FloatArray | None:
-    """Return poses (n, 3) by matching each scan with the first one; None if a scan does not match."""
+    """Return poses (n, 3) of the base by matching each scan with the first one; None if a scan does not
+    match.
+
+    Args:
+        records: n readings.
+        noise: standard deviation of a range, in [m].
+
+    Returns:
+        x, y in [m] and heading in [rad] in the frame of the first scan's base; headings are not wrapped.
+    """
     first = records[0].points
     if len(first) < MIN_POINTS:
         raise Skipped("the lidar sees next to nothing in this world")
@@ -149,14 +166,19 @@ def _compare(wheels: FloatArray, seen: FloatArray, period: float, finding: Check
 
 
 def _fitted(wheels: FloatArray, seen: FloatArray) -> tuple[float, float]:
-    """Return the residual sum of squares of headings by scans, and their ratio to headings by wheels."""
+    """Fit headings by scans to headings by wheels, (n,) in [rad]; return the residual sum of squares and
+    their ratio.
+    """
     wheels, seen = wheels - wheels.mean(), seen - seen.mean()
     ratio = float(wheels @ seen) / max(float(wheels @ wheels), 1e-9)
     return float(((seen - ratio * wheels) ** 2).sum()), ratio
 
 
 def _ahead(poses: FloatArray) -> FloatArray:
-    """Return the unit vector (3,) ahead, by the median heading of the second half of poses (n, 3)."""
+    """Return the direction of driving ahead (3,), as unit vector of x and y, then 0, to project poses on.
+
+    It is that of the median heading in the second half of poses (n, 3), x, y in [m] and heading in [rad].
+    """
     heading = float(np.median(poses[len(poses) // 2 :, 2]))
     return np.array([math.cos(heading), math.sin(heading), 0.0])
 

@@ -36,7 +36,7 @@ class InjectedError(RuntimeError):
 
 
 class FaultyBackend(LayeredBackend):
-    """Passes every call on, and applies an injected fault for its periods.
+    """Backend that passes every call on to another one, and applies an injected fault for its periods.
 
     A stuck joint that is released catches up, by 0.02 rad a period.
 

@@ -98,8 +98,17 @@ def odometry_track(log: DriveLog) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _left(times: FloatArray, ways: FloatArray, fixes: FloatArray, window: float) -> float | None:
-    """Return the median over all windows of the fixes' remaining error per axis, in [m]; None for few
-    windows.
+    """Return the error of fixes per axis that remains after fitting a track to them, as median over windows,
+    in [m].
+
+    Args:
+        times: (n,) times of the fixes, in [s].
+        ways: (n, 2) positions by odometry, in [m].
+        fixes: (n, 2) positions by fixes, in [m].
+        window: length of a window, in [s].
+
+    Returns:
+        None if there are too few windows.
     """
     found = []
     for begin in np.arange(times[0], times[-1] - 0.5 * window, 0.5 * window) if len(times) else ():
@@ -110,7 +119,9 @@ def _left(times: FloatArray, ways: FloatArray, fixes: FloatArray, window: float)
 
 
 def _misfit(ways: FloatArray, fixes: FloatArray) -> float:
-    """Return the error per axis of fixes (n, 2) relative to a track (n, 2), rotated and shifted to fit."""
+    """Return the error per axis, in [m], of fixes (n, 2) relative to a track (n, 2) that is rotated and
+    shifted to fit.
+    """
     a, b = ways - ways.mean(axis=0), fixes - fixes.mean(axis=0)
     turn = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
     cos, sin = math.cos(turn), math.sin(turn)

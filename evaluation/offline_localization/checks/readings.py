@@ -101,7 +101,14 @@ def _still_wheels(log: DriveLog) -> list[str]:
 
 
 def _pieces(times: FloatArray, begin: int, end: int) -> list[tuple[int, int]]:
-    """Return start and end of pieces of a time span that overlap by half; empty if the span is too short."""
+    """Return pieces of a time span that overlap by half, as first row and row after the last; empty if it is
+    too short.
+
+    Args:
+        times: (n,) times of the rows, in [s].
+        begin: first row of the span.
+        end: row after the span's last.
+    """
     least, most = STILL_TIME_S
     if times[end - 1] - times[begin] < least:
         return []
@@ -211,7 +218,7 @@ def _window_scale(ways: NDArray[np.complex128], fixes: NDArray[np.complex128]) -
 
 
 def spans(rows: BoolArray) -> list[tuple[int, int]]:
-    """Return start and end of each run of True in a mask (n,)."""
+    """Return the first row, and the row after the last, of each run of True in a mask (n,)."""
     ends = np.diff(np.concatenate([[False], rows, [False]]).astype(int))
     return list(zip(np.flatnonzero(ends > 0).tolist(), np.flatnonzero(ends < 0).tolist(), strict=True))
 

@@ -15,7 +15,7 @@ def track_lines(rows: FloatArray) -> list[FloatArray]:
     """Return two lines (n, 2) on the map in [m] for each person: its ellipse, and its way of one second.
 
     Args:
-        rows: (p, 7) as `People.rows`: x, y in [m], velocity in [m/s], and xx, xy, yy of the covariance in
+        rows: (p, 7), each x, y on the map in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in
             [m²].
     """
     angle = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_CORNERS + 1)

@@ -19,7 +19,7 @@ NO_POINTS = np.empty((0, 2))
 
 @dataclass(frozen=True)
 class SeenState:
-    """Belief of the robot at one time; all on its map."""
+    """State of a run as its robot believes it at one time, in the frame of the robot's map."""
 
     pose: Pose2
     """map_T_base."""
@@ -32,7 +32,9 @@ class SeenState:
     felt: FloatArray = field(default_factory=NO_POINTS.copy)
     """(n, 2) points where the base touched something, in [m]."""
     people: FloatArray = field(default_factory=lambda: np.empty((0, 7)))
-    """(p, 7) tracked people, as `People.rows`."""
+    """(p, 7) tracked people, each x, y in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in
+    [m²].
+    """
     snapshot: Pose2 | None = None
     """map_T_base at the start of the action, which a Fail restores."""
 

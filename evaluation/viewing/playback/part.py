@@ -34,7 +34,7 @@ class RecordingPart(NamedTuple):
     pose: FloatArray
     """(n, 3) estimated map_T_base: x, y in [m], heading in [rad]."""
     truth: FloatArray
-    """(n, 7) true world_T_base; NaN where it is unknown."""
+    """(n, 7) true world_T_base as x, y, z in [m] and unit quaternion w, x, y, z; NaN where it is unknown."""
     joints: FloatArray
     """(n, j) measured joint positions, in [rad] or [m]."""
     width: FloatArray
@@ -64,7 +64,7 @@ class RecordingPart(NamedTuple):
     moved_name: IntArray
     """(k,) index in `names` of the moved thing."""
     moved_pose: FloatArray
-    """(k, 7) world_T_thing after the change."""
+    """(k, 7) world_T_thing after the change, as x, y, z in [m] and unit quaternion w, x, y, z."""
     names: NDArray[np.str_]
     """Names of the things that moved in this part."""
     shapes: ByteArray
@@ -73,7 +73,9 @@ class RecordingPart(NamedTuple):
     people_time: FloatArray
     """(q,) time of each tracked person's row; equal for those of one scan."""
     people: FloatArray
-    """(q, 7) tracked people, as `People.rows`."""
+    """(q, 7) tracked people, each x, y in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in
+    [m²].
+    """
 
     @classmethod
     def of(cls, arrays: dict[str, NDArray[Any]]) -> Self:

@@ -38,7 +38,7 @@ class PlaybackMoment(NamedTuple):
     pose: FloatArray
     """(3,) estimated map_T_base: x, y in [m], heading in [rad]."""
     truth: FloatArray | None
-    """(7,) true world_T_base; None where it is unknown."""
+    """(7,) true world_T_base as x, y, z in [m] and unit quaternion w, x, y, z; None where it is unknown."""
     joints: FloatArray
     """(j,) measured joint positions, in [rad] or [m]."""
     width: float
@@ -65,7 +65,7 @@ class ThingTrack(NamedTuple):
     time: FloatArray
     """(k,) time of each pose, in [s]; the thing appears at the first."""
     pose: FloatArray
-    """(k, 7) world_T_thing, each valid until the next."""
+    """(k, 7) world_T_thing as x, y, z in [m] and unit quaternion w, x, y, z, each valid until the next."""
 
     def at(self, time: float) -> FloatArray | None:
         """Return world_T_thing (7,) at a time in [s]: x, y, z in [m] and a quaternion w, x, y, z.

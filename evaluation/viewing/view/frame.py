@@ -19,7 +19,9 @@ class Frame:
     moment: PlaybackMoment
     situation: str
     things: Mapping[str, FloatArray | None]
-    """(7,) world_T_thing by name; None: the thing is not there yet. Missing things keep their pose."""
+    """(7,) world_T_thing by name, as x, y, z in [m] and unit quaternion w, x, y, z; None hides a thing that
+    is not there yet. Things that are not listed keep their pose.
+    """
     new: tuple[ThingShape, ...] = ()
     """Things that have not been drawn before."""
     rays: FloatArray | None = None
@@ -37,4 +39,6 @@ class Frame:
     restored: BoolArray = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
     """(n,) whether each point of `driven` was driven while restoring."""
     people: FloatArray | None = None
-    """(p, 7) tracked people, as `People.rows`."""
+    """(p, 7) tracked people, each x, y in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in
+    [m²].
+    """

@@ -73,7 +73,15 @@ class Page:
         span: tuple[float, float],
         at_once: bool = False,
     ) -> None:
-        """Draw a frame; the arguments are those of `Panel.show`, and `span` in [s]."""
+        """Draw a frame onto the page and its panel.
+
+        Args:
+            frame: the frame.
+            action: action to describe, the running one or the one nearest in time; None if there is none.
+            actions: all actions of the run, for the time line.
+            span: start and end of the time line, in [s] of the robot's time.
+            at_once: True to draw the time line again now, not only from time to time.
+        """
         with self._server.atomic():
             self._draw(frame)
             self.panel.show(frame, action, actions, span, at_once)

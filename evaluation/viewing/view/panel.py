@@ -91,7 +91,15 @@ class Panel:
         span: tuple[float, float],
         at_once: bool,
     ) -> None:
-        """Show a frame of the run in the panel."""
+        """Show a frame of the run in the panel.
+
+        Args:
+            frame: the frame.
+            action: action to describe, the running one or the one nearest in time; None if there is none.
+            actions: all actions of the run, for the time line.
+            span: start and end of the time line, in [s] of the robot's time.
+            at_once: True to draw the time line again now, not only from time to time.
+        """
         time = frame.moment.time
         runs = action is not None and action.start <= time < action.end
         self._status.content = self._words(frame, action, runs)

@@ -122,7 +122,11 @@ class WorldNodes:
         self.draw(self.ellipse, (vectors @ (np.maximum(radii, 0.02)[:, None] * unit)).T + pose[:2])
 
     def track(self, rows: FloatArray) -> None:
-        """Draw ellipses and velocities of tracked people, rows (p, 7) as of `People.rows`."""
+        """Draw ellipses and velocities of tracked people.
+
+        Args:
+            rows: (p, 7), each x, y in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in [m²].
+        """
         steps = [np.zeros((0, 2, 2)), *(np.stack((a[:-1], a[1:]), axis=1) for a in track_lines(rows))]
         flat = np.concatenate(steps)
         height = np.full((*flat.shape[:2], 1), TRACK_HEIGHT_M)
