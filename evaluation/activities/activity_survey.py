@@ -119,7 +119,7 @@ def _are_near(one: Box, parts: Sequence[Box]) -> bool:
 
 
 def _outline(box: Box) -> FloatArray:
-    """Return the (4, 2) corners of an upright box, seen from above."""
+    """Return the corners (4, 2) of an upright box, seen from above, on the world's floor in [m]."""
     half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
     return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
 

@@ -35,22 +35,24 @@ class TrueThing:
 
     @property
     def points(self) -> FloatArray:
-        """Corners (n, 3) of all its solids."""
+        """Corners (n, 3) of all its solids in the world, in [m]."""
         return np.vstack([corners(solid) for solid in self.solids])
 
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper corner (3,) of the level box around it."""
+        """Lower and upper corner (3,) of the level box around it, in the world in [m]."""
         return self.points.min(axis=0), self.points.max(axis=0)
 
     @property
     def middle(self) -> FloatArray:
-        """Middle (3,) of the level box around it."""
+        """Middle (3,) of the level box around it, in the world in [m]."""
         low, high = self.extent
         return np.asarray((low + high) / 2)
 
     def is_hit(self, start: FloatArray, direction: FloatArray) -> bool:
-        """Return whether a ray of `RAY_M` from a point (3,) along a unit vector (3,) meets the thing."""
+        """Return whether a ray of length `RAY_M` from a point (3,) along a unit vector (3,) in the world
+        meets the thing.
+        """
         return any(_meets(solid, start, direction) for solid in self.solids)
 
 
@@ -142,7 +144,9 @@ def _gap(one: Box, other: Box) -> float:
 
 
 def _outline(box: Box) -> FloatArray:
-    """Return the (4, 2) corners of a box seen from above; those of the box around it if it is tilted."""
+    """Return the corners (4, 2) of a box seen from above, in the world in [m]; of a tilted one, those of the
+    box around it.
+    """
     if box.pose[2, 2] > 0.999:
         half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
         return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])

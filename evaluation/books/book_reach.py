@@ -87,7 +87,9 @@ def _row(reach: HandReach, board: float, tip: float, line: float) -> GraspRow:
 
 
 def _longest(values: FloatArray, good: Sequence[bool]) -> Span:
-    """Return the longest stretch of good values."""
+    """Return the least and largest of the longest run of consecutive values (n,) that are good; None without
+    any.
+    """
     best: Span = None
     start: int | None = None
     for index, item in enumerate([*good, False]):

@@ -79,7 +79,7 @@ class _Boxes(NamedTuple):
     """Boxes that may be between the total station and the reflector."""
 
     poses: FloatArray
-    """Poses (n, 4, 4) of the boxes."""
+    """Poses (n, 4, 4) of the boxes in the world."""
     halves: FloatArray
     """Half sizes (n, 3) of the boxes, in [m]."""
 
@@ -91,7 +91,9 @@ class _Boxes(NamedTuple):
 
 
 def _cut(boxes: _Boxes, start: FloatArray, end: FloatArray) -> bool:
-    """Return whether the line between two points (3,) passes through any box (slab method)."""
+    """Return whether the line between two points (3,) in the world, in [m], passes through any box (slab
+    method).
+    """
     turns, middles = boxes.poses[:, :3, :3], boxes.poses[:, :3, 3]
     here, ray = np.einsum("ni,nij->nj", start - middles, turns), (end - start) @ turns
     ray = np.where(np.abs(ray) < 1e-12, 1e-12, ray)

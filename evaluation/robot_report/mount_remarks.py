@@ -104,8 +104,8 @@ def hidden_sector(points: FloatArray) -> tuple[float, float] | None:
 
 
 def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str, FloatArray]]:
-    """Yield links fixed to the base, each with a body's outline (n, 2) in the lidar's plane, in the sensor
-    frame.
+    """Yield links fixed to the base, each with a body's outline (n, 2) in the lidar's plane, in its frame in
+    [m].
     """
     own = {*(robot.arm.joints if robot.arm else ()), "left_finger", "right_finger"}
     poses, sensor_T_base = link_poses(urdf), inverse(mount)
@@ -186,7 +186,9 @@ def _middle_of_mass(urdf: str) -> FloatArray | None:
 
 
 def _stands(feet: FloatArray, middle: Sequence[float] | FloatArray) -> bool:
-    """Return whether a point is inside the convex hull of the feet (n, 2)."""
+    """Return whether a point (2,) is inside the convex hull of the feet (n, 2), both in the base frame in
+    [m].
+    """
     try:
         hull = ConvexHull(feet)
     except QhullError:  # on a line

@@ -107,7 +107,7 @@ def _draw(
 
 
 def _shade(axes: Axes, points: FloatArray) -> None:
-    """Shade the cells that the hand reached, projected into the view."""
+    """Shade the cells that the hand reached, at points (n, 2) projected into the view, in [m]."""
     low = np.floor(points.min(axis=0) / REACH_CELL_M).astype(int) - 1
     cells = np.floor(points / REACH_CELL_M).astype(int) - low
     counts = np.zeros(cells.max(axis=0) + 2)

@@ -81,7 +81,9 @@ def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
 
 
 def _reaching(arm: ArmModel, poses: Sequence[Transform]) -> Iterator[FloatArray]:
-    """Yield postures with the hand at one of some poses, by inverse kinematics from random starts."""
+    """Yield postures (n,), in [rad] or [m], with the hand at one of some poses, by inverse kinematics from
+    random starts.
+    """
     count = START_COUNT if len(poses) == 1 else FEWER_STARTS
     starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (count, arm.dof))
     starts[: count // 2] *= 0.5
@@ -96,8 +98,9 @@ def _touching(model: CollisionModel, postures: Sequence[FloatArray]) -> list[tup
 
 
 def _extent(arm: ArmModel, q: FloatArray) -> float:
-    """Return the robot's largest distance from the base's axis in [m], with a small penalty for bent
-    joints.
+    """Return the robot's largest distance from the base's axis at joints `q` (n,), in [m].
+
+    A small penalty for bent joints is added.
     """
     out = max(
         (float(np.hypot(*corners_of(shape)[:, :2].T).max()) for shape in arm.link_shapes(q)), default=0.0

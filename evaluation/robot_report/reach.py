@@ -67,7 +67,11 @@ class HandReach:
         return found
 
     def _posture(self, place: tuple[float, float, float], last: FloatArray) -> FloatArray | None:
-        """Search a posture by inverse kinematics, from the last posture and from random ones."""
+        """Return a collision-free posture (n,) with the hand at a place, in [rad] or [m]; None if none is
+        found.
+
+        Inverse kinematics starts from the rows of `last` (k, n), then from random postures.
+        """
         if self._near.query(place)[0] > OUT_OF_REACH_M:
             return None
         tried = (self._arm.inverse(transform(place), start, restarts=0) for start in (*last, *self._starts))

@@ -182,7 +182,12 @@ def _window(grid: GridMap, track: RunTrack, radius: float) -> FloatArray:
 
 
 def _tall(window: FloatArray, beside: bool) -> float:
-    """Return the height of the map in [in], by its shape; `beside`: a picture is drawn next to it."""
+    """Return the height of the map in [in], by the shape of the drawn area.
+
+    Args:
+        window: limits of the area, [[x_min, x_max], [y_min, y_max]] in [m].
+        beside: True if a picture is drawn next to it.
+    """
     across, along = window[:, 1] - window[:, 0]
     needed = PICTURE_WIDTH_IN * (MAPS_SHARE if beside else 1.0) * along / across
     return float(np.clip(needed, MIN_HEIGHT_BESIDE_IN if beside else MAP_HEIGHTS_IN[0], MAP_HEIGHTS_IN[1]))
@@ -218,7 +223,7 @@ def _draw_footprint(axis: Any, pose: FloatArray | None, radius: float, style: st
 
 
 def _pose_at_the_end(track: RunTrack, stretch: ActionStretch) -> FloatArray | None:
-    """Return the robot's pose at the end of an action's own motion, before restoring; None if not
+    """Return the robot's pose (3,) at the end of an action's own motion, before restoring; None if not
     recorded.
     """
     rows = np.flatnonzero(track.action == stretch.number)
@@ -298,7 +303,9 @@ def _draw_fail(run_dir: Path, stretch: ActionStretch, grid: GridMap, track: RunT
 
 
 def _named(run_dir: Path, name: str) -> list[FloatArray]:
-    """Return the points with this name from the evidence of all actions, in order of the actions."""
+    """Return the points (n, 2) on the map, in [m], with this name from the evidence of each action, in order
+    of the actions.
+    """
     return [points[name] for points in _points(run_dir).values() if name in points]
 
 

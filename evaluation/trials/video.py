@@ -110,7 +110,7 @@ class Video(RunObserver):
             self._mp4.write(frame)
 
     def _frame(self, robot: Robot) -> ByteArray:
-        """Return the current frame, in RGB, with the height `HEIGHT_PX`."""
+        """Return the current frame (`HEIGHT_PX`, w, 3) in RGB."""
         picture = robot.backend.view() if self._view else None
         if picture is None:
             camera = robot.backend.get(Camera)  # type: ignore[type-abstract]
@@ -133,7 +133,7 @@ def _in_colour(grey: ByteArray) -> ByteArray:
 
 
 def _as_high(picture: ByteArray, height: int) -> ByteArray:
-    """Return a copy of a picture scaled to this height, with an even width."""
+    """Return a copy of a picture (h, w, 3) scaled to this height, with an even width."""
     width = 2 * round(picture.shape[1] * height / picture.shape[0] / 2)
     if picture.shape[:2] == (height, width):
         return picture.copy()
@@ -141,7 +141,7 @@ def _as_high(picture: ByteArray, height: int) -> ByteArray:
 
 
 def _put_in(frame: ByteArray, picture: ByteArray) -> None:
-    """Draw a picture with a border into the upper right corner of a frame."""
+    """Draw a picture (h, w, 3) with a border into the upper right corner of a frame (h, w, 3), in place."""
     small = _as_high(picture, round(INSET_HEIGHT_SHARE * frame.shape[0]))
     small = cv2.copyMakeBorder(small, *(_FRAME,) * 4, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
     height, width = small.shape[:2]

@@ -86,7 +86,12 @@ class _Walks:
 
 
 def _outcomes(rows: ChainRows) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Return the rows that may follow each row, and limits to draw one with a number in [row, row + 1)."""
+    """Return tables from which the row that follows a row is drawn.
+
+    Returns:
+        Limits (k,), ascending, of which the first above a random number in [row, row + 1) is chosen; and the
+            row (k,) that follows by each, or a negative code of an end.
+    """
     after = {ChainEnd.GOAL: _GOAL, ChainEnd.UNKNOWN: _LOST}
     links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]
     links += [(row, after.get(end, _ENDED), p) for row, end, p, _ in rows.ends]

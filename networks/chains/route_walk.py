@@ -124,7 +124,15 @@ class RouteWalk:
         return np.asarray(mass * self._success[action, None])
 
     def _more(self, counts: Uint16Array, action: IntArray, place: IntArray, mass: FloatArray) -> FlowStates:
-        """Return the states with one more Fail of the actions (n,), without the goal and unreached states."""
+        """Return the states after one more Fail of an action in each of n states, without the goal and
+        impossible states.
+
+        Args:
+            counts: (n, counters) numbers of Fails.
+            action: (n,) numbers of the actions.
+            place: (n,) numbers of the situations after the Fails.
+            mass: (n, 3 or 6) moments of the runs, as in `FlowStates`.
+        """
         comes = mass[:, ::3].sum(axis=1) > 0.0
         at_goal = place == self._goal
         self._end(place[at_goal], ChainEnd.GOAL, mass[at_goal])
@@ -134,7 +142,13 @@ class RouteWalk:
         return self._codes.forgotten(FlowStates(more, place[chosen], mass[chosen]))
 
     def _singly(self, counts: Uint16Array, place: int, mass: FloatArray) -> Iterator[FlowStates]:
-        """Follow one plan (`counts` of one state), as `StepMaker` chooses among routes of the same cost."""
+        """Follow the plan of one state, as `StepMaker` chooses among routes of the same cost.
+
+        Args:
+            counts: (counters,) numbers of Fails.
+            place: number of the situation.
+            mass: (3 or 6,) moments of the runs, as in `FlowStates`.
+        """
         state, every, flow = self._codes.state(counts, place), counts[None, :], mass[None, :]
         while state.situation != self._network.goal:
             here = np.array([self._codes.place[state.situation]])

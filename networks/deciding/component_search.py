@@ -160,7 +160,9 @@ class ComponentSearch:
         return self._decisions
 
     def _look_beyond(self, beyond: Bounds) -> IntArray:
-        """Set the bounds of the states beyond the component; return the numbers of the settled ones."""
+        """Set the bounds of the states beyond the component; return the numbers (k,) of those that are
+        settled.
+        """
         table = self._table
         new = table.states[self._looked :]
         for offset in np.flatnonzero(new[:, 0] >= self._rows.inside).tolist():
@@ -173,7 +175,7 @@ class ComponentSearch:
         return np.array(list(self._settled), np.int64)
 
     def _improve(self, root: int, slack: float) -> FloatArray:
-        """Improve all bounds; return how often the policy that looks best comes to each state.
+        """Improve all bounds; return the number of visits (states,) of the policy that looks best, by state.
 
         Args:
             root: number of the first state.
@@ -202,7 +204,12 @@ class ComponentSearch:
             table.low[solved.states] = np.maximum(table.low[solved.states], shrunk)
 
     def _equations(self, roots: IntArray, options: IntArray) -> _Solution:
-        """Solve the equations of a policy from some states (n,) on, given by the option in each state."""
+        """Solve the equations of a policy.
+
+        Args:
+            roots: (n,) numbers of the states in which its runs start.
+            options: (states,) number of the option chosen in each state of the table.
+        """
         from scipy.sparse.linalg import splu  # late: most networks are small
 
         table = self._table

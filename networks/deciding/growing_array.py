@@ -15,18 +15,18 @@ class GrowingArray(Generic[Scalar]):
     """Rows in one buffer, which is doubled when it is full."""
 
     def __init__(self, first: NDArray[Scalar]) -> None:
-        """Begin with some rows; later ones have their shape and type."""
+        """Begin with some rows (n, ...); later rows have the same shape and type."""
         self._size = len(first)
         self._buffer = np.empty((max(FIRST_CAPACITY, 2 * len(first)), *first.shape[1:]), first.dtype)
         self._buffer[: self._size] = first
 
     @property
     def all(self) -> NDArray[Scalar]:
-        """All rows, as a view that is valid until the next `extend`."""
+        """All rows (n, ...), as a view that is valid until the next `extend`."""
         return self._buffer[: self._size]
 
     def extend(self, rows: NDArray[Scalar]) -> None:
-        """Append rows."""
+        """Append rows (m, ...)."""
         end = self._size + len(rows)
         if end > len(self._buffer):
             larger = np.empty((2 * end, *self._buffer.shape[1:]), self._buffer.dtype)

@@ -121,7 +121,9 @@ class StateRows:
         return self._process.after.at(self.names[int(row[0])], counts)
 
     def excluded(self, rows: Uint16Array) -> BoolArray:
-        """Return which actions are excluded in each row and stay so, as (n, actions)."""
+        """Return a mask (n, actions) of the actions that are excluded in each row (n, 1 + counters) and stay
+        so.
+        """
         return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
 
     def _out(self, rows: Uint16Array, actions: IntArray) -> BoolArray:
@@ -129,7 +131,9 @@ class StateRows:
         return np.asarray(counts % self._width[actions] >= self._most[actions])
 
     def following(self, rows: Uint16Array) -> Following:
-        """Return the options in states of the component, and what follows each."""
+        """Return the options in states (n, 1 + counters) of the component, and the states that follow each
+        option.
+        """
         places = rows[:, 0].astype(np.int64)
         count = self._first[places + 1] - self._first[places]
         state = np.repeat(np.arange(len(rows)), count)

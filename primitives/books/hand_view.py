@@ -84,7 +84,9 @@ def _fingers(robot: Robot) -> Sequence[Box]:
 
 
 def _edges(box: Box) -> FloatArray:
-    """Return points (108, 3) on a box's edges, in its frame: a lens bends the lines between corners."""
+    """Return points (108, 3) on a box's edges, in the box's frame in [m]: a lens bends the lines between
+    corners.
+    """
     ends = list(product((-0.5, 0.5), repeat=2))
     lines = [
         np.insert(np.tile(end, (len(_ALONG), 1)), axis, _ALONG, axis=1) for axis in range(3) for end in ends

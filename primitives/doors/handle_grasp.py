@@ -115,6 +115,13 @@ def _followed(
     """Return the share (0 to 1) of the path that a posture can follow, and the least lever on it.
 
     The lever is the motion of the hand, in [m], by a turn of 1 rad of the joint that turns most.
+
+    Args:
+        arm: arm of the robot.
+        joints: (n,) posture at the begin of the path, in [rad] or [m].
+        grip: (4, 4) base_T_hand at the begin.
+        joint: believed joint of the door, in the base frame.
+        openings: opening at the begin and at the end, in [rad] or [m].
     """
     begin, end = openings
     from_now = np.linalg.inv(joint.displaced(begin))

@@ -89,7 +89,15 @@ class MoveDoor(ActionPrimitive):
     def move_handle(
         self, robot: Robot, model: ModelView, joint: DoorJoint, span: tuple[float, float], grip: FloatArray
     ) -> Generator[None, None, tuple[Pull, DoorState]]:
-        """Move the held handle, check how far it went, and return how the door is left."""
+        """Move the held handle, check how far it went, and return its path and the state of the door.
+
+        Args:
+            robot: its hand holds the handle.
+            model: world model.
+            joint: believed joint of the door, in the base frame.
+            span: opening now and the wanted one, in [rad] or [m].
+            grip: (3,) middle of the bar in the frame of the hand, in [m].
+        """
 
     @override
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
@@ -264,7 +272,14 @@ class MoveDoor(ActionPrimitive):
         grip: FloatArray,
         is_there: Callable[[PathFit, FloatArray], bool],
     ) -> Generator[None, None, Pull]:
-        """Move the held handle along its path; note what was measured.
+        """Move the held handle along its path; record force, travel and hinge as findings.
+
+        Args:
+            robot: its hand holds the handle.
+            joint: believed joint of the door, in the base frame.
+            span: opening now and the wanted one, in [rad] or [m].
+            grip: (3,) middle of the bar in the frame of the hand, in [m].
+            is_there: returns whether the handle is far enough, given the path so far and the bar (3,).
 
         Raises:
             Discrepancy: the arm does not get far enough.

@@ -61,7 +61,12 @@ class Pull(NamedTuple):
 
 
 def measured_bar(robot: Robot, grip: FloatArray) -> FloatArray:
-    """Return the middle (3,) of a held handle's bar in the base frame, by the measured joints, in [m]."""
+    """Return the middle (3,) of a held handle's bar in the base frame, by the measured joints, in [m].
+
+    Args:
+        robot: its hand holds the handle.
+        grip: (3,) middle of the bar in the frame of the hand, in [m].
+    """
     return np.asarray((robot.base_T("hand") @ np.append(grip, 1.0))[:3])
 
 

@@ -279,7 +279,11 @@ class Explore(ActionPrimitive):
         model.sensed_cells = self._cells(model.sensed_cells, robot.time)
 
     def _cells(self, before: FloatArray, now: float) -> FloatArray:
-        """Return `sensed_cells` with the new map's occupied cells, for later drives on the given map."""
+        """Return the sensed cells `before` (n, 4) with the new map's occupied cells, for later drives on the
+        given map.
+
+        The columns are x, y on the map in [m], score, and time of the last hit in [s].
+        """
         assert self._last is not None
         points = self._last.grid.to_point(np.argwhere(self._last.grid.occupied))
         rows = np.column_stack([points, np.full((len(points), 2), [12.0, now])])

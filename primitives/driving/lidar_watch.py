@@ -97,6 +97,11 @@ class LidarWatch:
         Only walls that returned an echo to a beam of this drive count, so objects above the scan plane,
         black surfaces and glass never do. A covered sector is the same in the sensor frame, wherever the
         robot is.
+
+        Args:
+            scan: scan of this period, with n beams.
+            walls: where the map's walls should return the beams' echoes.
+            expected: (n,) True for beams that should return an echo.
         """
         returned = np.isfinite(scan.ranges)
         turned = np.degrees(scan.angles) % 360.0

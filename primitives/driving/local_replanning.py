@@ -194,7 +194,14 @@ class LocalReplanning:
     def _planned(
         self, robot: Robot, route: FloatArray | None, takes: float = PLANNING_S
     ) -> Generator[None, None, RouteLook]:
-        """Plan while the base holds, with ever less distance to people until a route is found; return it."""
+        """Plan while the base holds, and return the route; the distance to people is reduced until a route is
+        found.
+
+        Args:
+            robot: the robot.
+            route: (n, 2) present route on the map, in [m]; None without one.
+            takes: assumed time of the planning, in [s].
+        """
         self.people.try_all_room()
         while True:
             steps = self._answering(robot.pose, route, self._avoided(robot), robot.time)
@@ -385,7 +392,9 @@ class LocalReplanning:
         )
 
     def _nearest_to_route(self, ahead: FloatArray) -> tuple[float, float]:
-        """Return the sensed point nearest to where the route is not free, in [m]."""
+        """Return the sensed point (x, y) nearest to where the route `ahead` (n, 2) is not free, on the map in
+        [m].
+        """
         there = None if self._look is None else self._look.obstacle
         x, y = there if there is not None else (ahead[-1].tolist() if len(ahead) else self._goal[:2])
         points = self._layer.points

@@ -183,7 +183,12 @@ class Locate(ActionPrimitive):
             yield
 
     def _drive(self, robot: Robot, route: FloatArray) -> Generator[None, None, float]:
-        """Drive along a route, up to where something holds the base back; return the distance, in [m]."""
+        """Drive along a route, up to where something holds the base back; return the distance, in [m].
+
+        Args:
+            robot: the robot.
+            route: (n, 2) points in the frame of the present pose, in [m].
+        """
         limits = robot.drive_limits
         limits = limits._replace(speed=min(limits.speed, SPEED_M_S))
         tracker = make_tracker(route, None, limits, tolerance=ARRIVAL_TOLERANCE)
@@ -208,7 +213,16 @@ class Locate(ActionPrimitive):
         return Surroundings(seen.grid, robot.pose, robot.spec.footprint_radius_m, tried)
 
     def _next_view(self, around: Surroundings, poses: FloatArray, left: float, reach: float) -> View | None:
-        """Return the next place to look from; None if no place within `left`, in [m], would show more."""
+        """Return the next place to look from; None if no place within reach would distinguish the poses
+        better.
+
+        Args:
+            around: surroundings of the robot, as sensed so far.
+            poses: (n, 3) map_T_base of the remaining hypotheses, x, y in [m] and heading in [rad], the best
+                first.
+            left: distance that the robot may still drive, in [m].
+            reach: range of the lidar, in [m].
+        """
         assert self._field is not None
         if left <= 0.0 or (self._hypotheses is not None and len(self._hypotheses.looks) >= MAX_LOOKS):
             return None

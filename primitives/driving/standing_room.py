@@ -97,8 +97,9 @@ class StandingRoom:
         return not any(collision.in_collision(q) for q in angles[::COLLISION_CHECK_STRIDE])
 
     def _way_out(self, here: Pose2) -> BoolArray:
-        """Return (h, w) cells connected by routes to poses near `here`, because the base's actual pose is not
-        the planned one.
+        """Return a mask (h, w) of the map's cells that routes connect to poses near `here`.
+
+        Poses near it count as well, because the base's actual pose is not exactly the planned one.
         """
         turns = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
         for away in np.linspace(0.0, MAX_START_INTRUSION_M, 7):

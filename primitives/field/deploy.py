@@ -322,7 +322,15 @@ class Deploy(TreePrimitive):
         yield from self._lead_clear(robot, arm, better, moved)
 
     def _lead_clear(self, robot: Robot, arm: SensorArm, place: FloatArray, way: float) -> Periods:
-        """Lead the tip to a place `way` [m] away; lift the sensor where it touches rising ground."""
+        """Lead the tip to a place (2,) in the arm's own frame, in [m]; lift the sensor where it touches
+        rising ground.
+
+        Args:
+            robot: the robot.
+            arm: its arm, with a sensor.
+            place: (2,) the place.
+            way: distance to the place, in [m].
+        """
         yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - MAX_GROUND_SLOPE * way))
         for _ in range(LIFT_MAX_TRIES):
             for _ in arm.lead(place):

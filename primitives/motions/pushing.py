@@ -78,7 +78,11 @@ def relax(robot: Robot) -> Generator[None, None, None]:
 
 
 def _within_speeds(path: FloatArray, step: FloatArray) -> FloatArray:
-    """Add rows to a path (m, n) so that no joint moves more than its `step` (n,) from one to the next."""
+    """Return a path (k, n) with rows added to `path` (m, n), so that no joint moves more than `step` (n,)
+    between rows.
+
+    All are joints in [rad] or [m].
+    """
     rows = [path[:1]]
     for begin, end in pairwise(path):
         count = max(1, math.ceil(float((np.abs(end - begin) / step).max()) - PERIOD_ROUNDING))

@@ -156,7 +156,7 @@ class HandOver(ActionPrimitive):
         yield from retrace(robot, start, trace)
 
     def _planned(self, robot: Robot, model: ModelView, held: HeldObject) -> Generator[None, None, FloatArray]:
-        """Return the joints (n,) that offer the object."""
+        """Return the joints (n,) that offer the object, in [rad] or [m]."""
         kind, around = kind_of(model, held.object), surroundings(robot, model)
         if self.posture is None:
             height = 1e-3 * self.height_mm
@@ -181,7 +181,7 @@ class HandOver(ActionPrimitive):
         return joints
 
     def _bring(self, robot: Robot, model: ModelView, joints: FloatArray, watch: PullWatch) -> Periods:
-        """Bring the object to the joints (n,) that offer it; stop if a force lasts.
+        """Bring the object to the joints (n,) that offer it, in [rad] or [m]; stop if a force lasts.
 
         Raises:
             NeedsPerson: somebody pulls.
@@ -198,7 +198,11 @@ class HandOver(ActionPrimitive):
                 yield from self._stop_at(robot, watch, held.object, force)
 
     def _stop_at(self, robot: Robot, watch: PullWatch, name: str, force: FloatArray) -> Periods:
-        """Stop at a force: that of a contact goes when the arm yields, that of a person stays."""
+        """Stop at a force (3,) in [N], and distinguish its source by an arm that yields.
+
+        The force of a contact then ends, and the handing over fails; the force of a person stays, and a
+        person is called.
+        """
         felt = Measured(
             "Arm", "force on the way", float(np.linalg.norm(force)), CARRIED_SHARE * self.pull_n, "N"
         )

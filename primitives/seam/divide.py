@@ -132,7 +132,7 @@ def _named(found: Placements, work: SeamWork, driven: ToolPath | None) -> tuple[
 
 
 def _way(part: SeamPart) -> FloatArray:
-    """Return (k, 3) base poses on the way of a part, both ends included."""
+    """Return map_T_base (k, 3) on the way of a part, both ends included: x, y in [m], heading in [rad]."""
     end = part.pose if part.end is None else part.end.pose
     count = 2 + int(part.pose.distance(end) / WAY_CHECK_SPACING_M)
     return np.linspace(part.pose, end, count) if part.end is not None else np.array([part.pose])

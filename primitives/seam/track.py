@@ -221,7 +221,7 @@ def _check_known(robot: Robot) -> None:
 
 
 def _lead(pose: FloatArray) -> ToolPath:
-    """Return a straight path from a pose (4, 4) of the tool back along it."""
+    """Return the straight path of the tool from a pose (4, 4) back along the tool's axis."""
     return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, LEAD_DISTANCE_M, 7)])
 
 

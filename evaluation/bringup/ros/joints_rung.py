@@ -252,6 +252,6 @@ def _arm_of(backend: RosBackend) -> Arm:
 
 
 def _true_joints(backend: RosBackend) -> FloatArray:
-    """Return the true joints (n,) of a bench; zeros for a real robot."""
+    """Return the true joints (n,) of a bench, in [rad] or [m]; zeros for a real robot."""
     truth = backend.ground_truth()
     return np.zeros_like(_arm_of(backend).joints()) if truth is None else truth.joints.copy()

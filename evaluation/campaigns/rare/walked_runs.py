@@ -68,7 +68,7 @@ class WalkedRuns:
         self._after_fail, self._skipped = self._after_fail[which], self._skipped[which]
 
     def _nearer(self, importance: Int32Array, made: Stride) -> Int32Array:
-        """Return the importance of each walk after this action."""
+        """Return the importance (n,) of each walk after this action, given that (n,) before it."""
         failed, for_good = made.ends == EndCode.FAIL, made.ends == EndCode.FOR_GOOD
         if self._event.importance == "fails":
             return np.asarray(importance + (failed | for_good), dtype=np.int32)
@@ -76,7 +76,7 @@ class WalkedRuns:
         return np.asarray(np.maximum(importance, used), dtype=np.int32)
 
     def _hits(self) -> BoolArray:
-        """Return which of the walks have ended with the rare outcome."""
+        """Return a mask (n,) of the walks that have ended with the rare outcome."""
         left_undone = (self._at == GOAL) & self._skipped
         match self._event.outcome:
             case "GiveUp":

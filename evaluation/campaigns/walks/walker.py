@@ -137,7 +137,15 @@ class Walker:
 def _row(
     count: int, left: IndexArray, action: Int32Array, ends: Int8Array, seconds: FloatArray
 ) -> tuple[Int32Array, Int8Array, FloatArray]:
-    """Return one row (count,) of actions, ends and seconds for all walks, including those that are over."""
+    """Return actions, ends and seconds of a step for all walks, each (count,).
+
+    Args:
+        count: number of all walks.
+        left: (k,) indices of the walks that are not over.
+        action: (k,) their actions.
+        ends: (k,) ends of these actions.
+        seconds: (k,) durations, in [s].
+    """
     actions, codes = np.full(count, NO_ACTION, dtype=np.int32), np.zeros(count, dtype=np.int8)
     times = np.zeros(count)
     actions[left], codes[left], times[left] = action, ends, seconds

@@ -149,7 +149,15 @@ def _count_repeated(records: list[_Record], finding: CheckResult) -> None:
 
 
 def _compare(wheels: FloatArray, seen: FloatArray, period: float, finding: CheckResult) -> None:
-    """Compare both motions: sense and size of the turns, delay, and distance driven ahead."""
+    """Compare the motions by wheels and by scans: sense and size of the turns, delay, and distance driven
+    ahead.
+
+    Args:
+        wheels: (n, 3) poses by the wheels, x, y in [m] and heading in [rad].
+        seen: (n, 3) poses by the scans.
+        period: time between two poses, in [s].
+        finding: receives the violations.
+    """
     times = period * np.arange(len(wheels))
     lags = np.arange(0.0, MAX_LAG_S, period / 4)
     fits = [_fitted(np.interp(times - lag, times, wheels[:, 2]), seen[:, 2]) for lag in lags]

@@ -182,8 +182,10 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def _goes_on(self, arm: Arm, way: FloatArray, step: float) -> bool:
-        """Move the arm by `way`, at most by `step` and less if a joint is too slow; return whether that was
-        all.
+        """Move the arm by `way` (n,), in [rad] or [m], but each joint at most by `step`; return whether that
+        was all.
+
+        The step is halved if a joint is too slow for it.
         """
         try:
             arm.move(arm.command() + np.clip(way, -step, step))

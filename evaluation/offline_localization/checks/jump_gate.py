@@ -75,7 +75,14 @@ class JumpGate:
         return ""
 
     def _off(self, position: FloatArray, odometry: Pose2, way: float, turn: float | None) -> float:
-        """Return the distance in [m] between a fix and its prediction from the good fixes before it."""
+        """Return the distance in [m] between a fix and its prediction from the good fixes before it.
+
+        Args:
+            position: (2,) fix in the world, in [m].
+            odometry: pose by wheels and gyros alone.
+            way: distance driven by the wheels so far, in [m].
+            turn: turn from the odometry's frame to the world, in [rad]; None while the heading is unknown.
+        """
         if turn is None:
             _, last, _, before = self._good[-1]
             return max(0.0, float(np.hypot(*(position - last))) - abs(way - before))

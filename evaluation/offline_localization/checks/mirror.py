@@ -39,6 +39,10 @@ def check_mirror(log: DriveLog, period: float) -> str:
 def _vote(ways: FloatArray, fixes: FloatArray) -> list[bool]:
     """Return whether a window's fixes are mirrored, as the only element; empty if the window does not show
     it.
+
+    Args:
+        ways: (n, 2) positions by odometry, in [m].
+        fixes: (n, 2) positions by fixes, in [m].
     """
     a, b = ways - ways.mean(axis=0), fixes - fixes.mean(axis=0)
     if np.linalg.svd(a, compute_uv=False)[1] / np.sqrt(len(a)) < 0.5 * MIN_WIDTH_M:

@@ -68,7 +68,12 @@ def axes_rotation(axes: str) -> FloatArray | None:
 
 
 def _up(force: FloatArray, alike: FloatArray | None) -> tuple[FloatArray, str]:
-    """Return the upward direction (3,) in the IMU's frame, and the evidence that this is not its z axis."""
+    """Return the upward direction (3,) in the IMU's frame, and the evidence that this is not its z axis.
+
+    Args:
+        force: (3,) mean acceleration, in [m/s²].
+        alike: (3,) correlation of each gyro axis with the odometry's turns; None if unknown.
+    """
     size, up, by_force = float(np.linalg.norm(force)), np.array([0.0, 0.0, 1.0]), ""
     if size > MIN_FORCE:
         up = force / size
@@ -113,15 +118,20 @@ def _correlations(log: DriveLog) -> FloatArray | None:
 
 
 def _smooth(times: FloatArray, values: FloatArray) -> FloatArray:
-    """Return values (n,) averaged over about `SMOOTHED_S`."""
+    """Return values (n,) at times (n,) in [s], averaged over about `SMOOTHED_S`."""
     step = float(times[-1] - times[0]) / max(1, len(times) - 1)
     count = max(1, min(len(values), round(SMOOTHED_S / max(step, 1e-6))))
     return np.asarray(np.convolve(values, np.ones(count) / count, mode="same"), dtype=np.float64)
 
 
 def _nearest(up: FloatArray, force: FloatArray, log: DriveLog) -> FloatArray:
-    """Return the rotation by quarter turns that has `up` upwards, and forward where the vehicle
+    """Return base_R_imu (3, 3) of quarter turns that has `up` (3,) upwards, and forward where the vehicle
     accelerates.
+
+    Args:
+        up: (3,) upward direction in the IMU's frame.
+        force: (3,) mean acceleration in the IMU's frame, in [m/s²].
+        log: log with accelerations and wheels.
     """
     candidates = [
         turned
@@ -143,7 +153,7 @@ def _nearest(up: FloatArray, force: FloatArray, log: DriveLog) -> FloatArray:
 
 
 def _levelling(up: FloatArray) -> FloatArray:
-    """Return the smallest rotation that turns `up` (3,) to the z axis (Rodrigues)."""
+    """Return the smallest rotation (3, 3) that turns `up` (3,) to the z axis (Rodrigues)."""
     axis, cos = np.cross(up, [0.0, 0.0, 1.0]), float(up[2])
     x, y, z = axis
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

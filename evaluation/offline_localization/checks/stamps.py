@@ -97,12 +97,20 @@ def _left_out(topic: str, what: str, wrong: BoolArray, received: FloatArray) -> 
 
 
 def _limit(parts: FloatArray) -> float:
-    """Return the difference in [s] from which two clocks count as diverged."""
+    """Return the difference from which two clocks count as diverged, in [s], by the changes (n,) of their
+    offset in [s].
+    """
     return max(JUMP_S, JUMP_SPREADS * float(np.median(np.abs(parts)))) if len(parts) else JUMP_S
 
 
 def _alone(stamps: FloatArray, received: FloatArray, used: BoolArray) -> BoolArray:
-    """Return a mask (n,) of stamps that differ while their neighbours agree with each other."""
+    """Return a mask (n,) of stamps that differ while their neighbours agree with each other.
+
+    Args:
+        stamps: (n,) header stamps, in [s].
+        received: (n,) times of recording, in [s].
+        used: (n,) True for stamps that are considered.
+    """
     rows = np.flatnonzero(used)
     found = np.zeros(len(stamps), dtype=bool)
     if len(rows) < 2 * NEIGHBOUR_COUNT:
@@ -115,7 +123,9 @@ def _alone(stamps: FloatArray, received: FloatArray, used: BoolArray) -> BoolArr
 
 
 def _jumps(stamps: FloatArray, received: FloatArray) -> list[tuple[int, float]]:
-    """Return the index of each lasting jump between stamps and receive times, with its size in [s]."""
+    """Return the index of each lasting jump of stamps (n,) against receive times (n,), with its size, all in
+    [s].
+    """
     offsets = stamps - received
     parts = np.diff(offsets)
     limit = _limit(parts)

@@ -26,7 +26,9 @@ def without_tilt_drift(log: DriveLog) -> DriveLog:
 
 
 def _moving_mean(times: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the mean (n,) of values (n,) within half of `WINDOW_S` before and after each."""
+    """Return the mean (n,) of values (n,) within half of `WINDOW_S` before and after each of times (n,), in
+    [s].
+    """
     sums = np.concatenate([[0.0], np.cumsum(values)])
     first = np.searchsorted(times, times - 0.5 * WINDOW_S, side="left")
     last = np.searchsorted(times, times + 0.5 * WINDOW_S, side="right")

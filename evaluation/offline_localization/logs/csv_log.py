@@ -202,7 +202,15 @@ def _log(values: dict[str, FloatArray], header: LogHeader) -> DriveLog:
 def _wheel_turns(
     values: dict[str, FloatArray], header: LogHeader, wheels: FloatArray, steps: FloatArray
 ) -> FloatArray | None:
-    """Return the turn rate (n,) by the two wheels, in [rad/s]; None without both wheels and their tread."""
+    """Return the turn rate (n,) by the two wheels, in [rad/s], positive to the left; None without wheels and
+    tread.
+
+    Args:
+        values: values (n,) of each quantity in SI units.
+        header: header of the log.
+        wheels: (n, 2) travel of the left and right wheel since the previous row, in [m].
+        steps: (n,) time since the previous row, in [s].
+    """
     if header.tread_m is None or not {"wheel_left", "wheel_right"} <= values.keys():
         return None
     turned = (wheels[:, 1] - wheels[:, 0]) / header.tread_m
@@ -217,9 +225,7 @@ def _ranges(values: dict[str, FloatArray], header: LogHeader, nothing: FloatArra
 
 
 def _take_out_held(values: dict[str, FloatArray], header: LogHeader) -> None:
-    """Replace repeated values of columns marked `held` by NaN; of a pair of coordinates, only if both
-    repeat.
-    """
+    """Replace repeated values of columns marked `held` by NaN, in place; of a pair, only if both repeat."""
     paired = {name for names in _PLACES for name in names}
     for names in (*_PLACES, *((name,) for name in values if name not in paired)):
         held = [values[name] for name in names if name in values and header.columns[name].held]
@@ -235,8 +241,14 @@ _STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY_M_S2))  # readings of missing ac
 
 
 def _travel(values: dict[str, FloatArray], header: LogHeader, steps: FloatArray) -> FloatArray:
-    """Return the travel (n, 2) of each wheel since the previous row, in [m]; a speed holds until the next
-    one.
+    """Return the travel (n, 2) of the left and right wheel since the previous row, in [m].
+
+    A speed holds until the next one.
+
+    Args:
+        values: values (n,) of each quantity in SI units.
+        header: header of the log.
+        steps: (n,) time since the previous row, in [s].
     """
     travel = []
     for name in ("wheel_left", "wheel_right"):
@@ -255,8 +267,14 @@ def held_on(values: FloatArray) -> FloatArray:
 def _rates(
     values: dict[str, FloatArray], header: LogHeader, wheels: FloatArray, steps: FloatArray
 ) -> tuple[FloatArray, bool]:
-    """Return turn rates (n, 3) in [rad/s], and whether they come from steering or wheels instead of a
+    """Return turn rates about x, y, z (n, 3), in [rad/s], and whether z is from steering or wheels, not a
     gyro.
+
+    Args:
+        values: values (n,) of each quantity in SI units.
+        header: header of the log.
+        wheels: (n, 2) travel of the left and right wheel since the previous row, in [m].
+        steps: (n,) time since the previous row, in [s].
     """
     across = [values.get(f"gyro_{axis}", np.zeros(len(steps))) for axis in "xy"]
     if "gyro_z" in values:
@@ -272,7 +290,12 @@ def _rates(
 
 
 def _fixes(values: dict[str, FloatArray], nothing: FloatArray) -> FloatArray:
-    """Return fixes (n, 2) east and north in [m]; latitude and longitude are relative to the first fix."""
+    """Return fixes (n, 2) east and north in [m]; latitude and longitude are relative to the first fix.
+
+    Args:
+        values: values (n,) of each quantity.
+        nothing: (n,) NaN, for a missing quantity.
+    """
     if "gps_east" in values:
         return np.stack([values["gps_east"], values["gps_north"]], axis=1)
     if "latitude" not in values:

@@ -90,7 +90,16 @@ _READINGS = ("rates", "accelerations", "fixes", "sigmas", "reference")
 
 
 def _latest(values: FloatArray, starts: IntArray, ends: IntArray) -> FloatArray:
-    """Return the last known row between each start and end; NaN if none is known."""
+    """Return the last known row of `values` in each group of rows; NaN if none is known.
+
+    Args:
+        values: (n,) or (n, m) readings in any unit; NaN without a new one.
+        starts: (k,) first row of each group.
+        ends: (k,) row after the last of each group.
+
+    Returns:
+        (k,) or (k, m).
+    """
     known = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
     rows = np.maximum.accumulate(np.where(known, np.arange(len(values)), -1))[ends - 1]
     found = values[rows]

@@ -85,7 +85,9 @@ def middle_of(joint: JointFacts) -> float:
 
 
 def _rounded(units: JointUnits, q: FloatArray) -> list[float]:
-    """Return joint positions in [deg] or [mm], rounded towards zero so that no limit is exceeded."""
+    """Return joint positions (n,) in [deg] or [mm], rounded towards zero so that no limit is exceeded; `q` is
+    in [rad] or [m].
+    """
     scale = 10.0**POSTURE_DIGITS
     return [float(item) + 0.0 for item in np.trunc(np.array(units.user_units(q.tolist())) * scale) / scale]
 

@@ -188,7 +188,11 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
 
 
 def _likeliest(hypotheses: FloatArray, pose: Pose2) -> Pose2:
-    """Return the best of the poses (n, 3) at which the robot may be; files of old runs have no headings."""
+    """Return the first, best one of the poses (n, 3) or places (n, 2) at which the robot may be, in [m] and
+    [rad].
+
+    Files of old runs have places only; then the heading is that of `pose`.
+    """
     x, y, heading = (*hypotheses[0].tolist(), pose.theta)[:3]
     return Pose2(float(x), float(y), float(heading))
 

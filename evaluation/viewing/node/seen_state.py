@@ -46,7 +46,7 @@ def seen_state(
 
     Args:
         robot: the robot, between two periods.
-        evidence: (n, 2) points of the running action by name.
+        evidence: (n, 2) points of the running action on the map, in [m], by name.
         driven: poses of the base since the action's start.
         snapshot: pose of the base at the action's start; None before the first one.
     """

@@ -198,7 +198,7 @@ class Playback:
 
     @cached_property
     def _situations(self) -> tuple[FloatArray, list[str]]:
-        """Start times in [s] of the situations, with their names."""
+        """Start times (n,) of the situations in [s], with the situations' names."""
         times, names = [], []
         for record in self.run.records:
             match record["kind"]:
@@ -216,13 +216,17 @@ class Playback:
         return np.array(times), names
 
     def _named(self, name: str) -> dict[int, FloatArray]:
-        """Return the points (n, 2) with this name, by number of the action that recorded them."""
+        """Return the points (n, 2) on the map, in [m], with this name, by number of the action that recorded
+        them.
+        """
         points = {number: arrays.get(name, np.empty(0)) for number, arrays in self._evidence.items()}
         return {n: point for n, point in points.items() if point.ndim == 2 and point.shape[1] == 2}
 
     @cached_property
     def _evidence(self) -> dict[int, dict[str, FloatArray]]:
-        """Planned and bumped points of the actions' evidence, by number of the action."""
+        """Planned and bumped points (n, 2) on the map, in [m], of the actions' evidence, by number of the
+        action.
+        """
         found: dict[int, dict[str, FloatArray]] = {}
         for path in sorted((self.run.folder / EVIDENCE).glob("[0-9]*_*.npz")):
             if path.name.endswith(READINGS_SUFFIX):

@@ -114,7 +114,9 @@ class Page:
         self._look(moment.base[:3])
 
     def _look(self, at: FloatArray) -> None:
-        """Aim at the robot at first; then move with it if following is switched on."""
+        """Aim the camera at the robot's position (3,) in the world, in [m], at first; then move it along if
+        following is on.
+        """
         if self._at is None:
             camera = self._server.initial_camera
             eye = eye_on(at, camera.fov, WIDE_PICTURE, self._outdoors)

@@ -50,7 +50,9 @@ class RecordedFrames:
         )
 
     def _moved(self, time: float) -> dict[str, FloatArray | None]:
-        """Return the poses of all things at the first call, later only of those that move."""
+        """Return world_T_thing (7,) of all things at the first call, later only of those that move; None for
+        absent ones.
+        """
         tracks = self._moving if self._begun else self._playback.things
         self._begun = True
         return {name: track.at(time) for name, track in tracks.items()}
@@ -72,7 +74,9 @@ class RecordedFrames:
         return np.asarray(self._playback.rows.cloud[number], dtype=np.float64)
 
     def _people(self, time: float) -> FloatArray:
-        """Return the rows of the people whom the latest scan showed."""
+        """Return the rows (p, 7) of the people whom the latest scan showed, as `RecordingPart.people` has
+        them.
+        """
         times = self._playback.rows.people_time
         end = int(np.searchsorted(times, time + 1e-6))
         if not end or times[end - 1] < time - PEOPLE_AGE_S:
@@ -100,7 +104,9 @@ class RecordedFrames:
 
 
 def _thinned(playback: Playback) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return the driven path at a regular spacing: times (n,), points (n, 2), whether restoring (n,)."""
+    """Return the driven path at a regular spacing: times (n,) in [s], points (n, 2) in [m], whether restoring
+    (n,).
+    """
     rows = playback.rows
     known = np.isfinite(rows.truth[:, 0])
     points = np.where(known[:, None], rows.truth[:, :2], rows.pose[:, :2])

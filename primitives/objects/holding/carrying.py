@@ -94,7 +94,9 @@ def carrying_joints(
 
 
 def _reach_out(robot: Robot, joints: FloatArray) -> float:
-    """Return how far the arm reaches out of the robot's outline, in [m]; 0 within."""
+    """Return how far the arm at joints (n,), in [rad] or [m], reaches out of the robot's outline, in [m]; 0
+    inside.
+    """
     bodies = np.vstack([corners(shape) for shape in robot.arm_model.moved_shapes(joints)])
     return max(0.0, float(robot.spec.footprint_shape.distances(bodies[:, :2]).max()))
 

@@ -118,7 +118,16 @@ def _free_way(
     around: Sequence[Solid],
     opening: float,
 ) -> PlannedGrasp | None:
-    """Return the grasp if a straight free line leads to it, and one up again; None otherwise."""
+    """Return the grasp if a straight free line leads to it, and one up again; None otherwise.
+
+    Args:
+        robot: robot with an arm and a gripper.
+        grasp: the grasp, relative to the object.
+        before: (n,) joints where the hand lines up, in [rad] or [m].
+        base_T_object: (4, 4) pose of the object.
+        around: bodies that the arm must not touch, in the base frame.
+        opening: largest opening of the fingers, in [m].
+    """
     arm = _with_opening(robot, min(opening, grasp.width + OPENING_CLEARANCE_M))
     collision = CollisionModel(arm, around, margin=ARM_MARGIN_M)
     grip = base_T_object @ grasp.box_T_hand
@@ -134,7 +143,9 @@ def _free_way(
 
 
 def _some(arm: ArmModel, base_T_hand: Transform, here: FloatArray) -> list[FloatArray]:
-    """Return a few postures (n,) that have the hand at a pose."""
+    """Return a few postures (n,), in [rad] or [m], with the hand at a pose (4, 4); those similar to `here`
+    first.
+    """
     found = []
     for joints in arm.solutions(base_T_hand, here, restarts=IK_RESTARTS):
         found.append(joints)

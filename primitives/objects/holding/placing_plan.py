@@ -130,7 +130,8 @@ def plan_placing(
 
 
 def _first_free(models: _PlacingModels, base_T_hand: Transform, here: FloatArray) -> FloatArray | None:
-    """Return joints (n,) above a goal, with a straight free line down and one back; None if there are none.
+    """Return joints (n,), in [rad] or [m], above a goal with a straight free line down and one back; None if
+    none.
 
     Those whose line ends away from the joints' limits come first: at a limit the hand may be stuck.
     """
@@ -159,7 +160,7 @@ def _can_withdraw(
 
     Args:
         models: collision models.
-        above: (n,) joints right above the goal.
+        above: (n,) joints right above the goal, in [rad] or [m].
         below: (n,) joints right below it, where an object touches down at the latest.
         base_T_hand: (4, 4) of the hand at the goal.
     """

@@ -145,7 +145,10 @@ def direction_words(force: FloatArray) -> str:
 
 
 def _pushes(force: FloatArray, base_p_hand: FloatArray) -> bool:
-    """Return whether a force (3,) pushes a hand at a place (3,) towards the robot."""
+    """Return whether a force (3,), in [N], pushes a hand at a position (3,), in [m], towards the robot.
+
+    Both are in the base frame.
+    """
     out = np.array([base_p_hand[0], base_p_hand[1], 0.0])
     cosine = float(force @ out) / max(float(np.linalg.norm(out) * np.linalg.norm(force)), 1e-9)
     return cosine < PUSHING_COSINE

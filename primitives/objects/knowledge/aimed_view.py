@@ -81,7 +81,9 @@ def aimed_views(
 
 
 def _asides(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
-    """Yield postures (n,), in [rad] or [m], with the arm turned about a joint whose axis is vertical."""
+    """Yield postures (n,) like `here`, in [rad] or [m], with the arm turned about a joint whose axis is
+    vertical.
+    """
     vertical = np.abs(arm.jacobian(here)[5]) > VERTICAL_COSINE
     for number in np.flatnonzero(vertical & arm.moves_tip & ~arm.slides):
         for turn in ASIDE_TURNS_RAD:
@@ -92,7 +94,9 @@ def _asides(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
 
 
 def _shifted(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
-    """Yield postures (n,), in [rad] or [m], with the hand moved down or aside without a turn."""
+    """Yield postures (n,), in [rad] or [m], whose hand is moved down or aside from its pose in `here`,
+    without a turn.
+    """
     base_T_hand = arm.forward(here)
     for shift in SHIFTS_M:
         moved = base_T_hand.copy()
@@ -103,7 +107,14 @@ def _shifted(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
 
 
 def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatArray]) -> float:
-    """Return the cosine of the angle between the view's direction and the first wanted one; 1 is best."""
+    """Return the cosine of the angle between a view's direction and the first wanted one; 1 is best, 0 if
+    none is wanted.
+
+    Args:
+        base_T_camera: (4, 4) of the view.
+        point: (3,) point that is looked at, in the base frame in [m].
+        towards: wanted unit vectors (3,) from the point to the camera.
+    """
     back = base_T_camera[:3, 3] - point
     return float(towards[0] @ back / np.linalg.norm(back)) if towards else 0.0
 
@@ -111,7 +122,14 @@ def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatA
 def _is_hidden(
     collision: CollisionModel, joints: FloatArray, base_T_camera: Transform, point: FloatArray
 ) -> bool:
-    """Return whether the arm, or what it holds, is between the camera and a point."""
+    """Return whether the arm, or the object in its hand, is between the camera and a point.
+
+    Args:
+        collision: the arm with the object.
+        joints: (n,) in [rad] or [m].
+        base_T_camera: (4, 4) of the camera at these joints.
+        point: (3,) in the base frame, in [m].
+    """
     line = point - base_T_camera[:3, 3]
     length = float(np.linalg.norm(line))
     near, far = min(NEAR_CAMERA_M, length / 3), NEAR_POINT_M

@@ -188,7 +188,13 @@ def _is_believed(known: KnownObject, name: str) -> bool:
 
 
 def _around(robot: RobotFile, surface: ObjectSurface, work: FloatArray) -> Iterator[Pose2]:
-    """Yield poses of the base that face the sides, those nearest to the work first."""
+    """Yield map_T_base of bases that face a side of the surface, those nearest to the work first.
+
+    Args:
+        robot: the robot's file.
+        surface: the surface.
+        work: (n, 2) points of the work on the map, in [m].
+    """
     poses = []
     for turn, side_name in zip(TURNS_RAD, SIDES, strict=True):
         side = Pose2(0.0, 0.0, turn)
@@ -228,7 +234,9 @@ def _ahead(base: Pose2, robot: RobotFile, surface: ObjectSurface) -> FloatArray:
 
 
 def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose2, point: FloatArray) -> bool:
-    """Return whether the finger tips grip and lift at a point (3,) on the map, and the camera looks there."""
+    """Return whether the finger tips grip and lift at a point (3,) on the map, in [m], and the camera looks
+    there.
+    """
     base_T_map = inverse(base.lift())
     tips = apply(base_T_map, point[None])[0]
     spot = tips - (0.0, 0.0, float(point[2]) - surface.height_m)
@@ -266,7 +274,16 @@ def _headings_missed(
 def _sees(
     robot: RobotFile, arm: ArmModel, collision: CollisionModel, spot: FloatArray, home: FloatArray
 ) -> bool:
-    """Return whether the first camera off the hand can be turned to a point (3,); True without a camera."""
+    """Return whether the first camera off the hand can be turned to a point; True for a robot without a
+    camera.
+
+    Args:
+        robot: the robot's file.
+        arm: its arm.
+        collision: the arm among its surroundings.
+        spot: (3,) the point in the base frame, in [m].
+        home: (n,) posture from which the camera is turned, in [rad] or [m].
+    """
     spec = next(iter(robot.all_of(CameraSpec).values()), None)
     if spec is None:
         return True
@@ -276,21 +293,27 @@ def _sees(
 
 
 def _hands(robot: RobotFile, tips: FloatArray) -> Iterator[Transform]:
-    """Yield base_T_hand (4, 4) with the finger tips at a point (3,), approached from above or ahead."""
+    """Yield base_T_hand (4, 4) with the finger tips at a point (3,) in the base frame, in [m], from above or
+    ahead.
+    """
     for pitch in PITCHES_RAD:
         for roll in TURNS_RAD[:2]:
             yield _hand(robot, tips, pitch, roll)
 
 
 def _hand(robot: RobotFile, tips: FloatArray, pitch: float, roll: float) -> Transform:
-    """Return base_T_hand (4, 4) with the finger tips at a point (3,), at angles in [rad]."""
+    """Return base_T_hand (4, 4) with the finger tips at a point (3,) in the base frame, in [m], at angles in
+    [rad].
+    """
     at_tips = transform((tips[0], tips[1], tips[2]), (0.0, pitch, 0.0))
     back = transform((-robot.finger_shape.tip, 0.0, 0.0), (roll, 0.0, 0.0))
     return np.asarray(at_tips @ back)
 
 
 def _looks(robot: RobotFile, arm: ArmModel, spot: FloatArray) -> Iterator[Transform]:
-    """Yield base_T_hand (4, 4) from which the camera on the hand looks at a point (3,)."""
+    """Yield base_T_hand (4, 4) from which the camera on the hand looks at a point (3,) in the base frame, in
+    [m].
+    """
     spec = robot.hand_camera
     assert spec is not None
     hand_T_camera = known_camera(spec, mount_of(robot, spec, arm)).hand_T_camera

@@ -21,9 +21,9 @@ MIN_BELOW_TOP_M = 0.02  # that the lidar is lower than a surface's top
 def scan_surface(
     robot: Robot, surface: ObjectSurface
 ) -> Generator[None, None, tuple[Pose2, FloatArray] | None]:
-    """Return a surface's pose on the map, and its covariance (3, 3) without that of the base's pose.
+    """Return a surface's pose on the map, and its covariance (3, 3) of x, y in [m] and heading in [rad].
 
-    None if it isn't seen.
+    The covariance does not include that of the base's pose. None if the surface isn't seen.
 
     Args:
         robot: robot before the surface.
@@ -54,7 +54,9 @@ def is_in_scan(robot: Robot, surface: ObjectSurface) -> bool:
 
 
 def _prior(robot: Robot, expected: Pose2) -> FloatArray:
-    """Return the covariance (3, 3) of a surface's expected pose in the base frame."""
+    """Return the covariance (3, 3) of a surface's expected pose in the base frame, of x, y in [m] and heading
+    in [rad].
+    """
     turn = Pose2(0.0, 0.0, -robot.pose.theta).lift()[:3, :3]
     base = turn @ robot.localization.covariance @ turn.T
     by_base = np.array([[1.0, 0.0, -expected.y], [0.0, 1.0, expected.x], [0.0, 0.0, 1.0]])

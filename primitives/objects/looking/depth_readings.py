@@ -267,8 +267,15 @@ def _log_density(place: FloatArray, belief: ObjectBelief) -> float:
 def _located(
     found: SolidCandidate, kind: ObjectKind, heading: float, base_T_surface: Transform, eye: FloatArray
 ) -> Located:
-    """Return a candidate in the base frame; of headings that look the same, with the one nearest to the
-    expected one.
+    """Return a candidate in the base frame; of headings that look the same, with the one nearest to
+    `heading`.
+
+    Args:
+        found: the candidate, in the frame of its surface.
+        kind: kind of the object.
+        heading: expected heading in the base frame, in [rad].
+        base_T_surface: (4, 4) of the middle of the surface's top.
+        eye: (3,) position of the camera in the frame of the surface, in [m].
     """
     pose = np.asarray(base_T_surface @ found.surface_T_solid)
     yaw = math.atan2(pose[1, 0], pose[0, 0])

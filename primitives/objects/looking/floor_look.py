@@ -72,10 +72,10 @@ def look_at_floor(
 
 
 def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below: FloatArray) -> FloorSeen:
-    """Return whether the floor around a point (3,) in the base frame was seen; it must be plain.
+    """Return whether the floor around a point (3,) in the base frame, in [m], was seen; it must look plain.
 
     Raises:
-        NeedsPerson: the floor there is not plain.
+        NeedsPerson: the floor there does not look plain.
     """
     tiles = list(_tiles(robot, model, below))
     shares = [edge_share(photo.pixels, photo.camera, photo.base_T_camera, tile) for tile in tiles]
@@ -88,7 +88,10 @@ def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below
 
 
 def _tiles(robot: Robot, model: ModelView, below: FloatArray) -> Iterator[FloatArray]:
-    """Yield the corners (4, 3) of parts of the floor that neither the robot nor a surface hides."""
+    """Yield the corners (4, 3) of parts of the floor around a point (3,), both in the base frame in [m].
+
+    Parts that the robot or a surface may hide are left out.
+    """
     surfaces = model.of(Objects).objects.surfaces.values()
     steps = np.arange(-PATCH_HALF_M + TILE_M / 2, PATCH_HALF_M, TILE_M)
     square = 0.5 * TILE_M * np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])

@@ -133,7 +133,8 @@ def locate(
 
 
 def _on_height(base_T_object: Transform, view: TagView, height: float) -> FloatArray:
-    """Return the place (3,) of an object's foot in the base frame, moved along the line of sight to a height.
+    """Return the place (3,) of an object's foot in the base frame, in [m], at a height on the line of sight
+    to its tag.
 
     From afar a single picture of a tag determines the distance least. If the line of sight is level, it never
     meets that height, and the place stays as seen.
