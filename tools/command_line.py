@@ -91,7 +91,7 @@ PROGRAM_HELP = "Action primitives for mobile manipulators: run, check, draw and 
 
 
 class LazyGroup(TyperGroup):
-    """Group of subcommands from the table; none is imported before it is called."""
+    """Group of the subcommands in `OWN_COMMANDS` and of the domains; none is imported before it is called."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the framework's commands in the table's order, then those of the domains."""

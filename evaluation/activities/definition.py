@@ -20,7 +20,7 @@ Literal = tuple[str, ...]
 
 
 class NoBddl(InputError):
-    """The package with the activities is missing or can't be imported."""
+    """Error, because the package with the activities is missing or can't be imported."""
 
     def __init__(self, why: object) -> None:
         super().__init__(
@@ -48,7 +48,9 @@ class Definition:
         return next(category for category, terms in self.terms.items() if term in terms)
 
     def finding(self, words: Iterable[str], message: str) -> Finding:
-        """Return a problem at the first line where some words follow each other."""
+        """Return a problem, placed at the first line of the definition in which some words follow each
+        other.
+        """
         pattern = r"[\s()?]+".join(re.escape(word) for word in words)
         found = re.search(r"(?<![\w.])\??" + pattern + r"(?![\w.])", self.text, re.IGNORECASE)
         start = found.start() if found else 0

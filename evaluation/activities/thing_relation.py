@@ -17,7 +17,7 @@ STANDING_FORMS = ("box", "tray")
 
 
 class ThingRelation(NamedTuple):
-    """A thing is on top of, or inside, a piece of furniture."""
+    """Relation of a carried thing that is on top of, or inside, a piece of furniture."""
 
     kind: str
     """`ontop` or `inside`."""

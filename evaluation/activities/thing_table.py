@@ -42,7 +42,7 @@ class FurnitureEntry(FileModel):
 
 
 class ThingTable(FileModel):
-    """What is known of the categories of things."""
+    """Table of the categories of things, with their sizes."""
 
     format: Literal["handcart-things/1"]
     carried: dict[str, CarriedEntry]
@@ -51,5 +51,5 @@ class ThingTable(FileModel):
 
 @cache
 def thing_table() -> ThingTable:
-    """Return our table."""
+    """Return the table of things that is shipped with handcart."""
     return load(TABLE_PATH, ThingTable)

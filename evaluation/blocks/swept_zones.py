@@ -51,7 +51,9 @@ def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
 
 
 def _points(shape: Shape) -> FloatArray:
-    """Return points (n, 3) whose convex hull nearly is the shape, in the frame of the shape's pose in [m]."""
+    """Return points (n, 3) whose convex hull nearly is the shape, in the frame in which the shape is posed,
+    in [m].
+    """
     if isinstance(shape, Box):
         corners = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
         return apply(shape.pose, corners * shape.size)

@@ -58,7 +58,7 @@ class KeyLease:
 
 
 class UnknownAxis(InputError):
-    """The robot has no axis of that name."""
+    """Error, because the robot has no axis of that name."""
 
     def __init__(self, name: str, axes: list[str]) -> None:
         super().__init__(f"unknown axis {name!r}{suggest(name, axes)}")

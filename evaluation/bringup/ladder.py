@@ -40,14 +40,14 @@ ALL_RUNGS: tuple[Rung[Any], ...] = (
 
 
 class UnknownRung(InputError):
-    """The procedure has no step of this name."""
+    """Error, because the procedure has no step of this name."""
 
     def __init__(self, name: str, allowed: list[str]) -> None:
         super().__init__(f"unknown step {name!r}{suggest(name, allowed)}")
 
 
 class BenchFirst(InputError):
-    """A step has not passed on the bench with the current version of the robot's file."""
+    """Error, because a step has not passed on the bench with the current version of the robot's file."""
 
     def __init__(self, rung: str, robot: str, backend: str) -> None:
         words = robot if backend == CanBackend.name else f"{robot} --{backend}"

@@ -27,7 +27,7 @@ class TreeMemory:
 
 
 class AtGoal(behaviour.Behaviour):
-    """Success at the goal."""
+    """Behaviour that succeeds at the goal, and fails otherwise."""
 
     def __init__(self, memory: TreeMemory, goal: str) -> None:
         super().__init__(f"at {goal}")
@@ -40,7 +40,9 @@ class AtGoal(behaviour.Behaviour):
 
 
 class DoAction(behaviour.Behaviour):
-    """An action of the task: Failure where it does not start, otherwise Running while the task runs."""
+    """Behaviour of one action of the task, which fails where the action does not start, and runs while the
+    task runs.
+    """
 
     def __init__(self, number: int, row: Mapping[str, Any], memory: TreeMemory, carry: Carried) -> None:
         super().__init__(f"{number} {row['do']}")
@@ -62,7 +64,7 @@ class DoAction(behaviour.Behaviour):
 
 
 class TaskTree(composites.Selector):
-    """A task: Success at the goal, Failure where no action is left."""
+    """Behaviour tree of a task, which succeeds at the goal and fails where no action is left."""
 
     def __init__(self, parts: TaskParts, carry: Carried) -> None:
         super().__init__(str(parts.head["title"]), memory=False)

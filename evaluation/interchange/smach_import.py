@@ -192,14 +192,16 @@ class _SmachReader:
 
 
 class _Exits(dict[str, str]):
-    """Situations after outcomes; an outcome that no transition names ends the machine."""
+    """Situations that follow the outcomes of a container; an outcome that no transition names ends the
+    machine.
+    """
 
     def __missing__(self, outcome: str) -> str:
         return FAILED_NAME if _is_bad(outcome) else GOAL_NAME
 
 
 class _Both(dict[str, str]):
-    """Situations after the outcomes of a state in a concurrence."""
+    """Situations that follow the outcomes of a state in a concurrence."""
 
     def __init__(self, good: str, bad: str) -> None:
         super().__init__()

@@ -21,7 +21,7 @@ _NOT_A_NAME = re.compile(r"[^0-9A-Za-z]+")
 
 
 class TooLargeDraft(InputError):
-    """Retries and recoveries multiply beyond what is useful."""
+    """Error of a draft in which retries and recoveries multiply beyond what is useful."""
 
     def __init__(self) -> None:
         wrong = f"with its retries the task has more than {MAX_DRAFT_ACTIONS} actions"
@@ -29,7 +29,7 @@ class TooLargeDraft(InputError):
 
 
 class TaskDraft:
-    """Situations and actions that are added one by one."""
+    """Task under construction, whose situations and actions are added one by one."""
 
     def __init__(self, title: str) -> None:
         self.title = title

@@ -14,7 +14,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class LinkTree:
-    """Links and joints of a sound URDF.
+    """Links and joints of a valid URDF as a tree, with poses for all joints at zero.
 
     Attributes:
         child, parent: name of the child or parent link, by name of the joint.

@@ -106,6 +106,11 @@ def hidden_sector(points: FloatArray) -> tuple[float, float] | None:
 def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str, FloatArray]]:
     """Yield links fixed to the base, each with a body's outline (n, 2) in the lidar's plane, in its frame in
     [m].
+
+    Args:
+        robot: the robot's file.
+        urdf: text of the URDF.
+        mount: (4, 4) base_T_sensor of the lidar.
     """
     own = {*(robot.arm.joints if robot.arm else ()), "left_finger", "right_finger"}
     poses, sensor_T_base = link_poses(urdf), inverse(mount)

@@ -212,8 +212,9 @@ def resume_task(
 def prepare_again(folder: Path, seed: int | None = None) -> tuple[Mapping[str, Any], Prepared]:
     """Return the journal header of an interrupted run, and its task prepared as at its start.
 
-    The journal is read first, so that no robot is switched on for a run that cannot be continued.
-    `seed` replaces the run's original seed. Raises the same errors as `resume_task`.
+    The journal is read first, so that no robot is switched on for a run that cannot be continued. `seed`
+    replaces the run's original seed. Raises the errors of `resume_task` for a folder, a journal or a task's
+    file that cannot be used.
     """
     header = task_of(folder)
     task_path = Path(header["task_path"])

@@ -9,7 +9,7 @@ import numpy as np
 
 
 class NeverEnds(Exception):
-    """A chain can run forever without absorption."""
+    """Error in a chain that can run forever without absorption."""
 
 
 class Absorption(NamedTuple):

@@ -8,7 +8,7 @@ _EVERY = 2000  # steps between two checks by the observer
 
 
 class TooMuch(Exception):
-    """The computation would exceed its budget."""
+    """Error, because a computation would exceed its budget."""
 
 
 class Effort:

@@ -29,7 +29,7 @@ def budget_of(network: ActionNetwork) -> int:
 
 
 class TooLarge(Exception):
-    """A part of the network has too many states for exact figures."""
+    """Error, because a part of the network has too many states for exact figures."""
 
     def __init__(self, network: ActionNetwork, count: int) -> None:
         self.part = f"between {network.start} and {network.goal}"

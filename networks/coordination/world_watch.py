@@ -39,7 +39,9 @@ class WorldWatch:
             self.arrived(situation)
 
     def stands(self, at: Snapshot | None) -> None:
-        """Keep the robot's current snapshot; None if it cannot be read, so that nothing can be compared."""
+        """Keep the snapshot taken after an action; None if it could not be read, so that nothing can be
+        compared.
+        """
         self._stood = at
 
     def arrived(self, situation: str) -> None:

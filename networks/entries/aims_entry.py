@@ -115,7 +115,7 @@ class ConditionInterrupt(InterruptEntry):
 
 
 class AimsHead(FileModel):
-    """Keys of any task's file."""
+    """Keys for time-out and rounds, which the file of any task may have."""
 
     time_out_s: Seconds | None = None
     """Time of a run, or of each of its rounds, after which the goal is abandoned (status 3)."""

@@ -31,7 +31,7 @@ class ConditionEnding(EndingChance):
 
 
 class ConditionFail(FailChance):
-    """Changes by a Fail of a cause."""
+    """Facts that a Fail of one cause makes known."""
 
     known: Annotated[dict[str, Fact], Field(default_factory=dict)]
     """Facts that the robot then knows (default: nothing new)."""

@@ -21,7 +21,7 @@ MAX_SITUATIONS = 50_000
 
 
 class NotGenerated(ValueError):
-    """Conditions span no valid network; the message says why."""
+    """Error in conditions that span no valid network; the message says why."""
 
     def __init__(self, message: str, key: str = "facts") -> None:
         super().__init__(message)

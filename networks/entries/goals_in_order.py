@@ -11,7 +11,7 @@ from .copied import Copied, Copies
 
 
 class TooManyGoals(ValueError):
-    """The network would be too large; the message says why."""
+    """Error, because the network would be too large; the message says why."""
 
 
 def goal_copy(name: str, number: int) -> str:

@@ -12,20 +12,22 @@ from .planner import NoWay, Plan, Planner
 
 @dataclass(frozen=True)
 class NotStarted:
-    """An action that could not be started: refused, or a parameter isn't known. Counts as a Fail."""
+    """Result of an action that could not be started, because it was refused or a parameter isn't known;
+    counts as a Fail.
+    """
 
     reason: str
 
 
 @dataclass(frozen=True)
 class Elsewhere(NotStarted):
-    """An action that was not started because the world was changed: another situation holds."""
+    """Result of an action that was not started, because the world was changed and another situation holds."""
 
     situation: str
 
 
 class RunDecisions:
-    """The decisions of a run, without a robot: the same whether outcomes are real, scripted or imagined.
+    """Decisions of a run without a robot, the same whether outcomes are real, scripted or imagined.
 
     Paper 003, section 2.6: follow the cheapest way; after a Fail, plan again from where it leads.
     """

@@ -29,7 +29,7 @@ _NOTHING: Mapping[str, Any] = {}
 
 
 class RunAlive(InputError):
-    """A run cannot be resumed because it is still running."""
+    """Error, because a run cannot be resumed while it is still running."""
 
     def __init__(self, folder: Path) -> None:
         how = f"wait for its end, or handcart stop {folder}"

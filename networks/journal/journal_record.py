@@ -24,7 +24,7 @@ FIRST_CHECKSUM = ""
 
 
 class JournalError(HandcartError):
-    """The journal cannot be written, or its content was changed. Exit status 5."""
+    """Error of a journal that cannot be written, or whose content was changed. Exit status 5."""
 
     def __init__(self, path: Path, reason: str) -> None:
         self.path = path
@@ -34,7 +34,7 @@ class JournalError(HandcartError):
 
 @dataclass(frozen=True)
 class JournalContents:
-    """Records of a journal."""
+    """Records of a journal's file, with its size and the place of an incomplete last record."""
 
     records: tuple[dict[str, Any], ...]
     torn_at: int | None
@@ -79,7 +79,12 @@ def read_journal(path: Path) -> JournalContents:
 
 
 def parse_journal(path: Path, content: bytes) -> JournalContents:
-    """Parse and check the bytes of the journal at `path`; see `read_journal`."""
+    """Parse and check the bytes of the journal at `path`, each record byte for byte as well as the chain.
+
+    Raises:
+        JournalError: a record that others follow was changed; a damaged last record looks like a crash while
+            writing, and is only reported.
+    """
     records: list[dict[str, Any]] = []
     offset, last = 0, FIRST_CHECKSUM
     while offset < len(content):

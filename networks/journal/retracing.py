@@ -23,7 +23,7 @@ Record = Mapping[str, Any]
 
 
 class NeedsOperator(HandcartError):
-    """A run cannot be resumed before a person has decided something. Exit status 6."""
+    """Error, because a run cannot be resumed before a person has decided something. Exit status 6."""
 
     exit_status = 6
 

@@ -32,7 +32,7 @@ class At(TypedDict):
 
 @with_config(_OPEN)
 class Run(TypedDict):
-    """The header; journals of programs other than `handcart run` may contain less."""
+    """Header of a run's journal; journals of programs other than `handcart run` may contain less."""
 
     schema: NotRequired[str]
     handcart: NotRequired[str]

@@ -34,7 +34,7 @@ class ClosedToYou(InputError):
 
 
 class NotAnswering(HandcartError):
-    """A run is alive in the folder, but does not answer: its state is unknown."""
+    """Error, because a run is alive in the folder but does not answer; its state is unknown."""
 
 
 def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEOUT_S) -> dict[str, Any]:

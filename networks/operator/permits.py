@@ -11,7 +11,7 @@ Mode = Literal["ask", "always", "never"]
 
 
 class Permits:
-    """Permissions for actions: answers the coordinator before each one, or lets it wait for the operator.
+    """Permissions for actions, by which the coordinator starts each action or waits for the operator.
 
     The operator is asked before actions with `permit: operator`, before those that start from a break
     point, and before all of them in single steps. An answer holds for the one action that was asked for.

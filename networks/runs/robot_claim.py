@@ -25,7 +25,7 @@ class RobotBusy(InputError):
 
 
 class NoClaimFolder(InputError):
-    """The folder with the robots' claims cannot be used."""
+    """Error, because the folder with the robots' claims cannot be used."""
 
 
 class RobotClaim:

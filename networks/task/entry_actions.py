@@ -15,7 +15,7 @@ from handcart.networks.graph.network import Action, Binding, Ending, FailEnding,
 from .task_model import AnyTaskFile
 
 Faults = Iterator[tuple[KeyPath, str]]
-"""Keys in the file, and what is wrong there with what is allowed."""
+"""Keys in the file, each with the fault there and the allowed values."""
 DEFAULT_ATTEMPTS = 3
 
 

@@ -113,7 +113,7 @@ class _Value:
 
 
 class ParameterValues:
-    """Substitution of parameter values; a parameter may refer to another one."""
+    """Substitution of named parameters by the parameters' values; a parameter may refer to another one."""
 
     def __init__(self, declared: Mapping[str, Node], findings: Findings) -> None:
         """Read the section `parameters`; findings are added to `findings`."""

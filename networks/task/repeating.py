@@ -54,7 +54,9 @@ def _plain(number: int, entry: ActionEntry) -> Copied:
 
 
 class _Copier:
-    """Copies parts that share no situation in a network in which those around them are copied already."""
+    """Copier of parts that share no situation, in a network in which the parts around them are copied
+    already.
+    """
 
     def __init__(
         self, network: Copies, facts: Mapping[str, Mapping[str, GivenFact]], parts: Sequence[Repetition]

@@ -15,7 +15,7 @@ from .task_model import ActionEntry, Each, Repeat
 
 
 class NotRepeated(ValueError):
-    """A part can't be copied for its elements; the message says why."""
+    """Error of a part that can't be copied for its elements; the message says why."""
 
     def __init__(self, message: str, part: KeyPath) -> None:
         super().__init__(message)

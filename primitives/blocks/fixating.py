@@ -55,7 +55,7 @@ class Fixation(NamedTuple):
     planned_T_base: Pose2
     """Travelling error dT_M of the base, as its pose relative to the planned one."""
     base_T_hand: Transform
-    """Final pose of the hand."""
+    """Final pose of the hand, base_T_hand (4, 4)."""
     frames: int
     """Pictures that were taken."""
     moves: int
@@ -242,7 +242,17 @@ def _identified(
     around: Sequence[Box],
     search: bool,
 ) -> Generator[None, None, Transform]:
-    """Return camera_T_landmark (4, 4) by the last picture, once the landmark is identified."""
+    """Move the hand until the landmark is identified; return camera_T_landmark (4, 4) by the last picture.
+
+    Args:
+        robot: the robot.
+        view: planned view of the landmark.
+        start: (4, 4) base_T_hand of the first view.
+        views: pictures so far.
+        held: object in the hand, posed in the hand frame.
+        around: bodies to keep clear of, in the base frame.
+        search: True to search for a landmark that is not in the picture.
+    """
     if views.explanation is None and search:
         yield from _search(robot, start, views, held, around)
     if views.explanation is None:
@@ -286,7 +296,9 @@ def _make_sure(
 def _search(
     robot: Robot, start: Transform, views: LandmarkViews, held: Box | None, around: Sequence[Box]
 ) -> Periods:
-    """Look around in rings about the first view; skip views out of the arm's reach."""
+    """Look around in rings about the first view `start`, base_T_hand (4, 4); skip views out of the arm's
+    reach.
+    """
     for x, y in offsets(SEARCH_RINGS):
         hand = start.copy()
         hand[:2, 3] += (x, y)
@@ -299,7 +311,7 @@ def _search(
 def _reached(
     robot: Robot, base_T_hand: Transform, held: Box | None, around: Sequence[Box]
 ) -> Generator[None, None, bool]:
-    """Return whether the hand could be moved to a pose (4, 4)."""
+    """Return whether the hand could be moved to base_T_hand (4, 4)."""
     try:
         yield from move_to_pose(robot, base_T_hand, held, around)
     except Discrepancy:

@@ -167,7 +167,7 @@ class PickUpBlock(ActionPrimitive):
     def _seen(
         self, robot: Robot, model: ModelView, plan: Building, stands: Transform
     ) -> Generator[None, None, Transform]:
-        """Return base_T_block (4, 4) as a picture shows it."""
+        """Return base_T_block (4, 4) by a picture, from the expected base_T_block `stands` (4, 4)."""
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
             instead = why_unseen(robot, plan, stands)

@@ -212,7 +212,7 @@ class Stack(ActionPrimitive):
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
-        """Lower the block until it touches down."""
+        """Lower the block until it touches down, at the latest a little below base_T_hand `grip` (4, 4)."""
         pushed = yield from push(robot, _raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, DESCENT_MAX_FORCE_N, "N")

@@ -101,7 +101,14 @@ class Approach(ActionPrimitive):
     def _centre(
         self, robot: Robot, base_T_shelf: Transform, goal: Transform, slot: Slot
     ) -> Generator[None, None, Slot]:
-        """Look and move until the hand is before the slot's middle; return the slot as seen from there."""
+        """Look and move until the hand is before the slot's middle; return the slot as seen from there.
+
+        Args:
+            robot: its hand holds the book before the shelf.
+            base_T_shelf: (4, 4), as measured.
+            goal: (4, 4) shelf_T_hand before the slot as known so far.
+            slot: the slot as known so far, in the shelf's frame.
+        """
         for number in range(1, CENTRING_MAX_VIEWS + 1):
             slot = yield from self._measured(robot, base_T_shelf, slot)
             hand = inverse(base_T_shelf) @ robot.base_T("hand")

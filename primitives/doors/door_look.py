@@ -102,7 +102,12 @@ def find_handle(
 
 
 def _towards(expected: Transform, turn: float) -> list[FloatArray]:
-    """Return unit vectors (3,) from a tag to the camera, in the base frame."""
+    """Return unit vectors (3,) from a tag to the camera, in the base frame.
+
+    Args:
+        expected: (4, 4) base_T_handle by the present knowledge.
+        turn: angle about the vertical from the door's normal, in [rad], positive to the left.
+    """
     heading = math.atan2(expected[1, 0], expected[0, 0]) + turn
     return [
         np.array([math.cos(rise) * math.cos(heading), math.cos(rise) * math.sin(heading), math.sin(rise)])

@@ -27,7 +27,7 @@ NOTHING_KNOWN = DoorsFile(format="handcart-doors/1", doors={})
 
 
 class MeasuredHinge(NamedTuple):
-    """Axis of a door, measured while its handle was moved; on the map."""
+    """Axis of a door on the map, measured while its handle was moved."""
 
     x: float
     y: float

@@ -210,7 +210,9 @@ class MoveDoor(ActionPrimitive):
         return (yield from find_handle(robot, model, self.door, door, expected, around, self.evidence))
 
     def _check_place(self, believed: DoorJoint, seen: Transform) -> None:
-        """Compare the place of the handle with where the file has it, at any opening."""
+        """Raise `Discrepancy` if a handle seen at base_T_handle (4, 4) is far from the file's place of it, at
+        any opening.
+        """
         known = believed.handle_at(believed.opening_at(seen[:3, 3]))
         off = float(np.linalg.norm(known[:3, 3] - seen[:3, 3]))
         self.found(handle_off_mm=round(1e3 * off, 1))

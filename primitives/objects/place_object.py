@@ -207,7 +207,16 @@ class PlaceObject(ActionPrimitive):
         held: HeldObject,
         goals: Sequence[Transform],
     ) -> Generator[None, None, PlannedPlacing | None]:
-        """Plan to put the object down at one of some poses, away from walls if there is room."""
+        """Plan to put the object down at one of several poses, away from walls if there is room; None if none
+        is free.
+
+        Args:
+            robot: its hand holds the object.
+            model: knows surfaces and objects.
+            kind: kind of the object.
+            held: the object in the hand.
+            goals: (4, 4) base_T_object of the poses.
+        """
         for room in rooms(robot, model):
             around = surroundings(robot, model, room=room)
             plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
@@ -276,7 +285,8 @@ class PlaceObject(ActionPrimitive):
         yield from relax(robot)
 
     def _verify(self, robot: Robot, model: ModelView, name: str, goal: Transform) -> Periods:
-        """Measure the object's pose and whether others moved; note what was seen.
+        """Measure the pose of the placed object, meant to be base_T_object `goal` (4, 4), and whether others
+        moved.
 
         Raises:
             Discrepancy: it isn't where it should be.

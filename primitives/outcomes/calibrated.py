@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Calibrated(NamedTuple):
-    """A measured value of the robot's file; its unit is in the key."""
+    """Measured value for a key of the robot's file; the key names the unit."""
 
     value: float | tuple[float, ...]
     sigma: float | tuple[float, ...]

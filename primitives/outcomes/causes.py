@@ -54,4 +54,4 @@ UNNAMED: Final = CauseKind("unnamed", "The primitive names no cause.")
 OUTSIDE_CAUSES: Final = (CANCELLED, TIME_OUT, DISPLACED, ROBOT_FAULT, SENSOR_FAULT, CODE_ERROR)
 """Causes that an attempt may have whatever its primitive does: people, time limits, exceptions."""
 FAULT_CAUSES: Final = (ROBOT_FAULT, SENSOR_FAULT, CODE_ERROR)
-"""Faults of machines and code: nothing was found wrong with what is done, so it may be completed."""
+"""Faults of machines and code; they do not show that the motion itself was wrong, so it may be completed."""

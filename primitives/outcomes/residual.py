@@ -87,7 +87,7 @@ class Residual:
 
 
 class Residuals(Mapping[str, float]):
-    """Residuals of a comparison of two states; as a mapping, from label to value."""
+    """Residuals of a comparison of two states, also usable as a mapping from label to value."""
 
     def __init__(self, residuals: Iterable[Residual] = ()) -> None:
         """Collect residuals; their order is kept."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Patience(NamedTuple):
-    """Attempts of restoring, and the rest between them.
+    """Limits on repeating the restoring, as number of attempts and time between them.
 
     A fault on the way back may pass by itself: a drive that refuses a command, a late reading, a person in
     the way.

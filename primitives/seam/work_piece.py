@@ -15,7 +15,7 @@ Positive = Annotated[float, Field(gt=0.0, le=100.0)]
 
 
 class WorkBox(FileModel):
-    """A box; its pose is that of the middle of its underside."""
+    """Box of a work piece; the stated pose is that of the middle of its underside."""
 
     name: str
     x_m: float

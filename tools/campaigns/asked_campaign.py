@@ -35,7 +35,7 @@ class NotPossible(InputError):
 
 @dataclass(frozen=True, kw_only=True)
 class AskedCampaign:
-    """Arguments of a requested campaign; see `handcart campaign --help`."""
+    """Arguments of a requested campaign, as the options of `handcart campaign` give them."""
 
     task: Path
     trials: int = 20

@@ -12,7 +12,7 @@ import typer
 
 
 class What(StrEnum):
-    """Kinds of names that can be listed."""
+    """Kind of names that `handcart list` prints."""
 
     primitives = "primitives"
     causes = "causes"

@@ -34,9 +34,9 @@ class SeenActions(NamedTuple):
     success: FloatArray
     """(n,) 1.0 for a trial that reached the goal, otherwise 0.0."""
     time_s: FloatArray
-    """(n,) durations of the trials."""
+    """(n,) durations of the trials, in [s]."""
     rest_s: FloatArray
-    """(n,) time of each trial after its last action."""
+    """(n,) time of each trial after its last action, in [s]."""
 
     @classmethod
     def of(cls, task: Task, trials: Iterable[Trial]) -> SeenActions:

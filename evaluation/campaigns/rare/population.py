@@ -22,7 +22,7 @@ class Level(NamedTuple):
 
 
 class Runs(Protocol):
-    """Runs that can be stopped at a level of importance and continued from there repeatedly."""
+    """Interface of runs that can be stopped at a level of importance and continued from there repeatedly."""
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
         """Continue runs until they end or reach a level, and keep their states at the level.

@@ -39,7 +39,9 @@ class Stopped(NamedTuple):
 
 
 class SplitRuns:
-    """Runs with folders and checkpoints, as `Runs` for splitting."""
+    """Runs of a robot, with folders and checkpoints, that can be stopped at a level and continued from
+    there.
+    """
 
     def __init__(
         self, task: Path, options: RunOptions, event: RareEvent, first: int, folder: Path, runs: Path

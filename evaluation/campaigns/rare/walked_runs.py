@@ -15,7 +15,7 @@ from .rare_event import RareEvent
 
 
 class WalkedRuns:
-    """Walks through a network, as `Runs` for splitting."""
+    """Walks through a network that can be stopped at a level and continued from there."""
 
     def __init__(
         self, network: ActionNetwork, walker: Walker, event: RareEvent, draws: np.random.Generator

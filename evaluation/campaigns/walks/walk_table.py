@@ -22,17 +22,19 @@ class NotWalked(InputError):
 
 
 class Columns(NamedTuple):
-    """Columns with one row for each state; a row is undefined until a walk has reached its state."""
+    """Columns (states,) with one row for each state; a row is undefined until a walk has reached its
+    state.
+    """
 
     action: Int32Array
     fails: Int32Array
     """Number of earlier Fails of the action that each state plans."""
     next: Int32Array
-    """Number of the state after a Success that leads to the action's target."""
+    """Number of the next state after a Success that leads to the action's target."""
     after_fail: Int32Array
-    """Number of the state after a Fail."""
+    """Number of the next state after a Fail."""
     for_good: Int32Array
-    """Number of the state after a permanent Fail."""
+    """Number of the next state after a permanent Fail."""
     skip: BoolArray
     """True if the action only skips an element of a repeat, which cannot fail."""
 

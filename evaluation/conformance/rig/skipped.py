@@ -2,4 +2,4 @@
 
 
 class Skipped(Exception):
-    """The check cannot be made on this robot; the message gives the reason."""
+    """Exception of a check that cannot be made on this robot; the message gives the reason."""

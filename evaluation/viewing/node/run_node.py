@@ -49,7 +49,7 @@ MESSAGE_KINDS = {
 
 
 class SecondNode(InputError):
-    """Another run's node is on the air, so that a command could reach either run."""
+    """Error, because another run's node is on the air, so that a command could reach either run."""
 
 
 class RunNode(RunObserver):

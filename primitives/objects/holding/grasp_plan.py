@@ -143,8 +143,8 @@ def _free_way(
 
 
 def _some(arm: ArmModel, base_T_hand: Transform, here: FloatArray) -> list[FloatArray]:
-    """Return a few postures (n,), in [rad] or [m], with the hand at a pose (4, 4); those similar to `here`
-    first.
+    """Return a few postures (n,), in [rad] or [m], with the hand at a pose (4, 4); the search starts at
+    `here`.
     """
     found = []
     for joints in arm.solutions(base_T_hand, here, restarts=IK_RESTARTS):

@@ -45,7 +45,7 @@ class PlannedPlacing(NamedTuple):
     base_T_object: Transform
     """Pose (4, 4) of the object at the goal."""
     above: FloatArray
-    """Joints (n,) that have the object right above the goal."""
+    """Joints (n,), in [rad] or [m], with the object right above the goal."""
     base_T_hand: Transform
     """Pose (4, 4) of the hand at the goal."""
 
@@ -174,7 +174,9 @@ def _can_withdraw(
 
 
 def withdrawn(base_T_hand: Transform) -> Transform:
-    """Return base_T_hand (4, 4) after the hand has withdrawn from what it let go."""
+    """Return base_T_hand (4, 4) after the hand has withdrawn from an object that it released at a pose (4,
+    4).
+    """
     return np.asarray(base_T_hand @ transform((-WITHDRAWAL_M, 0.0, 0.0)))
 
 

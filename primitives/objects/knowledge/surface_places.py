@@ -50,7 +50,7 @@ HEADINGS_RAD = tuple(math.radians(value) for value in (0.0, 45.0, 90.0, 135.0))
 
 
 class NoStandingPlace(Exception):
-    """The base has no place to work on a surface; the message gives the reason."""
+    """Error, because the base has no place to work on a surface; the message gives the reason."""
 
 
 def standing_place(

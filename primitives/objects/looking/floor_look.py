@@ -39,7 +39,7 @@ def look_at_floor(
     released: FloatArray,
     looks: FloorLook,
 ) -> Generator[None, None, FloorSeen]:
-    """Look at the floor below the place where an object was let go; return what is known of it.
+    """Look at the floor below the place where an object was released; return whether it is known to be free.
 
     Args:
         robot: its hand is empty.

@@ -237,7 +237,15 @@ def base_T_top(robot: Robot, model: ModelView, surface: str) -> Transform:
 def _beliefs(
     robot: Robot, model: ModelView, name: str, surface: str, expected: Transform | None
 ) -> list[ObjectBelief]:
-    """Return the believed poses of all objects of an object's kind on a surface, the object itself first."""
+    """Return the believed poses of all objects of an object's kind on a surface, the object itself first.
+
+    Args:
+        robot: the robot.
+        model: knows objects and surfaces.
+        name: name of the object.
+        surface: name of the surface.
+        expected: (4, 4) base_T_object where it was seen or put; None: as the file of objects believes.
+    """
     objects = model.of(Objects)
     file, held = objects.objects, objects.held_object
     found = []
