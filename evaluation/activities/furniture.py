@@ -48,7 +48,7 @@ class FurnitureLevel(NamedTuple):
     height: float
     clearance: float | None
     walls: tuple[str, ...]
-    """Sides with a wall up to the clearance."""
+    """Sides of the surface with a wall, which reaches up to the clearance."""
     thickness: float
     """Thickness of the board under the surface, in [m]; equal to `height` if the piece is solid down to the
     floor.

@@ -154,7 +154,9 @@ def place_pieces(
 
 
 def _walls(sizes: _Sizes, terms: Sequence[str], floors: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the terms along each wall: those on one floor share a wall if there are two."""
+    """Return the terms of the furniture along each wall; with two floors, the pieces of a floor share a
+    wall.
+    """
     if len(floors) < 2:
         return (list(terms[0::2]), list(terms[1::2])) if len(terms) > PIECES_PER_WALL else (list(terms), [])
     walls: tuple[list[str], list[str]] = ([], [])

@@ -160,7 +160,7 @@ class _NoController(GoalSender):
     """Goal sender of an action whose server a bag does not have."""
 
     def __init__(self, kind: str) -> None:
-        """Take the type of the action."""
+        """Create a sender for goals of an action of type `kind`; a bag can't take any goal."""
         self._kind = kind
 
     @override

@@ -70,7 +70,9 @@ def _light(m: _Making) -> _Making:
 
 
 def _thickness(m: _Making) -> _Making:
-    """Spread the thickness from 6 to 80 mm (usually 15 to 45); a hand can grip the books to return."""
+    """Spread the thickness of books from 6 to 80 mm (usually 15 to 45); the hand can still grip the books to
+    return.
+    """
     low, high = 15.0 - 9.0 * m.level, 45.0 + 35.0 * m.level
     gaps = dict(zip((b.accession for b in m.row.lent), _gaps(m.row), strict=True))
     plays = {book.accession: gaps[book.accession] - book.thickness_mm for book in m.row.lent}

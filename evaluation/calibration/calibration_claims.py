@@ -51,7 +51,9 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
 
 
 def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated]) -> list[str]:
-    """Return the parameters that differ from those by laser spots by more than 5 sigma, or their limits.
+    """Return the suspension's parameters that differ from those by laser spots by more than their limits.
+
+    A limit is the error of reading the spots plus 5 sigma, but not more than a fixed value.
 
     Args:
         spots: figures of a `LaserSurvey`.

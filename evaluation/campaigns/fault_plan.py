@@ -31,7 +31,7 @@ class PlannedFault(FileModel):
         "exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN", "lidar faults"
     ]
     sensor: str = ""
-    """Affected sensor; an exception without one is raised by the next command."""
+    """Affected sensor; empty for an exception that the next command raises."""
     periods: Annotated[int, Field(ge=1, le=1_000_000)] = 1
     """Duration in periods."""
     speed_m_s: float = 0.0

@@ -29,7 +29,9 @@ MAX_DRAWN_POINTS = 1500  # points of a kind: more aren't seen, and make the file
 CHI2_95_2D = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
 
 PAPER_MM = (("figure 9, straight", 58.0, 148.0, "--"), ("figure 10, zigzag", 283.0, 123.0, ":"))
-"""Standard deviations in x and y of Ohki et al. (2012), section VI, and how they are drawn."""
+"""Title, standard deviations in x and y in [mm], and line style, by figures of Ohki et al. (2012), section
+VI.
+"""
 
 
 class Laying(Protocol):

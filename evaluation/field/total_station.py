@@ -34,7 +34,7 @@ class TotalStation:
     """
 
     def __init__(self, spec: StationSpec, scene: Any, seed: int) -> None:
-        """Set the station up in the field of a scene."""
+        """Place the station of `spec` in the field of a simulated scene; `seed` is that of its errors."""
         self._spec, self._scene, self._seed = spec, scene, seed
         self._place = np.array([spec.x_m, spec.y_m, spec.height_m])
         shapes = scene.arm.link_shapes(scene.joints)

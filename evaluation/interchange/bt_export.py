@@ -192,7 +192,7 @@ def _failures(code: str, more: dict[str, Any]) -> dict[str, Any]:
 
 
 def _led(fail: Any, to: str) -> Any:
-    """Return an entry of `on_fail` that leads to a situation."""
+    """Return an entry of `on_fail` with its situation replaced by `to`."""
     return to if isinstance(fail, str) else {**fail, "to": to} if "to" in fail else fail
 
 
@@ -233,7 +233,9 @@ def _is_ambiguous(text: str) -> bool:
 
 
 def _quoted(name: str) -> str:
-    """Return a name as a script's text, which has no escapes: other quotation marks are rejected."""
+    """Return a name in quotes for a script of a behaviour tree, which has no escapes; names with such quotes
+    are rejected.
+    """
     if "'" in name:
         raise ValueError(f"the name {name!r} contains a quotation mark; allowed: none in scripts")
     return f"'{name}'"

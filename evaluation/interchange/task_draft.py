@@ -107,7 +107,7 @@ class TaskDraft:
 
 
 def _names(action: Mapping[str, Any]) -> list[str]:
-    """Return the situations that an action joins."""
+    """Return the names of the situations between which an action leads."""
     found = [action["from"], action.get("to")]
     found += [item["to"] for item in action.get("then", ())]
     fails = action.get("on_fail")

@@ -149,7 +149,7 @@ class TreeFlow:
         return here
 
     def _value(self, node: BehaviourNode, key: str, text: str) -> Any:
-        """Return the value of a port; one on the blackboard stays as its text."""
+        """Return the value of a node's port; a reference to the blackboard stays as its text."""
         if text.startswith("{") and text.endswith("}"):
             self._lose(node, f"port {key}: the blackboard entry {text} stays as text", f'{key}="{text}"')
             return text
@@ -253,7 +253,7 @@ class TreeFlow:
 
 
 def with_ports(node: BehaviourNode, given: Mapping[str, str]) -> BehaviourNode:
-    """Return a subtree with the values of its ports, where it names them as `{port}`."""
+    """Return a subtree in which `{port}` is replaced by the value given for that port."""
     if not given:
         return node
     ports = {

@@ -98,7 +98,13 @@ def not_restored(
 
 
 def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
-    """Return the smaller one of the measured and the fixed limit, in their unit; NaN for a sigma of NaN."""
+    """Return the smaller one of two limits of the base's motion, in their unit; NaN for a sigma of NaN.
+
+    Args:
+        tolerance: tolerance of the robot's file.
+        sigma: standard deviation of the measured motion.
+        of_scans: standard deviation of a scan match, for the fixed limit.
+    """
     fixed = max(UNSURE_SHARE * tolerance, tolerance + LIMIT_SIGMAS * of_scans)
     measured = tolerance + LIMIT_SIGMAS * sigma
     return measured if math.isnan(measured) else min(measured, fixed)

@@ -46,7 +46,9 @@ class LayeredBackend(Backend):
         return layer
 
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
-        """Return the result of a method of an inner capability, as this layer presents it."""
+        """Call a method of an inner capability, or the layer's method that replaces it, and return the
+        result.
+        """
         own = getattr(self, f"{kind.words().replace(' ', '_')}_{method}", None)
         return getattr(part, method)(*words) if own is None else own(part, *words)
 

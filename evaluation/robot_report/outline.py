@@ -167,7 +167,10 @@ def _chains(tree: LinkTree, driving: set[str]) -> list[tuple[str, ...]]:
 
 
 def _without_fingers(tree: LinkTree, chain: Sequence[str]) -> Sequence[str]:
-    """Return a chain up to the body from which several joints branch, if that is in its second half."""
+    """Return a chain of joints without fingers at its end.
+
+    It ends at the body from which several joints branch, if that body is in the second half of the chain.
+    """
     forks = (number for number, joint in enumerate(chain) if len(_beside(tree, joint)) > 1)
     return chain[: next((number for number in forks if 2 * number >= len(chain)), len(chain))]
 

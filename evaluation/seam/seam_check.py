@@ -46,7 +46,7 @@ def seam_facts(task: Task) -> dict[str, Any]:
 
 
 def _divides(task: Task) -> list[Divide]:
-    """Return each DIVIDE of the network whose parameters are known."""
+    """Return each DIVIDE action of the network whose parameters are all known."""
     bindings = [action.binding for action in task.network.actions if action.binding is not None]
     return [
         binding.kind.model_validate(binding.fixed)

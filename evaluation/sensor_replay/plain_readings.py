@@ -35,7 +35,9 @@ def plain(value: Any) -> Any:
 
 
 def typed(data: Any, kind: Any) -> Any:
-    """Return a value of a declared type from what `plain` gave; raises `TypeError` for other data."""
+    """Return a value of a declared type from the data that `plain` made of it; raises `TypeError` for other
+    data.
+    """
     origin, args = typing.get_origin(kind) or kind, typing.get_args(kind)
     if origin in (Union, types.UnionType):
         others = [arg for arg in args if arg is not types.NoneType]

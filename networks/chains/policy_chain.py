@@ -27,7 +27,7 @@ class Chain:
     starts: tuple[float, ...]
     """Average number of starts of each action."""
     slopes: tuple[float, ...]
-    """Derivative of P(goal) by each action's probability of Success, with the Fails becoming fewer."""
+    """Derivative of P(goal) by each action's probability of Success, whose Fails become rarer by as much."""
     rows: ChainRows
     ended: FloatArray
     """(situations, ends) probability that a run ends in each situation, with a column for each `ChainEnd`."""

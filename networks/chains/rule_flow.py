@@ -25,7 +25,7 @@ FIRST_LEAST, LEAST_FACTOR = 1e-5, 0.25
 MAX_WAYS = 300
 """Maximum number of a network's actions for which all routes are computed at once."""
 MAX_BATCH_STATES = 20_000
-"""States that are followed at once."""
+"""Maximum number of states that are followed at once."""
 BATCH_STEPS, STATE_STEPS, ROUTE_STEPS = 30.0, 0.3, 0.01
 """Effort of a batch, of each state in it, and of each action in the routes of each state."""
 
@@ -43,7 +43,9 @@ class FlowResult(NamedTuple):
 
 
 def can_flow(network: ActionNetwork) -> bool:
-    """Return whether each state leads only towards the goal, or by a Fail to states with more Fails."""
+    """Return whether each action of a network leads towards the goal, or by its Fail to states with more
+    Fails.
+    """
     plain = not any(a.others or a.unlimited or a.renewals for a in network.actions)
     return plain and 0 < len(network.actions) <= MAX_WAYS
 

@@ -238,7 +238,9 @@ class Coordinator:
         return plan
 
     def _forget(self, left: str) -> None:
-        """Forget facts learned for an element of a repeat when it is left for good, not for a nested one."""
+        """Forget facts learned for an element of a repeat when the run leaves it; they stay while it is in a
+        nested element.
+        """
         situations = self.network.situations
         element, here = situations[left].element, situations[self.situation].element or ""
         if element is not None and here != element and not here.startswith(f"{element}, "):

@@ -110,7 +110,9 @@ class BestValues:
         return state in self._options if search is None else search.is_likely(state)
 
     def costs(self, state: State) -> list[Decision]:
-        """Return all actions that can be started in a state, each followed by best decisions; best first."""
+        """Return a decision for each action that can be started in a state, with best decisions afterwards;
+        best first.
+        """
         found = []
         for option in self.process.options(state):
             for _, item in option.leads:

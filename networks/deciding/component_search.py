@@ -23,7 +23,9 @@ LOW_SWEEPS, HIGH_SWEEPS = 4, 5
 EXPANDED_SHARE = 0.9
 """Share of the gap whose states are expanded in a round; below 1 there are more rounds but fewer states."""
 MIN_EXPANDED = 200
-"""Limit on the states expanded in a round, as long as the search has fewer; later as many as it has."""
+"""Maximum number of states that a round expands while the search has expanded fewer; later as many as it
+has.
+"""
 SLACK_SHARE = 0.05
 """Share of the gap by which the solution of a policy may miss the optimum and still bound it."""
 ROUND_STEPS, TRANSITION_STEPS, STATE_STEPS = 300.0, 0.012, 1.5

@@ -146,7 +146,7 @@ def shortened_to(words: str, most: int = 120) -> str:
 
 
 class _Exit(NamedTuple):
-    """Exit of links from a repeated part."""
+    """Point at which links leave a repeated part, by the situation that they lead to."""
 
     target: Spot
     failed: bool

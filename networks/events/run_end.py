@@ -28,7 +28,9 @@ class RunEnd:
     skipped: tuple[str, ...] = ()
     """Elements of a `repeat` that were left undone."""
     cause: str = ""
-    """Kind of cause of the last action that did not succeed, unless the run did; empty if unknown."""
+    """Kind of cause of the last action that did not succeed; empty for a Success of the run, or if
+    unknown.
+    """
     otherwise: str = ""
     """Situation of the task's `otherwise` that was reached instead of the goal; empty for none."""
     rounds: int = 1

@@ -38,7 +38,7 @@ MAX_ACTIONS = 200_000
 
 
 MAX_ROUNDS = 20
-"""Factor on the bound of a run that chance may lead in circles."""
+"""Factor by which the bound of a run's actions grows if chance may lead the run in circles."""
 
 
 class NetworkError(InputError):
@@ -155,7 +155,7 @@ class Action:
 
     @cached_property
     def allowance(self) -> Attempts:
-        """The limit on its Fails."""
+        """Limit on the Fails of the action."""
         return Attempts(self.attempts, self.renewals, self.unlimited)
 
     @property

@@ -180,7 +180,7 @@ class StopRecord(TypedDict):
 
 @with_config(_OPEN)
 class Restore(TypedDict):
-    """Record: the running action restores."""
+    """Record of the running action beginning to restore."""
 
     n: Number
     reason: str
@@ -204,7 +204,7 @@ class Skip(TypedDict):
 
 @with_config(_OPEN)
 class Aim(TypedDict):
-    """Record: the run pursues another goal."""
+    """Record of another goal that the run pursues."""
 
     what: Literal["abandon", "interrupt", "round", "wait"]
     """The goal is abandoned, an interrupt comes first, another round begins, or the round waits."""

@@ -41,7 +41,9 @@ class ControlLine:
         return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
 
     def exchange(self, now: float) -> None:
-        """Send and receive the bytes that are possible at once, at a time `now` in [s] of the wall clock."""
+        """Send and receive as many bytes as possible without waiting, at a time `now` in [s] of the wall
+        clock.
+        """
         if self._goes:
             self._send(now)
         if not self._goes and not self.waits and not self._ended:

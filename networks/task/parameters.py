@@ -62,7 +62,9 @@ def with_all(document: Document, entry: str, names: Collection[object]) -> Docum
 
 
 def goes_over_unknown(document: Document) -> bool:
-    """Return whether one of its repeats iterates over `{all: ENTRY}` without a substituted list."""
+    """Return whether a repeat of a task iterates over `{all: ENTRY}` for which no list was substituted
+    yet.
+    """
     return any(reference(document.root.deepest(over)[0], "all") is not None for over in _overs(document))
 
 

@@ -120,7 +120,21 @@ def _built(
     errors: bool = True,
     bench: str | None = None,
 ) -> Prepared:
-    """Return the robot of a task that was read; raises as `prepare` does."""
+    """Return the prepared robot of a task that was read.
+
+    Args:
+        read: the task with all its files.
+        settings: values of `--set KEY=VALUE`, VALUE unparsed.
+        seed: seed of the simulated errors.
+        window: True to show robot and world.
+        errors: True if the simulated robot errs as its file says.
+        bench: name of the simulated backend behind simulated drives; None without these.
+
+    Raises:
+        NoBench: the backend has no drives, or cannot be behind a bench.
+        NoWindow: robot and world cannot be shown.
+        FileError: with every finding in the files.
+    """
     task, name, spec, known = read.task, read.backend, read.spec, read.known
     findings, world = read.findings, read.world
     findings.add(*read.rooms.errors)

@@ -109,7 +109,9 @@ class LandmarkViews:
 
     @property
     def explanations(self) -> list[MarkAssignment]:
-        """Most likely assignment, and all with another base pose that are almost as likely."""
+        """Most likely assignment of seen marks, and all almost as likely ones that imply another pose of the
+        base.
+        """
         return rivals(self._explained) if self._explained else []
 
     def wanted(self) -> Transform | None:

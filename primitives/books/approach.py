@@ -130,7 +130,7 @@ class Approach(ActionPrimitive):
         )
 
     def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
-        """Return the slot, moved to where its left side is seen now."""
+        """Return the slot, shifted to where a picture shows its left side now."""
         view = yield from look(robot, base_T_shelf, self._held)
         strips = seen_past(view)
         shift = moved(strips, slot.sides, SIDE_SEARCH_RADIUS_M)

@@ -276,7 +276,7 @@ class Search(ActionPrimitive):
         )
 
     def _decided_by(self, found: NoGap) -> None:
-        """Choose as decisive the view that has the book's place nearest to its middle."""
+        """Choose as decisive picture the view in which the book's place is nearest to the middle."""
         if found.at is not None:
             middles = [abs((view.left + view.right) / 2 - found.at) for view in self._views]
             self.evidence.decisive = f"view_{1 + int(np.argmin(middles))}"

@@ -96,8 +96,8 @@ def side_near(strips: Strips, expected: float) -> float:
 def book_end(view: HandView, left: float, thickness: float) -> float | None:
     """Return y of the book end right of the last book in the shelf frame, in [m]; None if none is seen.
 
-    It may be as dark as some spines, so it is recognized by its edge, not by its grey level. It is set
-    back: the camera must be straight before it.
+    It may be as dark as some spines, so it is recognized by its edge, not by its grey level. Its face is
+    further back than the spines, so the camera must be straight before it.
 
     Args:
         view: view from before the book end's edge.

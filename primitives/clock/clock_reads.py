@@ -18,7 +18,7 @@ CLOCK_FUNCTIONS: tuple[tuple[Any, frozenset[str]], ...] = (
     (datetime.datetime, frozenset({"now", "utcnow", "today"})),
     (datetime.date, frozenset({"today"})),
 )
-"""Modules and classes, each with its functions that depend on the wall clock or wait for it."""
+"""Modules and classes, each with its functions that read the wall clock or wait for a time on it."""
 CLOCK_MODULES = {"time": time, "threading": threading, "datetime": datetime}
 _FUNCTIONS = [
     getattr(owner, name) for owner, names in CLOCK_FUNCTIONS[:2] for name in names if hasattr(owner, name)

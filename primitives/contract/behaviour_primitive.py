@@ -20,8 +20,8 @@ def behaviour_primitive(
     reads: tuple[str, ...] = (),
     writes: tuple[str, ...] = (),
 ) -> type[TreePrimitive]:
-    """Return a primitive class that wraps any behaviour or tree; restoring plays its motion backwards as
-    always.
+    """Return a primitive class that wraps any behaviour or tree; restoring plays the recorded motion
+    backwards.
 
     An entry point of the group `handcart.primitives` makes it known to task files.
 

@@ -37,8 +37,8 @@ class Detection(NamedTuple):
 class Detector(ABC):
     """Base class of detectors that find objects in colour and depth pictures.
 
-    An entry point names a subclass. It is built once for a run with what the file of objects has under its
-    name, and asked for each depth picture.
+    An entry point names a subclass. It is created once for a run, with the options that the file of objects
+    has under its name, and called with each depth picture.
     """
 
     def __init__(self, kinds: Mapping[str, KnownSolid], options: Mapping[str, Any], folder: Path) -> None:

@@ -29,8 +29,9 @@ POSTURES_PER_GRASP = 4
 STEP_M = 0.03  # along the believed path
 MAX_LEAP_RAD = 0.35  # of a joint in such a step
 MIN_LEVER_M = 0.12
-"""Least way of the hand by a turn of 1 rad of the joint that turns most, in [m]: with less, a joint is too
-far from its command before the hand pulls."""
+"""Least motion of the hand, in [m], by a turn of 1 rad of the joint that turns most; with less, a joint is
+too far from its command before the hand pulls.
+"""
 GOOD_LEVER_M = 0.35
 DAMPING = 1e-6
 STRAIGHT_STEP_M = 0.01

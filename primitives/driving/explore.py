@@ -259,7 +259,7 @@ class Explore(ActionPrimitive):
     # The end
 
     def _finish(self, robot: Robot, model: ModelView) -> Periods:
-        """Search all loops once more, draw the map, and drive on if that shows another frontier."""
+        """Search for loop closures once more, draw the map, and drive on if that shows another frontier."""
         assert self._scans is not None and self._look is not None
         self._scans.is_busy = True
         yield from robot.compute(self._scans.map.finish, takes=FINISH_S)

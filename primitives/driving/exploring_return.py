@@ -88,7 +88,9 @@ def _measure_start(robot: Robot, scans: ScanCollector) -> Periods:
 
 
 def _field(first: Pose2, surface: Surface) -> LikelihoodField:
-    """Return the field of a surface, given in the frame of the first pose."""
+    """Return the likelihood field, on the drawn map, of a surface given in the frame of the first keyframe's
+    pose.
+    """
     points = first.apply(surface.points)
     low, high = points.min(axis=0) - MARGIN_M, points.max(axis=0) + MARGIN_M
     columns, rows = np.ceil((high - low) / START_CELL_M).astype(np.int64).tolist()

@@ -345,7 +345,7 @@ class MoveTo(ActionPrimitive):
         raise self._local.give_up_waiting(self._ahead)
 
     def _watch_way_back(self, robot: Robot) -> None:
-        """Hold while something is on the way back; `restore` then takes another one."""
+        """Hold while an obstacle is on the way back; `restore` then takes another way."""
         assert self._local is not None
         if not self._local.way_back_blocked(robot, self._ahead):
             self._blocked_since = None

@@ -82,7 +82,7 @@ class ScanCollector:
         self.flush()
 
     def flush(self) -> None:
-        """Add the keyframes that wait, unless the map is in use."""
+        """Add the keyframes that wait to the map, unless the map is in use."""
         while self._waiting and not self.is_busy:
             self.map.add(self._waiting.pop(0))
 

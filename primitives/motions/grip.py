@@ -52,7 +52,7 @@ def close(robot: Robot) -> Periods:
 
 
 def width_read(robot: Robot) -> Measured:
-    """Return the gripper's reading for a Discrepancy."""
+    """Return the measured opening of the fingers as the reading of a `Discrepancy`."""
     return Measured(
         "Gripper", "the fingers press on nothing; opening", 1e3 * robot.gripper.width(), unit="mm"
     )

@@ -39,7 +39,7 @@ from handcart.robotics.manipulation.grasping.camera_poses import points_in_view
 from handcart.robotics.numerics.arrays import FloatArray
 
 VIEW_DISTANCES_M = (0.42, 0.36, 0.48)
-"""Distances from the camera to the tops of objects."""
+"""Distances from the camera to the tops of the objects that are looked for, in [m]."""
 COVERED_SHARE = 0.97  # of the belief that views have shown when the search ends
 SEEN_COVERED_SHARE = 0.85  # likewise, once the object was seen
 VIEW_RADIUS_M = 0.11  # on the surface that a view surely shows

@@ -11,7 +11,7 @@ class Calibrated(NamedTuple):
 
     value: float | tuple[float, ...]
     sigma: float | tuple[float, ...]
-    """Standard deviation of each number."""
+    """Standard deviation of the value; of several values, one for each."""
 
 
 def as_facts(found: Mapping[str, Calibrated]) -> dict[str, float | str]:

@@ -33,7 +33,7 @@ MIN_TRACKED_TRAVEL_M = 0.05  # less travel than this is regulated, not tracked
 EXACT_REACH_S = 10.0
 """Time that the base gets to reach a pose within the wanted tolerance, in [s]."""
 WIDENING_S = 20.0
-"""Time in which the tolerance then grows to the widest one, in [s]."""
+"""Time in which the tolerance grows to its largest value, after `EXACT_REACH_S`, in [s]."""
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
 STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is not motion

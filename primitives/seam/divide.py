@@ -82,7 +82,9 @@ class Divide(ActionPrimitive):
         self.found(placements=len(parts), score=round(found.score / rest.length, 4))
 
     def _stays(self, work: SeamWork, room: StandingRoom) -> bool:
-        """Return whether the base can still use the next place of a division and its straight way."""
+        """Return whether the next place of a division, and the straight way from it, are still free for the
+        base.
+        """
         return work.next is not None and not room.blocked(_way(work.next)).any()
 
     def divided(self, placer: Placer, rest: ToolPath, room: StandingRoom) -> Placements:

@@ -50,9 +50,9 @@ class DrivenBase:
         """Create a driven base whose tool is before its first point.
 
         Args:
-            robot: its arm holds the tool there.
+            robot: its arm holds the tool before the first point.
             follower: inverse kinematics of the arm.
-            tools: where the tool is to be, one point each period.
+            tools: planned poses of the tool, one point each period.
             start: map_T_base at which the straight way begins.
             near: (n,) joints of the arm at the first point, in [rad] or [m].
         """

@@ -56,9 +56,9 @@ def _run_xacro(file: Path) -> str:
 
 
 def _package_folder(name: str, file: Path) -> Path:
-    """Return the folder that `$(find NAME)` refers to.
+    """Return the folder of the ROS package to which `$(find NAME)` in a xacro file refers.
 
-    That is a folder around the file or next to one of those, or a package.
+    It is a folder of this name around the file or next to such a folder, or an installed package.
     """
     from handcart.backends.urdf.packages import package_folders
 

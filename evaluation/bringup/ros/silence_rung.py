@@ -14,7 +14,7 @@ MAX_KEPT_S = 0.5
 """Longest time for which a base may keep its last speeds without a new command, in [s]."""
 WATCH_S = 3.0
 KEPT_SHARE, REST_SHARE = 0.7, 0.1
-"""Shares of the speed above which it is kept, and below which the base is at rest."""
+"""Shares of the driven speed above which the base keeps it, and below which the base is at rest."""
 DRIVE_S = 1.5
 
 
@@ -80,5 +80,5 @@ class SilenceRung(Rung[RosSite]):
 
 
 def _last_above(speeds: list[float], limit: float) -> int:
-    """Return the number of periods after which no speed exceeds a limit any more."""
+    """Return the number of periods until all further speeds are at most `limit`, both in [m/s]."""
     return max((number for number, speed in enumerate(speeds, 1) if speed > limit), default=0)

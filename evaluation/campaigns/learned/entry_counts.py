@@ -99,7 +99,7 @@ class EntryCounts:
         return low, high
 
     def words(self) -> str:
-        """Return the counts as text of a comment next to the action."""
+        """Return the counts as text, for a comment next to the action in the task's file."""
         low, high = self.p_95
         shares, parts = self.by_cause, list[str]()
         for name, count in sorted({**dict.fromkeys(shares, 0), **self.causes}.items()):

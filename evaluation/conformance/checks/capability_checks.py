@@ -176,7 +176,9 @@ def signs_of_the_joints(bench: KitBench, finding: CheckResult) -> None:
 
 
 def _gives(errors: Errors) -> float:
-    """Return the largest allowed difference between a joint's true angle and its encoder, in [rad]."""
+    """Return the allowed difference between a joint's true angle and its encoder, by the robot's errors, in
+    [rad].
+    """
     off = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
     return off / 1e3 / MIN_LEVER_M
 

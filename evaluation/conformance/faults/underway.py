@@ -173,7 +173,9 @@ class Underway:
 
 
 def _thrown(fault: Fault | None) -> Exception | None:
-    """Return the exception to throw into an attempt from outside, or None."""
+    """Return the exception by which a fault ends an attempt from outside, such as a cancel; None for other
+    faults.
+    """
     if fault is not None and fault.kind is FaultKind.CANCEL:
         return Discrepancy("cancelled by request", cause=causes.CANCELLED)
     if fault is not None and fault.kind is FaultKind.TIME_OUT:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 MAP_FRAME = "map"
 """Name of the map's frame, which is also the simulated world's frame."""
 Message = tuple[float, str, Any]
-"""Time in [s] of the robot's clock, topic, and message."""
+"""A message to export, as time in [s] of the robot's clock, topic, and content."""
 
 
 def nanoseconds(time: float) -> int:

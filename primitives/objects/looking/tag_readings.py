@@ -34,7 +34,7 @@ class ReadTag(NamedTuple):
     label: str
     """Family and number, in words."""
     object: str | None
-    """Object that has it; None if no object has."""
+    """Name of the object that has the tag; None if no known object has it."""
     view: TagView | None
     base_T_object: Transform | None
     """Pose (4, 4) of the object by this picture alone, in the base frame."""
