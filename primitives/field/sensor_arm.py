@@ -115,14 +115,13 @@ class SensorArm:
         """Raise an error if a place can't be reached, even if it is off by a possible error.
 
         Args:
-            place: (2,) or (3,) in the base frame, in [m].
+            place: (2,) in the arm's own frame, in [m].
             unsure: possible error of the place, in [m].
 
         Raises:
             Discrepancy: the place is out of reach.
         """
-        x, y, *_ = self.scara.mount
-        if math.hypot(place[0] - x, place[1] - y) > self.scara.upper + self.scara.fore + unsure:
+        if math.hypot(*place) > self.scara.upper + self.scara.fore + unsure:
             raise _out_of_reach(place)
 
     def reach(self, place: FloatArray) -> Periods:

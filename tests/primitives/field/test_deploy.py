@@ -55,6 +55,20 @@ def lying(rig: Rig) -> Any:
     return rig.backend.scene.of(FieldProps).sensors["1"]  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize("towards", [0.0, 90.0, 180.0, 270.0])
+def test_reach_is_measured_from_the_arms_own_joint(rig: Rig, towards: float) -> None:
+    """The same in all directions, however far from the base's origin the arm is mounted."""
+    field = rig.model.of(FieldWork).field
+    assert field is not None
+    arm = SensorArm(rig.robot, field)
+    arm.scara = arm.scara._replace(mount=(0.3, 0.1, *arm.scara.mount[2:]))
+    reach, heading = arm.scara.upper + arm.scara.fore, math.radians(towards)
+    ahead = np.array([math.cos(heading), math.sin(heading)])
+    arm.check_near((reach + 0.029) * ahead, unsure=0.03)
+    with pytest.raises(Discrepancy, match="doesn't reach"):
+        arm.check_near((reach + 0.031) * ahead, unsure=0.03)
+
+
 def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its ellipse is what the pose's errors make of it; where it lies no other is laid."""
     robot, noted, deploy = rig.robot, [], Deploy(target="here")
