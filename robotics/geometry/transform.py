@@ -31,7 +31,7 @@ def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.
 def rotations(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> FloatArray:
     """Return the rotations world_R_base (n, 3, 3) of roll, pitch and yaw, (n,) each in [rad].
 
-    Yaw about z comes first, then pitch about y, then roll about x.
+    Each is Rz(yaw) Ry(pitch) Rx(roll).
     """
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
     rows = [

@@ -186,9 +186,12 @@ class ArmModel:
         return np.asarray(mass * _GRAVITY * rises)
 
     def manipulability(self, q: FloatArray) -> float:
-        """Return the smallest singular value of the Jacobian at `q` (n,), in [rad]; 0 at a singularity.
+        """Return the smallest singular value of the Jacobian; 0 at a singularity.
 
-        A metre is weighed as a radian.
+        Its rows in [m/s] and in [rad/s] are taken as they are, so a metre is weighed as a radian.
+
+        Args:
+            q: (n,) joint angles in [rad] or [m].
         """
         return float(np.linalg.svd(self.jacobian(q), compute_uv=False)[-1])
 
@@ -197,8 +200,8 @@ class ArmModel:
     ) -> FloatArray | None:
         """Return joint angles (n,) within the limits that put the tip at a pose; None if none was found.
 
-        If the descent from `near` converges, its result is returned. Continuous joints are in the turn
-        nearest to `near`.
+        They are in [rad] or [m]. If the descent from `near` converges, its result is returned. Continuous
+        joints are in the turn nearest to `near`.
 
         Args:
             base_T_tip: (4, 4) pose of the tip.

@@ -15,15 +15,17 @@ def following(
     row: Callable[[str], int],
     count: int,
 ) -> tuple[FloatArray | None, FloatArray]:
-    """Return how the positions (m,) of all joints follow from those of an arm (n,): factors and offsets.
+    """Return how the positions (m,) of all joints follow from those of an arm (n,).
 
+    They are factors @ arm + offsets; joints that follow none of the arm's are at 0.
     Pinocchio's own mimic joints can't be nearer to the root than the joint that they follow.
 
     Args:
-        followers: leader, factor and offset by the name of a joint that follows one of the arm's.
+        followers: leader, factor and offset by the name of a joint that follows one of the arm's: its
+            position is factor times the leader's plus offset, in [rad] or [m].
         names: of the arm's n joints.
         row: returns the number of a joint among all m.
-        count: m.
+        count: number m of all joints.
 
     Returns:
         Factors (m, n), None if no joint follows another; and offsets (m,), in [rad] or [m].

@@ -87,7 +87,11 @@ def links_of(urdf_text: str) -> list[LinkFacts]:
 
 
 def link_joints(urdf_text: str) -> list[tuple[str, str, str]]:
-    """Return name, parent link and child link of all joints, fixed ones too; raises as `joints_of`."""
+    """Return name, parent link and child link of all joints, fixed ones too.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     return [
         (match.get("name", ""), _end(match, "parent"), _end(match, "child"))
         for match in known_urdf(urdf_text).findall("joint")
@@ -95,7 +99,11 @@ def link_joints(urdf_text: str) -> list[tuple[str, str, str]]:
 
 
 def links_with_bodies(urdf_text: str) -> list[str]:
-    """Return the names of the links that have collision bodies; raises as `joints_of`."""
+    """Return the names of the links that have collision bodies.
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     links = known_urdf(urdf_text).findall("link")
     return [link.get("name", "") for link in links if link.find("collision") is not None]
 

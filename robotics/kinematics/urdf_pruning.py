@@ -9,7 +9,7 @@ from handcart.robotics.kinematics.urdf_reading import read_urdf
 
 
 class UnknownJoint(ValueError):
-    """A joint that should be removed is not in the URDF."""
+    """Error of a joint that should be removed but is not in the URDF."""
 
     def __init__(self, joint: str, known: Sequence[str]) -> None:
         self.joint, self.known = joint, tuple(known)
@@ -17,7 +17,12 @@ class UnknownJoint(ValueError):
 
 
 def without_joints(urdf_text: str, names: Sequence[str]) -> str:
-    """Return a URDF without some joints and everything that they carry; errors as for `prune`."""
+    """Return a URDF without some joints and everything that they carry.
+
+    Raises:
+        ValueError: the text is not a URDF.
+        UnknownJoint: the URDF has no such joint.
+    """
     if not names:
         return urdf_text
     robot = read_urdf(urdf_text)

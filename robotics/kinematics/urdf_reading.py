@@ -79,7 +79,7 @@ def read_xml(text: str) -> UrdfElement:
 
 
 class _Reader:
-    """Builds a tree of elements that know their places."""
+    """Builder of a tree of elements that know their places."""
 
     def __init__(self) -> None:
         self.builder = ElementTree.TreeBuilder(element_factory=UrdfElement)

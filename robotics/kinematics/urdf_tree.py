@@ -23,7 +23,7 @@ Element = ElementTree.Element
 
 
 class FollowingJoint(ValueError):
-    """A joint mimics another one and has no position of its own."""
+    """Error of a joint that mimics another one and has no position of its own."""
 
     def __init__(self, joint: str, leader: str) -> None:
         self.joint = joint
@@ -42,7 +42,16 @@ def kinematic_urdf(urdf_text: str) -> str:
 
 
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
-    """Return the URDF with only the joints `moving`, and the joints that follow one of them, movable."""
+    """Return the URDF with only the joints `moving`, and the joints that follow one of them, movable.
+
+    Args:
+        urdf_text: the URDF.
+        moving: names of movable joints that follow no other one.
+        standing: positions at which other joints are fixed, in [rad] or [m], by name; 0 if missing.
+
+    Raises:
+        ValueError: the text is not a URDF, or has no such movable joint; or one of `moving` follows another.
+    """
     return _urdf_of_arm(urdf_text, tuple(moving), tuple(standing.items()))
 
 
@@ -91,7 +100,13 @@ def with_still_joints(urdf_text: str, positions: Mapping[str, float]) -> str:
 
 
 def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str, float, float]]:
-    """Return leader, factor and offset of each joint that follows one of `moving`, as `joint_leaders`."""
+    """Return leader, factor and offset, by name, of each joint that follows one of `moving`.
+
+    Its position is factor times the leader's plus offset, in [rad] or [m].
+
+    Raises:
+        ValueError: the text is not a URDF.
+    """
     leaders = joint_leaders(urdf_text)
     return {name: led for name, led in leaders.items() if led[0] in moving and name not in moving}
 
@@ -99,6 +114,7 @@ def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str
 def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
     """Return for the name of each joint that mimics another: its leader, a factor and an offset.
 
+    Its position is factor times the leader's plus offset, in [rad] or [m].
     Chains are followed to their head; a joint that mimics a missing one counts as free.
 
     Raises:

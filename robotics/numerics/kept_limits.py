@@ -15,7 +15,8 @@ FREQUENCY_COUNT = 600  # at which the characteristic function is evaluated, up t
 def uniform_limits(bounds: FloatArray, sigmas: FloatArray) -> FloatArray:
     """Return the limits (k,) of sums of uniformly distributed errors, with normally distributed noise.
 
-    The tail of each sum comes from its characteristic function (Gil-Pelaez, 1951).
+    The size of a sum is above its limit with the probability of 0.27 % that a normal error has beyond
+    3 sigma. The tail of each sum comes from its characteristic function (Gil-Pelaez, 1951).
 
     Args:
         bounds: (k, n) largest magnitude of each error of a sum, in any one unit.

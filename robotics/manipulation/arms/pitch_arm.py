@@ -59,7 +59,7 @@ class PitchArm(NamedTuple):
             path: path of the tool in the world.
 
         Returns:
-            (p, 4) in [rad]; NaN out of reach.
+            (p, 4) in [rad]: yaw, then the pitch joints from the shoulder on; NaN out of reach.
         """
         return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
 
@@ -82,8 +82,8 @@ class PitchArm(NamedTuple):
     def marks(self, path: ToolPath) -> FloatArray:
         """Return the rows (p, 11) of a path for the compiled table.
 
-        A row holds the position (3) in [m], the tangent (3), the tool's level direction (2), and the cosine,
-        sine and rate, in [rad/m], of its elevation.
+        A row holds the position (3) in [m] and the tangent (3), both in the world; the unit vector (2) along
+        the level part of the tool's x axis; and the cosine, sine and rate, in [rad/m], of its elevation.
         """
         axes = path.rotations[:, :, 0]
         level = np.hypot(axes[:, 0], axes[:, 1])

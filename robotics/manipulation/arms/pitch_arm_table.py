@@ -40,10 +40,13 @@ def pitch_arm_table(
     Args:
         stands: (b, 4) position of the yaw axis in the world, in [m], and cosine and sine of the base's
             heading.
-        marks: (p, 11) rows of the path, see `PitchArm.marks`.
-        arm: (12,) lengths in [m], cosines and turns of the arm, as `PitchArm` computes them.
+        marks: (p, 11) position in [m], tangent, level direction of the tool (2), and cosine, sine and rate in
+            [rad/m] of its elevation, as `PitchArm.marks`.
+        arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
+            tolerance; lower and upper limit of each pitch joint in [rad].
         measure: number of the `Measure`.
-        limits: (3, 4) low and high limits in [m] and a factor for each joint, see `ScoreRule.limits`.
+        limits: (3, 4) rows of low and high limits in [m], and of 2 / (high - low) in [1/m], for yaw and
+            pitch joints.
     """
     height, l1, l2, l3 = arm[0], arm[1], arm[2], arm[3]
     cos_yaw, cos_azimuth, turns = arm[4], arm[5], arm[6:12]
@@ -96,12 +99,14 @@ def pitch_arm_table(
 
 @compiled_for("(f8[::1], f8[:,::1], f8[::1])")
 def pitch_arm_joints(stand: FloatArray, marks: FloatArray, arm: FloatArray) -> FloatArray:
-    """Return the joint angles (p, 4), in [rad], of `PitchArm.joints`; NaN where out of reach.
+    """Return the joint angles (p, 4), in [rad]: yaw, then the pitch joints; NaN where out of reach.
 
     Args:
         stand: (4,) position of the yaw axis in [m], and the base's heading as its cosine and sine.
-        marks: (p, 11) rows of the path, see `PitchArm.marks`.
-        arm: (12,) lengths in [m], cosines and turns of the arm, as `PitchArm` computes them.
+        marks: (p, 11) position in [m], tangent, level direction of the tool (2), and cosine, sine and rate in
+            [rad/m] of its elevation, as `PitchArm.marks`.
+        arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
+            tolerance; lower and upper limit of each pitch joint in [rad].
     """
     angles = np.full((len(marks), 4), np.nan)
     for j in range(len(marks)):

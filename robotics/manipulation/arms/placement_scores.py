@@ -21,10 +21,10 @@ class PlacementScores(NamedTuple):
     usable: BoolArray
     """(b, p): reached, and within the limits of the measure."""
     joined: BoolArray | None = None
-    """(b, p-1): whether the arm gets from a point to the next without a jump; None: it always does."""
+    """(b, p-1) True where the arm gets from a point to the next without a jump; None if it always does."""
 
     def without(self, blocked: BoolArray) -> PlacementScores:
-        """Return the scores without some placements (b,), which an obstacle or a missing route excludes."""
+        """Return the scores without the placements whose mask `blocked` (b,) is True."""
         return self.restricted(self.usable & ~blocked[:, None])
 
     def restricted(self, usable: BoolArray) -> PlacementScores:
@@ -36,7 +36,7 @@ class PlacementScores(NamedTuple):
         """Return the scores of some placements.
 
         Args:
-            kept: mask (b,), or numbers (k,) of the placements; without unit.
+            kept: mask (b,), or numbers (k,) of the placements.
         """
         joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
         return PlacementScores(

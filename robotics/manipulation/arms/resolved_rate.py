@@ -40,7 +40,10 @@ class ResolvedRate:
         limits: RateLimits = RateLimits(),
         jacobian: Callable[[FloatArray], FloatArray] | None = None,
     ) -> None:
-        """Lead from `start` to `end` (2,) in [m], arm frame; another `jacobian` is for tests."""
+        """Lead from `start` to `end`, (2,) each in [m], in the arm's plane, from the first joint.
+
+        Another `jacobian` than that of the arm is for tests.
+        """
         self._arm, self._start, self._end, self._limits = arm, np.asarray(start), np.asarray(end), limits
         self._length = float(np.hypot(*(self._end - self._start)))
         self._along = (self._end - self._start) / max(self._length, 1e-12)
@@ -48,7 +51,7 @@ class ResolvedRate:
         self._speed = 0.0
 
     def left(self, q: FloatArray) -> float:
-        """Distance of the tip from the end, in [m], with the joints at `q` (2,)."""
+        """Distance of the tip from the end, in [m], with the joints at `q` (2,) in [rad]."""
         return float(np.hypot(*(self._end - self._arm.tip(q))))
 
     def astray(self, q: FloatArray) -> float:

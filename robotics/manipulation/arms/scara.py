@@ -31,7 +31,10 @@ class Scara(NamedTuple):
     fore: float = 0.610
     """Length of the second link, in [m]."""
     mount: tuple[float, float, float, float] = (0.0, 0.0, 0.6, -math.pi / 2.0)
-    """base_T_arm: x, y, z in [m] of the shoulder, the slide up, and yaw in [rad] (x axis to the right)."""
+    """Pose base_T_arm, x, y of the shoulder and z of the tip with the slide raised, in [m], and yaw in [rad].
+
+    By default the arm's x axis points to the right of the base.
+    """
     theta1: tuple[float, float] = (0.0, math.radians(150.0))
     """Limits of theta1 on the way to a target, in [rad]."""
     theta1_working: tuple[float, float] = (0.0, math.radians(90.0))
@@ -39,11 +42,11 @@ class Scara(NamedTuple):
     theta2: tuple[float, float] = (math.radians(-160.0), math.radians(-8.0))
     """Limits of theta2, in [rad], because a straight arm cannot move its tip along itself."""
     slide: tuple[float, float] = (0.0, 0.6)
-    """Limits of the slide, in [m]."""
+    """Limits of the distance by which the slide is lowered, in [m]."""
     stowed: tuple[float, float] = (math.radians(150.0), math.radians(-15.0))
-    """Joint angles of the stowed arm, in [rad]."""
+    """theta1 and theta2 of the stowed arm, in [rad]."""
     middle: tuple[float, float] = (math.radians(120.0), math.radians(-60.0))
-    """Joint angles between stowed and any target that keep the tip away from the wheels, in [rad]."""
+    """theta1 and theta2 between stowed and any target that keep the tip away from the wheels, in [rad]."""
 
     def tip(self, q: FloatArray) -> FloatArray:
         """Return the position of the tip.
@@ -140,8 +143,11 @@ class Scara(NamedTuple):
     def room_beside(self, point: FloatArray, turn: float) -> float:
         """Return how far the base may be from its planned pose, in [m], turned by up to `turn` [rad].
 
-        From everywhere within that distance the tip still reaches a `point` (2,) in [m] of the planned
-        base frame.
+        From everywhere within that distance the tip still reaches the point; in steps of `ROOM_STEP`.
+
+        Args:
+            point: (2,) in the frame of the planned base, in [m].
+            turn: largest turn of the base to either side, in [rad].
         """
         x, y, _, yaw = self.mount
         arm_T_base = Pose2(x, y, yaw).inverse()

@@ -21,9 +21,9 @@ class Measure(IntEnum):
     MANIPULABILITY = 1
     """Yoshikawa's, eq. 2, whatever the direction of the path: figure 2b."""
     DIRECTIONAL = 2
-    """Eq. 6, absolute values, limits of each joint's own: figures 2c and 4."""
+    """Directional manipulability, eq. 6, with absolute values and own limits of joints (figures 2c, 4)."""
     SURE = 3
-    """min(eq. 6, 1 - b_min/g) with the exact top speed g: ours."""
+    """The lesser of eq. 6 and 1 - (wanted tool speed) / (exact top speed along the path), at each joint."""
 
 
 class ScoreRule(NamedTuple):
@@ -69,9 +69,9 @@ class ScoreRule(NamedTuple):
 
     @property
     def limits(self) -> FloatArray:
-        """Return the rows (3, n) for `worth`.
+        """Return the limits (3, n) as compiled functions take them.
 
-        They hold each joint's low and high limit in [m], and one over half of their distance in [1/m].
+        Rows are the joints' low and high limits in [m], and 2 / (high - low) in [1/m].
         """
         return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
 
@@ -82,10 +82,10 @@ def worth(measure: int, elements: FloatArray, rates: FloatArray, spread: float, 
 
     Args:
         measure: a `Measure`.
-        elements: |k^T J| (n,), in [m].
-        rates: |J^-1 k| (n,), in [rad/m].
+        elements: (n,) |k^T J|, lever of the tool force about each joint, in [m]; k is the unit tangent.
+        rates: (n,) |J^-1 k|, turn of each joint for each metre of path, in [rad/m].
         spread: Yoshikawa's manipulability, in the units of the Jacobian.
-        limits: (3, n) of the `ScoreRule`.
+        limits: (3, n) rows of low and high limits in [m], and of 2 / (high - low) in [1/m].
     """
     if measure == 0:
         return 1.0

@@ -86,13 +86,15 @@ def tip_and_jacobian(chain: ScrewChain, posture: ChainPosture) -> None:
 
 @compiled
 def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArray) -> None:
-    """Write the error of a pose to a target, without a free turn, into `error`.
+    """Write the motion from a pose to a target, without a free turn, into `error`.
 
     Args:
         pose: (4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
-        free: 1 if the turn around the tool's z is free, 0 if not, 2 if that around its x is.
-        error: (6,), written: [m] above, [rad] below, in the axes of the base.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
+            0 if none is.
+        error: (6,), written: target minus pose in [m], and the rotation vector that turns the pose into
+            the target in [rad], in the axes of the base.
     """
     goal = target[:3, :3].copy()
     if free == 1:
@@ -135,8 +137,9 @@ def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
     """Remove the free turn from the columns of a Jacobian or of a twist, in place.
 
     Args:
-        pose: (4, 4) base_T_tip, whose axis is free.
-        free: 1 if the turn about the tip's z is free, 2 if that about its x is, 0 if none is.
+        pose: (4, 4) base_T_tip.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
+            0 if none is.
         rows: (6, k) in the axes of the base, [m] above and [rad] below; changed.
     """
     if free == 0:
@@ -216,7 +219,8 @@ def descend(chain: ScrewChain, target: FloatArray, free: int, iterations: int, p
     Args:
         chain: kinematics of the arm.
         target: (4, 4) wanted base_T_tip.
-        free: 1 if the turn about the tip's z is free, 2 if that about its x is, 0 if none is.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
+            0 if none is.
         iterations: largest number of steps.
         posture: its angles are the start, in [rad]; the result is written into it.
     """

@@ -35,22 +35,22 @@ class ToolTargets(NamedTuple):
     poses: FloatArray
     """(p, 4, 4) world_T_tool."""
     twists: FloatArray
-    """(p, 6) motion of the tool for each metre of path, [m/m] and [rad/m]."""
+    """(p, 6) motion of the tool for each metre of path, in the axes of the world, [m/m] and [rad/m]."""
 
 
 class ToolRule(NamedTuple):
     """Requirements on an arm at a point of a path."""
 
     free: int
-    """Number of the free turn, 0 if none is."""
+    """1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is."""
     cos_tolerance: float
-    """Cosine of the largest angle between base and tool."""
+    """Cosine of the largest difference between the azimuths of tool and path, used with a free azimuth."""
     reach: float
     """Largest distance of the tool from the first joint's axis point, in [m]."""
     measure: int
     """Number of the `Measure`."""
     limits: FloatArray
-    """(3, n) see `ScoreRule.limits`."""
+    """(3, n) rows of the joints' low and high limits in [m], and of 2 / (high - low) in [1/m]."""
 
 
 SCREW_TABLE_TYPES = (
@@ -81,7 +81,7 @@ def in_base(stand: FloatArray, world_T_tool: FloatArray, out: FloatArray) -> Non
 
     Args:
         stand: (4,) x, y in [m], cosine and sine of the heading of the base.
-        world_T_tool: (4, 4) in [m].
+        world_T_tool: (4, 4) pose of the tool.
         out: (4, 4), written.
     """
     cos, sin = stand[2], stand[3]
@@ -119,12 +119,12 @@ def _turned(pose: FloatArray, target: FloatArray, free: int) -> float:
 
 @compiled
 def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: float, chosen: IntArray) -> None:
-    """Write the numbers of the poses nearest to a target into `chosen` (k,), nearest first.
+    """Write the indices of the poses nearest to a target into `chosen` (k,), nearest first.
 
     Args:
         poses: (m, 4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
-        free: number of the free turn, 0 if none is.
+        free: 1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is.
         scale: distance that a radian counts as, in [m].
         chosen: (k,), written.
     """
@@ -154,9 +154,9 @@ def tool_rates(
 
     Args:
         pose: (4, 4) base_T_tip.
-        jacobian: (6, n) in the axes of the base.
-        twist: (6,) motion of the tool for each metre of path, [m/m] and [rad/m].
-        free: number of the free turn, 0 if none is.
+        jacobian: (6, n) in the axes of the base, [m/rad] above and [rad/rad] below.
+        twist: (6,) motion of the tool for each metre of path, in the axes of the base, [m/m] and [rad/m].
+        free: 1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is.
         rates: (n,) in [rad/m], written.
     """
     n = len(rates)

@@ -21,7 +21,8 @@ def two_links(
         side: 1 for an elbow to the left of the line to (x, y), -1 to the right.
 
     Returns:
-        whether (x, y) is reached, the first link's x and y, the second's, and the sine from first to second.
+        True if (x, y) is reached; x and y of the first link's unit vector, then of the second's, in the frame
+        of (x, y); and the sine of the turn from the first to the second, anticlockwise positive.
     """
     squared = x * x + y * y
     if squared > (first + second) ** 2 or squared < (first - second) ** 2 or squared == 0.0:

@@ -19,7 +19,7 @@ class DoorJoint(NamedTuple):
     """
 
     closed: Transform
-    """Pose (4, 4) of the handle with the door closed."""
+    """Pose (4, 4) of the handle with the door closed, in any frame with z up, the frame of `closed`."""
     hinge: tuple[float, float] | None
     """x and y of the hinge in the frame of the closed door's handle, in [m]; None for a slide."""
     sign: float
@@ -47,15 +47,22 @@ class DoorJoint(NamedTuple):
         return np.asarray(there @ transform(rpy=(0.0, 0.0, self.sign * opening)) @ inverse(there))
 
     def displaced(self, opening: float) -> Transform:
-        """Return the displacement (4, 4) of everything on the door by its opening, in [rad] or [m]."""
+        """Return the displacement (4, 4) of everything on the door by its opening, in [rad] or [m].
+
+        It is in the frame of `closed`: displacement @ pose with the door closed is the pose at the opening.
+        """
         return np.asarray(self.closed @ self._moved(opening) @ inverse(self.closed))
 
     def handle_at(self, opening: float) -> Transform:
-        """Return the pose (4, 4) of the handle at an opening, in [rad] or [m]."""
+        """Return the pose (4, 4) of the handle, in the frame of `closed`, at an opening in [rad] or [m]."""
         return np.asarray(self.displaced(opening) @ self.closed)
 
     def opening_at(self, point: FloatArray) -> float:
-        """Return the opening, in [rad] or [m], at which the handle is nearest to a point (3,)."""
+        """Return the opening, in [rad] or [m], at which the handle is nearest to a point.
+
+        Args:
+            point: (3,) in the frame of `closed`, in [m].
+        """
         x, y, _ = (inverse(self.closed) @ np.append(point, 1.0))[:3].tolist()
         if self.hinge is None:
             return float(self.sign * x)
@@ -64,11 +71,14 @@ class DoorJoint(NamedTuple):
         return self.sign * math.remainder(turn, 2.0 * math.pi)
 
     def travel(self, opening: float) -> float:
-        """Return the length of the handle's path up to an opening, in [m]."""
+        """Return the length, in [m], of the handle's path up to an opening in [rad] or [m]."""
         return opening if self.hinge is None else opening * self.radius
 
     def heading(self, opening: float) -> float:
-        """Return the direction in which the handle moves while the door opens further, in [rad]."""
+        """Return the direction in which the handle moves while the door opens further, in [rad].
+
+        It is the angle from x of the frame of `closed`, about z. `opening` is in [rad] or [m].
+        """
         step = self.handle_at(opening + 1e-6)[:3, 3] - self.handle_at(opening)[:3, 3]
         return math.atan2(step[1], step[0])
 

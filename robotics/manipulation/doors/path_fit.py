@@ -20,10 +20,10 @@ class PathPrior(NamedTuple):
     """Belief about the path before it was measured."""
 
     heading: float
-    """Direction at the start, in [rad]."""
+    """Direction at the start, in [rad] from x of the points' frame, about z."""
     heading_sigma: float
     curvature: float
-    """Curvature in [1/m], positive to the left."""
+    """Curvature at the start, in [1/m], positive to the left."""
     curvature_sigma: float
     slope_sigma: float
     """Standard deviation of the slope of the path's plane, along each level axis, without unit."""
@@ -33,14 +33,14 @@ class HingeFit(NamedTuple):
     """Axis about which a handle turns."""
 
     point: FloatArray
-    """Point (3,) where the axis meets the plane of the path, in [m]."""
+    """Point (3,) where the axis meets the plane of the path, in the frame of the fitted points, in [m]."""
     covariance: FloatArray
     """Covariance (2, 2) of the point's x and y, in [m²]."""
     radius: float
     """Distance of the path from the axis, in [m]."""
     radius_sigma: float
     axis: FloatArray
-    """Unit vector (3,) along the axis, upwards."""
+    """Unit vector (3,) along the axis, upwards, in the frame of the fitted points."""
     axis_sigma: float
     """Standard deviation of the axis' tilt in the worse direction, in [rad]."""
 
@@ -48,15 +48,16 @@ class HingeFit(NamedTuple):
 class PathFit(NamedTuple):
     """A level arc, or a line, in a plane that may slope a little.
 
-    `state` (6,): offset of the path to the left of the origin in [m], heading there in [rad], curvature in
-    [1/m], height over the origin in [m], slopes of the plane along x and y.
+    Everything is in the frame of the fitted points, z up. `state` (6,): offset of the path to the left of
+    the origin in [m], heading there in [rad], curvature in [1/m], height over the origin in [m], slopes of
+    the plane along x and y without unit.
     """
 
     origin: FloatArray
     """(3,) first point, in [m]."""
     state: FloatArray
     covariance: FloatArray
-    """Covariance (6, 6) of `state`."""
+    """Covariance (6, 6) of `state`, in its order and units."""
     rms: float
     """Root mean square of the points' distances from the path, in [m]."""
 
@@ -79,18 +80,18 @@ class PathFit(NamedTuple):
         return False if size + STRAIGHT_SIGMAS * sigma < STRAIGHT_CURVATURE else None
 
     def turned(self, point: FloatArray) -> float:
-        """Return the turn of the path from its start to next to a point (3,), in [rad], left positive."""
+        """Return the path's turn in [rad], left positive, from its start to next to a point (3,) in [m]."""
         u, v = _along_and_aside((point - self.origin)[None], self.state)
         return math.atan2(self.curvature * float(u[0]), 1.0 - self.curvature * float(v[0]))
 
     def travel(self, point: FloatArray) -> float:
-        """Return the way along the path from its start to next to a point (3,), in [m]."""
+        """Return the length, in [m], of the path from its start to next to a point (3,) in [m]."""
         if abs(self.curvature) < MIN_CURVATURE:
             return float(_along_and_aside((point - self.origin)[None], self.state)[0][0])
         return self.turned(point) / self.curvature
 
     def tangent(self, point: FloatArray) -> FloatArray:
-        """Return the unit vector (3,) along the path next to a point (3,)."""
+        """Return the unit vector (3,) along the path next to a point (3,) in [m]."""
         heading = float(self.state[HEADING]) + self.turned(point)
         level = np.array([math.cos(heading), math.sin(heading)])
         way = np.append(level, level @ self.state[SLOPE_X:])
@@ -129,7 +130,8 @@ def fit_path(points: FloatArray, sigma: float, prior: PathPrior) -> PathFit:
     they have no singularity at the straight line, so one fit serves hinges and slides.
 
     Args:
-        points: (n, 3) measured points in the order of the motion, in [m]; at least one.
+        points: (n, 3) measured points in the order of the motion, in any frame with z up, in [m]; at least
+            one.
         sigma: standard deviation of each coordinate, in [m]; errors of different points are independent.
         prior: belief that counts as further measurements.
     """

@@ -31,13 +31,13 @@ def aim(
     Args:
         arm: kinematics whose joints move the camera.
         frame: link that carries the camera.
-        frame_T_camera: (4, 4) of the optical frame.
-        point: (3,) in the base frame, in [m].
+        frame_T_camera: (4, 4) pose of the optical frame (z forward) in that link.
+        point: (3,) in the base frame of `arm`, in [m].
         moving: (n,) True for joints that may move.
         start: (n,) joints at the start, in [rad] or [m].
 
     Returns:
-        Joints (n,), and the angle that is left between axis and point, in [rad].
+        Joints (n,) in [rad] or [m], and the angle that is left between axis and point, in [rad].
     """
     joints = np.array(start, dtype=np.float64)
     chosen = np.flatnonzero(moving)

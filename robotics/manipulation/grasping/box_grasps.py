@@ -22,7 +22,10 @@ class Grasp(NamedTuple):
     """Pose of the hand around a box."""
 
     box_T_hand: Transform
-    """(4, 4); the hand's x is the approach, its y the closing direction; the box's origin is in its foot."""
+    """Pose (4, 4) of the hand, x along the approach, y along the closing direction.
+
+    The origin of the box is in the middle of its foot, its axes along the sides.
+    """
     width: float
     """Width of the box between the pads, in [m]."""
     face: str
@@ -66,8 +69,8 @@ def hand_on(
         height: of the box, in [m].
         extent: of the box along the side's normal, in [m].
         tip: distance from the frame `hand` to the finger tips, in [m].
-        normal: (3,) of the side, outwards.
-        closing: (3,) direction in which the pads close.
+        normal: (3,) unit vector out of the side, in the frame of the box.
+        closing: (3,) unit vector in which the pads close, in the frame of the box.
         tilt: turn of the approach about it, in [rad].
     """
     bite = min(BITE_M, MAX_BITE_SHARE * extent)

@@ -15,18 +15,21 @@ ROLLS_RAD = tuple(math.radians(value) for value in (0.0, 180.0, 90.0, -90.0, 45.
 
 
 def from_direction(tilt: float, azimuth: float) -> FloatArray:
-    """Return the unit vector (3,) at an angle `tilt` from the vertical and an azimuth, both in [rad]."""
+    """Return the unit vector (3,) at an angle `tilt` from the vertical and an azimuth, both in [rad].
+
+    The azimuth is from x towards y, about z.
+    """
     return np.array([math.sin(tilt) * math.cos(azimuth), math.sin(tilt) * math.sin(azimuth), math.cos(tilt)])
 
 
 def camera_poses(
     point: FloatArray, towards: FloatArray, distance: float, rolls: Sequence[float] = ROLLS_RAD
 ) -> Iterator[Transform]:
-    """Yield the poses (4, 4) of an optical frame that has a point in its middle.
+    """Yield the poses (4, 4) of an optical frame (z forward, x right, y down) that has a point in its middle.
 
     Args:
-        point: (3,) in [m].
-        towards: (3,) unit vector from the point to the camera.
+        point: (3,) in any frame with z up, in [m]; the poses are in that frame.
+        towards: (3,) unit vector from the point to the camera, in the same frame.
         distance: from the camera to the point, in [m].
         rolls: turns about the optical axis, in [rad]; at 0 the picture's rows are level.
     """
@@ -45,7 +48,14 @@ def camera_poses(
 def points_in_view(
     camera: CameraModel, base_T_camera: Transform, points: FloatArray, margin_px: float
 ) -> BoolArray:
-    """Return a mask (n,), True for points (n, 3) in [m] in the picture, `margin_px` inside of its edge."""
+    """Return a mask (n,), True for points that are in the picture; occlusion is ignored.
+
+    Args:
+        camera: model of the camera.
+        base_T_camera: (4, 4) pose of the optical frame.
+        points: (n, 3) in the base frame, in [m].
+        margin_px: least distance from the picture's edge, in [px].
+    """
     pixels = camera.project(apply(inverse(base_T_camera), points))
     inside = (pixels >= margin_px) & (pixels <= np.array([camera.width, camera.height]) - 1 - margin_px)
     return np.asarray(inside.all(axis=1))

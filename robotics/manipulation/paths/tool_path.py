@@ -28,7 +28,7 @@ class ToolPath(NamedTuple):
     rotations: FloatArray
     """(p, 3, 3): world_R_tool."""
     tangents: FloatArray
-    """(p, 3): unit vectors along the path."""
+    """(p, 3) unit vectors along the path, in world."""
     turns: FloatArray
     """(p, 3): turn of the tool for each metre of path, about the axes of world, in [rad/m]."""
     lengths: FloatArray

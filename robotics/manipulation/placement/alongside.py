@@ -48,7 +48,7 @@ def level_with(start: Pose2, points: FloatArray) -> FloatArray:
 
 
 def seen_from(bases: FloatArray, path: ToolPath) -> ToolPath:
-    """Return a path as seen from a moving base.
+    """Return a path as seen from a moving base: each point in the frame of the base at that point.
 
     Args:
         bases: (p, 3) world_T_base at each point of the path: x, y in [m], heading in [rad].

@@ -44,7 +44,7 @@ COARSE_GRID = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
 
 
 class BaseScorer:
-    """Scores base poses for one arm and its work, and follows a path from one of them.
+    """Scorer of base poses for one arm and its work, with the arm's motion along a path from one of them.
 
     Scores are those of a `Measure`; by default eq. 6 of Shin (2005), and the exact condition for speed.
 
@@ -198,7 +198,7 @@ class BaseScorer:
         return angles
 
     def _spots(self, path: ToolPath, step: float) -> FloatArray:
-        """(s, 2): x and y of a grid."""
+        """(s, 2): x and y of a grid in the world, in [m]."""
         reach = self.reach
         low, high = path.points[:, :2].min(axis=0) - reach, path.points[:, :2].max(axis=0) + reach
         xs, ys = (np.arange(a, b, step) for a, b in zip(low, high, strict=True))

@@ -21,7 +21,7 @@ def layers(
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
         usable: (p, b) True where a placement reaches a point.
-        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
         steps: (p-1,) lengths of the steps, in [m].
         count: largest number of placements, one after the other.
     """
@@ -76,7 +76,7 @@ def cheapest_layers(
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
         usable: (p, b) True where a placement reaches a point.
-        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
         steps: (p-1,) lengths of the steps, in [m].
         cost: price of a change of placement, in [m].
     """
@@ -117,7 +117,7 @@ def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int,
 
     Args:
         usable: (p, b) True where a placement reaches a point.
-        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
         first: index of the point where the run begins.
     """
     placement, farthest = -1, first
@@ -151,7 +151,7 @@ def run_end(usable: BoolArray, joined: BoolArray, first: int, placement: int) ->
 
     Args:
         usable: (p, b) True where a placement reaches a point.
-        joined: (p-1, b) True where the arm does not jump in a step; empty: nowhere.
+        joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
         first: index of the point where the run begins.
         placement: column of the placement.
     """

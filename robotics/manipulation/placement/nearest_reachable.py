@@ -17,11 +17,17 @@ _FINEST = 0.001  # [m]
 
 
 def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: FloatArray) -> Untrackable:
-    """Return the error with the nearest position that could be tracked from one of the base poses (b, 3), x,
-    y in [m] and heading in [rad].
+    """Return the error with the nearest position that could be tracked from one of the base poses.
 
-    The point is moved along 26 directions, outwards until some placement can use it, and back to within a
-    millimetre; tool and tangent are unchanged. So "nearest" is among these directions.
+    The point is moved along 26 directions, outwards by up to 22 m until some placement can use it, and back
+    to within a millimetre; tool and tangent are unchanged. So "nearest" is among these directions. The
+    position is None if nothing is usable up to there.
+
+    Args:
+        error: names the point that can't be tracked.
+        scorer: returns the scores of base poses.
+        path: path of the tool in the world.
+        bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
     """
     return Untrackable(error.index, error.why, _nearest(scorer, path, bases, error.index))
 
@@ -60,7 +66,7 @@ def _pull_in(
 
 
 def _usable(scorer: Scorer, path: ToolPath, bases: FloatArray, index: int, offsets: FloatArray) -> BoolArray:
-    """(m,): whether the point moved by offsets (m, 3) can be used from any base."""
+    """(m,): whether the point moved by offsets (m, 3) in [m] can be used from any base."""
     rows = np.full(len(offsets), index)
     moved = ToolPath(*(field[rows] for field in path))._replace(points=path.points[index] + offsets)
     return np.asarray(scorer(bases, moved).usable.any(axis=0))

@@ -35,7 +35,7 @@ class Division(NamedTuple):
 
 
 class TooFewPlacements(Untrackable):
-    """More placements are needed than were allowed.
+    """Error of a path that needs more placements than were allowed.
 
     Attributes:
         needed: smallest number of placements that is enough.

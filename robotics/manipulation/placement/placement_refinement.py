@@ -14,7 +14,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .placement_division import Division, PathSegment, best_division
 
 Scorer = Callable[[FloatArray, ToolPath], PlacementScores]
-"""Function that returns the scores of base poses (b, 3) along a path; excluded poses are not usable."""
+"""Function that returns the scores of base poses along a path; excluded poses are not usable.
+
+Base poses (b, 3) are world_T_base: x, y in [m], heading in [rad].
+"""
 
 _TRIES = 48
 _SHRINK = 0.5
@@ -50,7 +53,7 @@ def refine(
     Args:
         scorer: returns the scores of base poses.
         path: path of the tool.
-        bases: (b, 3) base poses that the division numbers.
+        bases: (b, 3) world_T_base, x, y in [m] and heading in [rad], that the division numbers.
         division: the division to begin with.
         radius: distance from a placement at which the search begins, in [m]: the step of the grid.
         turn: turn from a placement at which the search begins, in [rad]: the step of the grid.

@@ -19,9 +19,15 @@ from .placements import Placements
 from .untrackable_reason import explained
 
 Blocked = Callable[[FloatArray], BoolArray]
-"""Check that marks the base poses (b, 3) that the base can't occupy, or doesn't reach."""
+"""Function that returns a mask (b,) of the base poses that the base can't occupy, or doesn't reach.
+
+Base poses (b, 3) are world_T_base: x, y in [m], heading in [rad].
+"""
 Free = Callable[[FloatArray, FloatArray], bool]
-"""Check that nothing is touched from a base pose (3,) at joint angles (p, n)."""
+"""Function that returns True if nothing is touched from a base pose (3,) at joint angles (p, n) in [rad].
+
+The base pose is world_T_base: x, y in [m], heading in [rad].
+"""
 
 _ATTEMPTS = 20  # at a division all of whose parts the arm follows, point by point
 _MORE = 8  # placements than there must be, that are tried
@@ -29,7 +35,7 @@ _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
 class Placer(BaseScorer):
-    """Finds placements for one arm and its work: exact on a grid, then each moved to its best score nearby.
+    """Search for placements of one arm and its work, exact on a grid, then moved to the best score nearby.
 
     An arm with a closed form (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000,
     on fewer points. Every part of a division is then followed point by point; a base from which that fails
@@ -144,7 +150,7 @@ def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost
 
 
 def _near(bases: FloatArray, base: FloatArray, distance: float) -> BoolArray:
-    """Return (b,) True for base poses (b, 3) within `distance` of another (3,)."""
+    """Return (b,) True for base poses (b, 3) within `distance` in [m] of another (3,)."""
     return np.asarray(np.linalg.norm(bases[:, :2] - base[:2], axis=1) < distance)
 
 

@@ -17,9 +17,15 @@ from .placement_division import best_division_by_cost
 from .placer import Blocked, Placer
 
 Sight = Callable[[float], ToolPath]
-"""Function that returns the hand's motion for a look at a landmark, given the base's heading in [rad]."""
+"""Function that returns the motion of the hand, in the world, in which its camera sees a landmark.
+
+Its argument is the heading of the base in the world, in [rad].
+"""
 Touches = Callable[[FloatArray, int], str]
-"""Function that names the obstacle touched from a base pose (3,) at a goal of given index; empty if none."""
+"""Function that names the obstacle touched from a base pose (3,) at a goal of given index; empty if none.
+
+The base pose is map_T_base: x, y in [m], heading in [rad].
+"""
 
 STOP_OFFSET_M = 0.05  # [m] by which a base stops beside its place
 STOP_TURN_RAD = 0.05  # [rad]
@@ -43,14 +49,14 @@ class Goal(NamedTuple):
     work: ToolPath
     """Motion of the hand at the goal, along which a stop is scored."""
     looks: tuple[ToolPath, ...] = ()
-    """Other poses that the hand must reach."""
+    """Further motions that the hand must reach, such as views of its camera; they are not scored."""
 
 
 class BaseStop(NamedTuple):
     """A pose of the base, and the goals that are served from it."""
 
     base: FloatArray
-    """(3,) x and y in [m], heading in [rad]."""
+    """(3,) map_T_base, x and y in [m], heading in [rad]."""
     first: int
     last: int
     """Last goal that is served; `first` and `last` are both included."""
@@ -78,7 +84,7 @@ class StopTable(NamedTuple):
 
 
 class StopPlacer:
-    """Divides goals, in their order, among stops of the base, as Placer does for paths.
+    """Search for stops of the base that serve goals in their order, each stop several goals in a row.
 
     Hatano et al. (2000), section 3, split each goal into a pose of the base and a posture of the arm, and
     leave the choice open. Here the value of a stop is the directional manipulability (Shin 2005) along the

@@ -15,11 +15,11 @@ class Rates(NamedTuple):
     """Parameters of a `SuspensionModel` that angles reveal: all but the height of the pivot."""
 
     yaw_per_swing: float
-    """Yaw of the base for each swing, in [rad]."""
+    """Yaw of the base for each move of the arm out and back, in [rad], positive to the left."""
     roll_per_m: float
-    """Roll of the base for each metre of reach, in [rad/m]; 0 without a laser that points sideways."""
+    """Roll of the base for each metre of the hand along +y, in [rad/m]; 0 without a laser to the left."""
     pitch_per_m: float
-    """Pitch of the base for each metre of reach, in [rad/m]; 0 without a laser that points ahead."""
+    """Pitch of the base for each metre of the hand along +x, in [rad/m]; 0 without a laser ahead."""
 
 
 class SpotShift(NamedTuple):
@@ -30,7 +30,7 @@ class SpotShift(NamedTuple):
     reach: tuple[float, float]
     """Motion of the hand along the base's x and y since the reference posture, in [m]."""
     swings: float
-    """Moves out and back since the reference posture."""
+    """Number of moves of the arm out and back since the reference posture."""
     left: float
     """Motion of the spot along the wall, to the left as seen from the robot, in [m]."""
     up: float
@@ -71,6 +71,11 @@ def fit_spots(ahead: Sequence[SpotShift], left: Sequence[SpotShift], distance: f
     (+y).
 
     Either may be empty; the paper has the one to the left.
+
+    Args:
+        ahead: spots of the laser that points ahead.
+        left: spots of the laser that points to the left.
+        distance: distance from either laser to its wall, in [m].
 
     Raises:
         ValueError: hand and arm moved too little to fit a rate.

@@ -23,14 +23,14 @@ _RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
 
 
 class Swing(NamedTuple):
-    """A motion of the arm, by the poses of the hand relative to the reference posture."""
+    """A motion of the arm from a reference posture, by the poses of the hand before and after it."""
 
     base_T_hand: Transform
     """Pose of the hand by the joints, (4, 4)."""
     reference: Transform
     """base_T_hand at the reference posture, (4, 4)."""
     swings: float
-    """Moves out and back since the reference posture."""
+    """Number of moves of the arm out and back since the reference posture."""
 
 
 class Sighting(NamedTuple):
@@ -38,9 +38,9 @@ class Sighting(NamedTuple):
 
     swing: Swing
     corners: FloatArray
-    """Printed positions of its corners on the sheet, (4, 3) in [m]."""
+    """Printed positions of its corners in the frame of the sheet, (4, 3) in [m]."""
     rays: FloatArray
-    """Rays to its corners in the picture, (4, 2), as `Landmark.rays`."""
+    """Rays (4, 2) to the same corners, x/z and y/z in the camera frame, without lens distortion."""
 
 
 class SuspensionFit(NamedTuple):
@@ -50,7 +50,7 @@ class SuspensionFit(NamedTuple):
     sigmas: SuspensionModel
     """Standard deviation of each parameter; 0 for those that were given."""
     rms: float
-    """Root mean square of the residuals: in [m]; of sightings, 1 if they are as good as stated."""
+    """Root mean square of the residuals, each in its expected standard deviation; 1 if these are right."""
 
 
 def fit_sightings(

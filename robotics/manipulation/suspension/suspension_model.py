@@ -35,7 +35,7 @@ class SuspensionModel(NamedTuple):
     """
 
     yaw_per_swing: float
-    """Yaw of the base for each swing, in [rad]."""
+    """Yaw of the base for each move of the arm out and back, in [rad], positive to the left."""
     roll_per_m: float
     """Roll in [rad/m] for each metre of the hand to the left (+y); negative if the left side sinks."""
     pitch_per_m: float
@@ -44,12 +44,12 @@ class SuspensionModel(NamedTuple):
     """Height of the tilt axes above the base frame's origin, in [m]."""
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the motion reference_T_base (4, 4) of the base since the hand was at a reference.
+        """Return reference_T_base (4, 4), the motion of the base since the reference: dPsi · dPhi of eq. 12.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.
             reference: (4, 4) base_T_hand at the reference.
-            swings: number of swings in between: dPsi · dPhi of eq. 12.
+            swings: number of moves of the arm out and back in between.
         """
         lean = self._lean(base_T_hand) @ inverse(self._lean(reference))
         return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)
@@ -60,7 +60,7 @@ class SuspensionModel(NamedTuple):
         Args:
             base_T_hand: (4, 4) pose of the hand by the arm's joints.
             reference: (4, 4) base_T_hand at the reference.
-            swings: number of swings since the reference.
+            swings: number of moves of the arm out and back since the reference.
         """
         return self.motion(base_T_hand, reference, swings) @ base_T_hand
 
@@ -70,7 +70,7 @@ class SuspensionModel(NamedTuple):
         Args:
             base_T_goal: (4, 4) pose of the goal in the base frame at the reference.
             reference: (4, 4) base_T_hand at the reference.
-            swings: number of swings since the reference.
+            swings: number of moves of the arm out and back since the reference.
         """
         command = base_T_goal
         for _ in range(_REFINEMENTS):

@@ -15,7 +15,7 @@ class SwingYaw(NamedTuple):
     """Yaw of a base on springs for each swing of its arm, with its scatter."""
 
     yaw_per_swing: float
-    """Mean, in [rad]."""
+    """Mean yaw for each move of the arm out and back, in [rad], positive to the left."""
     sigma: float
     """Standard error of the mean, in [rad]."""
     spread: float
@@ -23,7 +23,7 @@ class SwingYaw(NamedTuple):
     spread_sigma: float
     """Standard error of the spread, in [rad]."""
     noise: float
-    """Standard deviation of one look's heading, in [rad]."""
+    """Standard deviation of one measured heading, in [rad]."""
 
 
 def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
@@ -34,7 +34,7 @@ def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
     Args:
         headings: (n, m) headings of the base in [rad], positive to the left: m measurements at each of n
             stops with the same posture. The arm does not swing during a stop.
-        swings: number of swings between one stop and the next.
+        swings: number of moves of the arm out and back between one stop and the next.
 
     Raises:
         ValueError: there are too few stops, measurements or swings.

@@ -48,13 +48,13 @@ class ToolFollower:
         self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
 
     def joints(self, path: ToolPath, world_T_base: Transform, near: FloatArray) -> FloatArray:
-        """Return joint angles (p, n), in [rad] or [m], within the limits that put the tool at each point of
+        """Return joint angles (p, n), in [rad], within the limits that put the tool at each point of
         the path.
 
         Args:
             path: path of the tool.
             world_T_base: (4, 4) pose of the arm's base; it may be tilted.
-            near: angles (n,) at which the search for the first point begins.
+            near: (n,) joint angles in [rad] at which the search for the first point begins.
 
         Raises:
             Untrackable: the first point that the arm doesn't reach, with the nearest position at which the
@@ -76,7 +76,7 @@ class ToolFollower:
         Args:
             path: path of the tool.
             world_T_base: (4, 4) pose of the base.
-            angles: (p, n) joint angles at the points, in [rad] or [m].
+            angles: (p, n) joint angles at the points, in [rad].
         """
         tips = np.array([(world_T_base @ self.arm.forward(q))[:3, 3] for q in angles])
         return np.asarray(np.linalg.norm(tips - path.points, axis=1))

@@ -101,7 +101,7 @@ class BeaconFilter(FieldLocalizer):
 
     @property
     def biases(self) -> Belief:
-        """Range biases (k,) of the beacons in [m], and their covariance (k, k) in [m²]."""
+        """Range biases (k,) of the beacons, measured less true range, in [m]; covariance (k, k) in [m²]."""
         own = slice(states.STATE_SIZE, -1)
         return Belief(self._mean[own].copy(), self._spread[own, own].copy())
 

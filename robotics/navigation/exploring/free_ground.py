@@ -17,7 +17,13 @@ NEIGHBOUR_KERNEL = np.ones((3, 3), np.uint8)
 
 
 def with_driven(grid: GridMap, poses: Sequence[Pose2], radius: float) -> GridMap:
-    """Return a map whose unknown cells within a radius in [m] of a pose are free."""
+    """Return a map on which unknown cells near the poses of a robot are free.
+
+    Args:
+        grid: the map.
+        poses: map_T_base of the robot on its way.
+        radius: distance from a pose within which cells are free, in [m].
+    """
     driven = np.zeros(grid.occupied.shape, np.uint8)
     cells = grid.to_cell(np.array([pose[:2] for pose in poses]))
     size = max(0, int(radius / grid.resolution))

@@ -33,13 +33,13 @@ class Frontier(NamedTuple):
     """A connected part of the border that the robot could cross."""
 
     middle: tuple[float, float]
-    """Centre of the frontier's cell that is nearest to its centre of mass, in [m]."""
+    """Centre of the frontier's cell that is nearest to its centre of mass, x and y on the map, in [m]."""
     size: float
     """Diagonal of its bounding box, in [m]."""
     cells: FloatArray
-    """Centres (n, 2) of the frontier's cells, in [m]."""
+    """Centres (n, 2) of the frontier's cells on the map, in [m]."""
     view: tuple[float, float] | None
-    """Nearest place from which the robot can look at it, in [m]; None if it cannot get near."""
+    """Nearest place on the map from which the robot can look at it, in [m]; None if it cannot get near."""
     distance: float
     """Length of the way to `view`, in [m]; infinite without one."""
 
@@ -189,6 +189,11 @@ def travel(free: BoolArray, row: int, column: int) -> FloatArray:
 
     Ways lead to the eight neighbours of a cell. Cells are taken roughly in the order of their lengths, in
     steps of a cell (Dial, 1969).
+
+    Args:
+        free: (h, w) True for free cells.
+        row: row of the cell where all ways begin.
+        column: column of that cell.
     """
     height, width = free.shape
     lengths = np.full((height, width), np.inf)

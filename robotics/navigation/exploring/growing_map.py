@@ -44,7 +44,7 @@ class GrowingMap:
 
         Args:
             first: scan at the start.
-            pose: map_T_base of it.
+            pose: map_T_base at that scan.
             known: given map, to be completed; None without one.
             sigma: noise of a range, in [m].
         """
@@ -67,12 +67,21 @@ class GrowingMap:
         return self.graph.poses
 
     def pose_of(self, odometry: Pose2) -> Pose2:
-        """Return map_T_base at odom_T_base, carried on from the latest keyframe."""
+        """Return map_T_base, carried on by odometry from the latest keyframe, or from `carry_on_from`.
+
+        Args:
+            odometry: odom_T_base at the wanted moment.
+        """
         last, pose = (self.last.odometry, self.poses[-1]) if self._found is None else self._found
         return pose.compose(odometry.relative_to(last))
 
     def carry_on_from(self, odometry: Pose2, displacement: Pose2) -> None:
-        """Carry poses on from `displacement`, start_T_base, where the base was found at odom_T_base."""
+        """Let `pose_of` carry on from a measured pose, until the next keyframe.
+
+        Args:
+            odometry: odom_T_base when the pose was measured.
+            displacement: measured pose of the base in the pose of the first keyframe.
+        """
         self._found = odometry, self.poses[0].compose(displacement)
 
     def add(self, frame: Keyframe) -> LineMatch:
@@ -119,7 +128,10 @@ class GrowingMap:
         self.graph.refine()
 
     def covariance(self) -> FloatArray:
-        """Return the covariance (3, 3) of the latest pose relative to the first, in [m, m, rad]."""
+        """Return the covariance (3, 3) of the latest pose relative to the first.
+
+        Along the axes of the map, in [m, m, rad].
+        """
         return np.asarray(covariances(np.array(self.poses), self.graph.edges)[-1])
 
     def grid(self, resolution: float) -> GridMap:
@@ -129,7 +141,7 @@ class GrowingMap:
 
     @property
     def start_surface(self) -> Surface:
-        """Surfaces that the first keyframes show, in the frame of the first one."""
+        """Surfaces that the first keyframes show, in the base frame of the first one."""
         frames, poses = self.graph.frames[:START_KEYFRAMES], self.poses[:START_KEYFRAMES]
         return submap(frames, poses, poses[0])
 

@@ -40,8 +40,8 @@ class Blocked(NamedTuple):
     pose: Pose2
     """Estimated map_T_base where the base is blocked; it may have rebounded since."""
     heading: float
-    """Heading of the base when the window began, in [rad]; wheels that keep driving turn the base on the
-    spot.
+    """Heading of the base at the beginning of the judged window of `BlockedMotion`, in [rad]; wheels that
+    keep driving turn the base on the spot.
     """
     forwards: bool
     """True if it was driven forwards."""
@@ -64,7 +64,7 @@ class Blocked(NamedTuple):
 
 
 class BlockedMotion:
-    """Compares what a base is commanded with what the sensors show, over a window of less than a second.
+    """Test whether a base moves as commanded, by its sensors, over a window of less than a second.
 
     The window is the shortest in which the base was driven one way by `MIN_COMMANDED_M`. Slower motion than
     `MIN_COMMANDED_M` in `LONGEST_WINDOW_S` is below the noise of the pose and is not judged.
@@ -94,11 +94,12 @@ class BlockedMotion:
         """Take in a period's motion; return the evidence that the base is blocked, or None.
 
         Args:
-            speed: commanded speed, in [m/s].
-            rolled: travel of the wheels in the direction of travel, in [m].
+            speed: commanded speed in the direction of travel, in [m/s]; negative against it. 0 empties
+                the window.
+            rolled: travel of the wheels in the direction of travel, in [m]; negative against it.
             before: estimated map_T_base before the period.
             now: estimated map_T_base after the period.
-            direction: direction of travel relative to the heading, in [rad].
+            direction: direction of travel relative to the heading, in [rad], positive to the left.
         """
         if speed == 0.0:
             self.clear()

@@ -18,13 +18,16 @@ class BlockedWheel(NamedTuple):
     side: str
     """`left`, `right` or `both`."""
     pose: Pose2
-    """Estimated map_T_base."""
+    """Estimated map_T_base after the period in which the wheel was found to be blocked."""
     evidence: Blocked
-    """Commanded, rolled and actual travel of a blocked wheel; its poses are along the wheel's way."""
+    """Commanded, rolled and actual travel of a blocked wheel.
+
+    Its `pose` is not on the map: x is the travel of the base at the wheel in one period; `heading` is 0.
+    """
 
 
 class BlockedWheels:
-    """Compares the commanded travel of each wheel with that of the base at the wheel, by the estimated pose.
+    """Test whether the base moves at each wheel as that wheel is commanded, by the estimated pose.
 
     A base that is held while it should turn on the spot moves neither ahead nor back, so the distance
     ahead does not show it. A base held at one side turns around that side.

@@ -34,16 +34,16 @@ class _Leg:
 
 
 class CarTracker:
-    """Follows a path of a car with front steering to its end by pure pursuit.
+    """Controller that drives a car with front steering along a path to its end, by pure pursuit.
 
-    It has the interface of `PathTracker`. Nothing is regulated at the end: a car can't move sideways.
+    Nothing is regulated at the end: a car can't move sideways.
     """
 
     def __init__(self, legs: list[tuple[FloatArray, bool]], sharpest: float, limits: DriveLimits) -> None:
         """Follow some legs.
 
         Args:
-            legs: poses (n, 3) in [m, m, rad] of the base along each, and whether it is driven backwards.
+            legs: map_T_base (n, 3) in [m, m, rad] along each leg, and whether it is driven backwards.
             sharpest: curvature that can be steered, in [1/m].
             limits: of the base.
         """
@@ -55,7 +55,15 @@ class CarTracker:
     def along(
         cls, path: CarPath, start: Pose2, goal: Pose2, sharpest: float, limits: DriveLimits
     ) -> CarTracker:
-        """Return a tracker of a planned path."""
+        """Return a tracker of a planned path.
+
+        Args:
+            path: path, with the distances to back before and after it.
+            start: map_T_base where the path was planned from.
+            goal: map_T_base at its end.
+            sharpest: curvature that can be steered, in [1/m].
+            limits: limits of the base.
+        """
         first = np.array([start.compose(Pose2(-path.back_before, 0.0, 0.0))])
         legs = [
             (_straight(start, -path.back_before), True),
@@ -90,7 +98,12 @@ class CarTracker:
         return self._at >= len(self._legs)
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Speed in [m/s], negative backwards, and turn rate in [rad/s] for the next `dt` in [s]."""
+        """Return speed in [m/s], negative backwards, and turn rate in [rad/s], positive to the left.
+
+        Args:
+            pose: map_T_base.
+            dt: control period, in [s].
+        """
         if self._at >= len(self._legs):
             return 0.0, 0.0
         leg = self._legs[self._at]
@@ -105,7 +118,11 @@ class CarTracker:
     def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
         """Return speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there.
 
-        See `PathTracker.hold`; `dt` is the period, in [s].
+        While the car still rolls, its progress along the path is updated.
+
+        Args:
+            pose: map_T_base.
+            dt: control period, in [s].
         """
         if self._at < len(self._legs):
             leg = self._legs[self._at]

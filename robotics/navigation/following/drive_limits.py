@@ -37,7 +37,7 @@ def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
     """Return the speed with which to cover a distance and stop there, signed.
 
     Args:
-        rest: distance, in [m] or [rad].
+        rest: signed distance, in [m] or [rad]; the speed has its sign.
         most: largest speed, in [m/s] or [rad/s].
         acceleration: in [m/s²] or [rad/s²].
     """
@@ -46,7 +46,7 @@ def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
 
 
 class Ramp:
-    """Keeps commands within speeds and accelerations; remembers the last one."""
+    """Limiter that keeps commands within speeds and accelerations; it remembers the last one."""
 
     def __init__(self, limits: DriveLimits) -> None:
         """Start at rest."""
@@ -64,8 +64,12 @@ class Ramp:
         self.speed = self.turn_rate = 0.0
 
     def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, ...]:
-        """Return the allowed command nearest to the wanted one, in [m/s] and [rad/s], `dt` in [s] after the
-        last.
+        """Return the allowed command nearest to the wanted one: speed and turn rate.
+
+        Args:
+            speed: wanted speed in [m/s], negative backwards.
+            turn_rate: wanted turn rate in [rad/s], positive to the left.
+            dt: time since the last command, in [s].
         """
         limits = self.limits
         speed = _clip(speed, limits.speed)

@@ -32,7 +32,7 @@ class _Stand(NamedTuple):
 
 
 class FootprintGuard:
-    """Foresees what a polygon sweeps over, against the map and the latest scan.
+    """Check of the area that a polygon will sweep, against the map and the latest scan.
 
     Where the lidar sees something at a cell of the map, the scan counts alone, because it needs no pose and
     is more exact. Other cells in its field of view count by their centres, the rest as complete squares. If
@@ -137,12 +137,12 @@ class SensorView(NamedTuple):
     """Field of view of a lidar on a base."""
 
     x: float
-    """Position in the base frame, in [m]."""
+    """Position of the lidar in the base frame, x and y in [m]."""
     y: float
     start: float
     """Angle of the first beam in the base frame, in [rad]."""
     width: float
-    """Angle from the first to the last beam, in [rad]; 2 pi all around."""
+    """Angle from the first to the last beam, anticlockwise, in [rad]; 2 pi all around."""
 
     def turned(self, angle: float) -> SensorView:
         """Return the view in a frame whose x axis points along `angle` in [rad]."""

@@ -31,7 +31,7 @@ MAX_CLOSING_PERIODS = 12  # within `CLOSING_DISTANCE_M`: a base that is held the
 
 
 class PathTracker:
-    """Drives along a route to its end, and there into the goal's heading.
+    """Controller that drives along a route to its end, and there into the goal's heading.
 
     The reference is the nearest point of the route ahead of the progress so far, so the robot may be slow,
     held or pushed without the reference running away. It turns in place where its heading is far off the
@@ -51,12 +51,12 @@ class PathTracker:
         """Track a route.
 
         Args:
-            points: (n, 2) from near the robot to the goal, in [m].
+            points: (n, 2) from near the robot to the goal, on the map, in [m].
             goal_heading: heading at the end, in [rad]; any if None.
             limits: limits of the base.
             reverse: drive backwards: the rear leads.
             tolerance: tolerance of the arrival.
-            allowed: speed limits by position.
+            allowed: speed limits by position; None: those of the drive.
         """
         self._limits = limits
         self._flip = math.pi if reverse else 0.0
@@ -152,10 +152,15 @@ class PathTracker:
         return self._closing and self._regulator.finished(pose)
 
     def command(self, pose: Pose2, dt: float, most: float = math.inf) -> tuple[float, ...]:
-        """Return the command of the base for the next `dt` in [s].
+        """Return the command of the base for the next period.
 
-        Speed in [m/s], negative backwards, turn rate in [rad/s], and of a base that can drive sideways its
-        speed to the left in [m/s]. `most` limits the speed along the route, in [m/s].
+        Speed in [m/s], negative backwards, turn rate in [rad/s], positive to the left, and of a base that can
+        drive sideways its speed to the left in [m/s].
+
+        Args:
+            pose: map_T_base.
+            dt: control period, in [s].
+            most: limit of the speed along the route, in [m/s].
         """
         self._advance(pose)
         self._closing = self._closing or self._is_at_end(dt)

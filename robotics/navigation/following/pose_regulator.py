@@ -79,7 +79,12 @@ class PoseRegulator:
         return self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
-        """Return the base's command for the next `dt` in [s]: speed in [m/s], turn rate in [rad/s]."""
+        """Return speed in [m/s], negative backwards, and turn rate in [rad/s], positive to the left.
+
+        Args:
+            pose: map_T_base.
+            dt: control period, in [s].
+        """
         goal = self.goal.relative_to(pose)
         self._choose_phase(pose, goal)
         limits = self._ramp.limits
@@ -117,7 +122,7 @@ class PoseRegulator:
                 self._phase = _Phase.ALIGN
 
     def _aim(self, pose: Pose2, goal: Pose2) -> float:
-        """Return the turn that is left before the base drives, in [rad]."""
+        """Return the turn that is left before the base drives, in [rad], positive to the left."""
         return self._bearing(goal) if self._heading is None else wrap(self._heading - pose.theta)
 
     def _bearing(self, goal: Pose2) -> float:

@@ -14,7 +14,7 @@ SEARCH_AHEAD_M = 0.4  # [m] of path ahead in which the nearest point is looked f
 
 
 class PurePursuit:
-    """Steers for a point of the path ahead; slows down before the end.
+    """Controller that steers for a point of the path ahead, and slows down before the end.
 
     Past the end of the path, that point is on a straight line along the path's last heading.
     """
@@ -30,7 +30,7 @@ class PurePursuit:
         """Follow a path.
 
         Args:
-            poses: (n, 3) of the path, in [m, m, rad].
+            poses: (n, 3) poses along the path, in any frame, in [m, m, rad].
             ahead: distance to the point that is steered for, in [m].
             sharpest: curvature that the steering allows, in [1/m].
             speed: in [m/s].
@@ -49,7 +49,13 @@ class PurePursuit:
         return float(self._along[-1] - self._along[self._at])
 
     def command(self, pose: Pose2, speed: float, dt: float) -> tuple[float, float]:
-        """Speed in [m/s] and curvature in [1/m] for the next `dt` [s], the car at `pose` with `speed` now."""
+        """Return speed in [m/s] and curvature in [1/m], positive to the left, for the next period.
+
+        Args:
+            pose: pose of the car now, in the frame of the path.
+            speed: speed of the car now, in [m/s].
+            dt: control period, in [s].
+        """
         self.advance(pose)
         return self._pace(pose, speed, dt), self._steer(pose)
 

@@ -12,7 +12,7 @@ from handcart.robotics.navigation.following.pose_regulator import FINE_SHARE, Po
 
 
 class SidewaysRamp(Ramp):
-    """Keeps commands of a base that drives in any direction within its limits.
+    """Limiter that keeps commands of a base that drives in any direction within its limits.
 
     The speed's change is limited as a vector on the floor: a base that turns while it drives straight is not
     accelerated. The largest speed in each direction is that of an ellipse.
@@ -60,7 +60,15 @@ class SidewaysRegulator(PoseRegulator):
         any_heading: bool = False,
         ramp: Ramp | None = None,
     ) -> None:
-        """Regulate to a goal; see `PoseRegulator`."""
+        """Regulate to a goal.
+
+        Args:
+            goal: map_T_base to reach.
+            limits: limits of the base.
+            tolerance: tolerance of the arrival.
+            any_heading: the heading at the goal doesn't matter.
+            ramp: `SidewaysRamp` with the commands so far; None: at rest.
+        """
         super().__init__(goal, limits, tolerance, any_heading, SidewaysRamp(limits) if ramp is None else ramp)
 
     @override
@@ -76,13 +84,19 @@ class SidewaysRegulator(PoseRegulator):
 
 
 def speed_towards(x: float, y: float, limits: DriveLimits) -> float:
-    """Return the maximum speed in [m/s] in the direction of (x, y) in the base frame."""
+    """Return the maximum speed in [m/s] in the direction of (x, y) of any size in the base frame."""
     size = math.hypot(x / limits.speed, y / limits.sideways)
     return limits.speed if size == 0.0 else math.hypot(x, y) / size
 
 
 def turn_to(heading: float, pose: Pose2, limits: DriveLimits) -> float:
-    """Return the turn rate in [rad/s] with which a base turns to a heading in [rad] and stops there."""
+    """Return the turn rate, in [rad/s], with which a base turns to a heading and stops there.
+
+    Args:
+        heading: wanted heading in the frame of `pose`, in [rad].
+        pose: pose of the base now.
+        limits: limits of the base.
+    """
     return rate_to_stop(wrap(heading - pose.theta), limits.turn_rate, limits.turn_acceleration)
 
 

@@ -24,7 +24,7 @@ MIN_TURNING_RATIO = 0.3  # of the planned speed, while the base heads elsewhere
 
 
 class SidewaysTracker(PathTracker):
-    """Drives along a route, its heading along it, and in the last metre sideways as the goal's heading asks.
+    """Controller that drives along a route, heading along it, in the last metre towards the goal's heading.
 
     Unlike a differential drive it need not turn in place: it sets out at once and turns meanwhile.
     """
@@ -40,7 +40,16 @@ class SidewaysTracker(PathTracker):
         tolerance: PoseTolerance = PoseTolerance(),
         allowed: AllowedSpeeds | None = None,
     ) -> None:
-        """Track a route; see `PathTracker`."""
+        """Track a route.
+
+        Args:
+            points: (n, 2) from near the robot to the goal, on the map, in [m].
+            goal_heading: heading at the end, in [rad]; None: any.
+            limits: limits of the base.
+            reverse: True to drive backwards: the rear leads.
+            tolerance: tolerance of the arrival.
+            allowed: speed limits by position; None: those of the drive.
+        """
         self._goal_heading = goal_heading
         super().__init__(points, goal_heading, limits, reverse, tolerance, allowed)
 
@@ -71,7 +80,10 @@ class SidewaysTracker(PathTracker):
         return self._ramp.towards(x, turn_to(heading, pose, self._limits), dt, y)
 
     def _velocity(self, reference: Pose2, pose: Pose2, off: float, most: float) -> tuple[float, float]:
-        """Return the wanted speeds ahead and to the left in [m/s]; `off` is the heading's error in [rad]."""
+        """Return the wanted speeds ahead and to the left, in [m/s].
+
+        `off` is the wanted less the actual heading, in [rad].
+        """
         planned = min(most, float(np.interp(self._progress, self._along, self._speed)))
         planned *= max(MIN_TURNING_RATIO, math.cos(0.5 * off) ** 2)
         beside = reference.inverse().apply(np.array([[pose.x, pose.y]]))[0, 1]

@@ -13,7 +13,7 @@ RETURN_LENGTH_M = 0.5  # [m] of way in which it comes back to it
 class StraightWay:
     """Controller that drives a base along a straight line, to a moving target on it.
 
-    Lateral and heading error decay over `BACK`, critically damped, in either direction of driving.
+    Lateral and heading error decay over `RETURN_LENGTH_M`, critically damped, in either direction of driving.
     """
 
     def __init__(self, start: Pose2, limits: DriveLimits) -> None:
@@ -21,11 +21,11 @@ class StraightWay:
         self._start, self._ramp = start, Ramp(limits)
 
     def command(self, pose: Pose2, along: float, speed: float, dt: float) -> tuple[float, float]:
-        """Speed in [m/s] and turn rate in [rad/s] for the next period.
+        """Return speed in [m/s], negative backwards, and turn rate in [rad/s] for the next period.
 
         Args:
             pose: world_T_base.
-            along: where on the way the base should be now, in [m] from the start.
+            along: where on the way the base should be now, in [m] ahead of the start; negative behind it.
             speed: speed of that point along the way, in [m/s].
             dt: of the period, in [s].
         """

@@ -29,12 +29,12 @@ class HoldingObstacle(NamedTuple):
     there.
     """
     x: float
-    """X of the obstacle on the map, in [m]."""
+    """Position of the obstacle on the map, x and y in [m]."""
     y: float
     room: float
     """Distance from the robot's centre to the obstacle, at the present pose, in [m]."""
     needed: float
-    """Distance needed, in [m]."""
+    """Distance from the robot's centre that the obstacle should have, in [m]."""
 
     @property
     def words(self) -> str:
@@ -57,7 +57,7 @@ class _Stand(NamedTuple):
 
 
 class WayGuard:
-    """Foresees what a disc sweeps over, against the map and the latest scan.
+    """Check of the area that a disc will sweep, against the map and the latest scan.
 
     If something is nearer than it may be, only motion that leads away from it is free. The robot may
     return to the pose where it began (`stand_at`).
@@ -93,6 +93,8 @@ class WayGuard:
         self, pose: Pose2, scan: FloatArray, curvature: float, length: float
     ) -> tuple[float, HoldingObstacle | None]:
         """Return how much of an arc is free, in [m], and the obstacle that ends it; None if all is free.
+
+        The free length has the sign of `length`.
 
         Args:
             pose: map_T_base.

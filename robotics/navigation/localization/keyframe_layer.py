@@ -37,9 +37,9 @@ class LayerMatch(NamedTuple):
     pose: Pose2
     """map_T_base."""
     covariance: FloatArray
-    """(3, 3) of x, y in [m] and heading in [rad], including that of the matched keyframe."""
+    """(3, 3) of x, y on the map in [m] and heading in [rad], including that of the matched keyframe."""
     inliers: float
-    """Share of the points that the keyframes explain."""
+    """Share of the points that the keyframes explain, 0 to 1."""
 
 
 class KeyframeLayer:
@@ -70,7 +70,9 @@ class KeyframeLayer:
         return len(self._poses) == 0
 
     def take(self, points: FloatArray, pose: Pose2, covariance: FloatArray) -> bool:
-        """Add a scan if it is far enough from all keyframes; return whether it was added.
+        """Add a scan that is 0.3 m or 20 degrees from all keyframes; return whether it was added.
+
+        It needs 20 points.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

@@ -45,7 +45,7 @@ SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several 
 
 
 class Localizer(ABC):
-    """Estimates map_T_base from wheel travel and range scans."""
+    """Estimator of map_T_base from wheel travel and range scans."""
 
     STATE: ClassVar[Mapping[str, Any]] = {}
     """Attributes that change, besides the odometry's, with their types."""
@@ -59,7 +59,14 @@ class Localizer(ABC):
         errors: OdometryErrors = OdometryErrors(),
         covariance: FloatArray | None = None,
     ) -> None:
-        """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
+        """Start at a pose.
+
+        Args:
+            start: map_T_base.
+            tread: distance of the wheels, in [m].
+            errors: errors of the wheels.
+            covariance: (3, 3) of the start, x, y in [m] and heading in [rad]; certain if None.
+        """
         self._odometry = odometry_of(start, tread, errors, covariance)
         self.surface_error = 0.0
         """Error in [m] of surfaces on the map, beyond that of its cells."""
@@ -85,7 +92,13 @@ class Localizer(ABC):
         return self._odometry.covariance
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Predict the motion from the wheels' travel, in [m]."""
+        """Predict the motion from the wheels' travel since the last call.
+
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, in [m].
+            sideways: travel to the left of a base that drives sideways, in [m].
+        """
         self._odometry.predict(left, right, sideways)
 
     @property
@@ -101,7 +114,7 @@ class Localizer(ABC):
 
         Args:
             field: of that map.
-            pose: of the base in that frame.
+            pose: pose of the base in the frame of that map.
             covariance: (3, 3) of the pose, in [m, m, rad].
         """
         self._odometry.reset(pose, covariance)
@@ -222,7 +235,7 @@ class ScanLocalizer(Localizer):
 
     @property
     def map_error(self) -> FloatArray:
-        """Share (3, 3) of the map's error in `covariance`, x, y in [m] and heading in [rad].
+        """Part (3, 3) of `covariance` that comes from the map's error, x, y in [m] and heading in [rad].
 
         It is the same in all poses measured at one place.
         """
@@ -303,8 +316,9 @@ class ScanLocalizer(Localizer):
     def check_start(self, beams: ScanBeams) -> StartFit:
         """Compare the stated start with all other places of the map, by the first scan.
 
-        If exactly one other place explains the scan, the pose is set to it; if several do, or none
-        completely, the robot is misplaced.
+        If exactly one other place, within `PLAUSIBLE_M` of the start, explains the scan, the pose is set to
+        it; if several do, or none completely, the robot is misplaced. Nothing is compared if the map explains
+        the scan from the start.
         """
         noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
         fit = check_start(self._field, beams, self.pose, noise)

@@ -61,7 +61,13 @@ class PositioningLocalizer(Localizer):
         self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """See `Localizer`; to be called once a period."""
+        """Predict the motion from the wheels' travel; to be called once a period.
+
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, in [m].
+            sideways: travel to the left of a base that drives sideways, in [m].
+        """
         super().predict(left, right, sideways)
         self._poses = (*self._poses[-KEPT_PERIODS:], self.pose)
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())

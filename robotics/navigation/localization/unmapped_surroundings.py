@@ -64,7 +64,7 @@ class UnmappedSurroundings:
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
             found: pose among the keyframes.
-            map_error: (3, 3) factor of the map's share in the covariance of `found`, as in `ScanMatch`.
+            map_error: (3, 3) factor W of the map's share W Wᵀ in the covariance of `found`.
         """
         worst = float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1])
         if worst > PARTIAL_SIGMA_M**2 or found.covariance[2, 2] > PARTIAL_SIGMA_RAD**2:

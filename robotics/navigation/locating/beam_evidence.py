@@ -35,11 +35,11 @@ class Explained(NamedTuple):
     """Shares of a scan's beams, for each of n poses."""
 
     explained: FloatArray
-    """(n,) beams that the map explains, those that return nothing too."""
+    """(n,) share of the beams that the map explains, 0 to 1; beams that return nothing count too."""
     short: FloatArray
-    """(n,) beams that end before what the map shows."""
+    """(n,) share of the beams that end before what the map shows, 0 to 1."""
     through: FloatArray
-    """(n,) beams that pass through what the map shows."""
+    """(n,) share of the beams that pass through what the map shows, 0 to 1."""
     independent: float
     """Number of independent beams in the scan."""
 

@@ -46,9 +46,12 @@ class Found(NamedTuple):
 def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:
     """Return the poses on a map that explain a scan best, from different places each.
 
+    At most `MAX_FOUND` poses, none `KEPT_LOG` less likely than the best one; none if the scan has less than
+    a third of `COARSE_POINTS` echoes.
+
     Args:
-        field: of the map.
-        beams: of the scan.
+        field: likelihood field of the map.
+        beams: beams of the scan.
         noise: sigma of a point's distance to the map, in [m].
     """
     points = beams.points
@@ -99,7 +102,7 @@ def refine_poses(
 
 
 def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
-    """Return a mask (n,): which poses are at the same place as another pose.
+    """Return a mask (n,): which poses are less than 0.25 m and 10 degrees from another pose.
 
     Args:
         poses: (n, 3) map_T_base: x, y in [m], heading in [rad].

@@ -38,7 +38,7 @@ class Look(NamedTuple):
     pose: Pose2
     """local_T_base, by odometry and matching with what was seen before."""
     weight: float
-    """Weight of the scan, 0 to 1."""
+    """Weight of the scan, 0 to 1; 1 at `NEW_SCAN_M` or more from all earlier ones."""
 
 
 class Hypotheses:
@@ -57,7 +57,12 @@ class Hypotheses:
         """(n,) share of the beams of all scans that the map explains."""
 
     def take(self, beams: ScanBeams, pose: Pose2) -> None:
-        """Take a scan at rest into account, taken at local_T_base."""
+        """Take a scan at rest into account.
+
+        Args:
+            beams: beams of the scan.
+            pose: local_T_base at the scan, by odometry and matching with earlier scans.
+        """
         away = min((pose.distance(look.pose) for look in self.looks), default=math.inf)
         look = Look(beams, pose, min(1.0, away / NEW_SCAN_M))
         before = self.looks[-1] if self.looks else None
@@ -111,8 +116,8 @@ class Hypotheses:
     def _moved(
         self, poses: FloatArray, before: Look, after: Look
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return poses (n, 3) after the motion between two looks, the log-likelihoods (n,) of motion and
-        scan, and the shares (n,) of the scan that the map explains.
+        """Return map_T_base (n, 3) after the motion between two looks, the log-likelihoods (n,) of motion
+        and scan, and the shares (n,) of the scan that the map explains.
         """
         step = after.pose.relative_to(before.pose)
         predicted = np.array([Pose2(*pose).compose(step) for pose in poses.tolist()]).reshape(-1, 3)

@@ -45,7 +45,7 @@ class LocalMap:
         self._field: LikelihoodField | None = None
 
     def is_due(self, pose: Pose2) -> bool:
-        """Return whether a scan from local_T_base is far enough from all earlier ones to be added."""
+        """Return whether a scan from local_T_base is to be added, 0.5 m or 30 degrees from all others."""
         return not any(
             pose.distance(seen) < KEYFRAME_M and pose.turn(seen) < KEYFRAME_RAD for seen in self._poses
         )

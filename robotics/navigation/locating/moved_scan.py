@@ -12,7 +12,14 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 def rolled_motion(left: float, right: float, sideways: float, tread: float) -> Pose2:
-    """Return the motion before_T_after of a base by its wheels' travel, all in [m]."""
+    """Return the motion before_T_after of a base by its wheels' travel.
+
+    Args:
+        left: travel of the left wheels, in [m].
+        right: travel of the right wheels, in [m].
+        sideways: travel to the left, in [m].
+        tread: distance of the wheels, in [m].
+    """
     forward, turn = 0.5 * (left + right), (right - left) / tread
     cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)
     return Pose2(forward * cos - sideways * sin, forward * sin + sideways * cos, turn)
@@ -40,12 +47,15 @@ def beam_step(angles: FloatArray) -> float:
 def moved_echoes(
     before: tuple[FloatArray, FloatArray, FloatArray], moved: tuple[float, float, float], sensor: FloatArray
 ) -> FloatArray:
-    """Return (m, 2) x, y of an earlier scan's echoes from the sensor now, in [m]; NaN without an echo.
+    """Return an earlier scan's echoes (m, 2) relative to the sensor now, in [m]; NaN without an echo.
+
+    x and y are along the axes of the base now.
 
     Args:
-        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan.
+        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan, in the
+            base frame then.
         moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
-        sensor: (2,) origin of the beams now, in [m].
+        sensor: (2,) origin of the beams in the base frame now, in [m].
     """
     origin, rays, reaches = before
     cos, sin = math.cos(moved[2]), math.sin(moved[2])

@@ -41,7 +41,7 @@ class View(NamedTuple):
     route: FloatArray
     """(n, 2) points from the base to it, in the local frame, in [m]."""
     difference: float
-    """Mean share of beams by which the hypotheses would differ there."""
+    """Mean share of beams, 0 to 1, by which the other hypotheses would differ from the best one there."""
 
 
 class Surroundings(NamedTuple):
@@ -58,7 +58,7 @@ class Surroundings(NamedTuple):
 
 
 def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, reach: float) -> View | None:
-    """Return the next place to look from, or None if no place helps.
+    """Return the next place to look from, 0.5 to 6 m away, or None if no place helps.
 
     Args:
         around: ground that was seen.
@@ -88,8 +88,10 @@ def predicted_difference(
 ) -> FloatArray:
     """Return how well a scan would separate the best hypothesis from the others, at each place.
 
+    A range differs from `DIFFERENT_M` on. All zeros with a single hypothesis.
+
     Args:
-        here: local_T_base of the best hypothesis.
+        here: local_T_base now; each of `poses` is a hypothesis on map_T_base at this moment.
         places: (n, 2) in the local frame, in [m].
         field: likelihood field of the map.
         poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.

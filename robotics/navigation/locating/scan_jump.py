@@ -22,7 +22,7 @@ MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last
 
 
 class ScanJump:
-    """Compares each scan with the last one that fitted, moved as the wheels say.
+    """Test of each scan against the last one that fitted, moved as the wheels say.
 
     A base that slides off an obstacle moves differently from its wheels; its scans show how. Then a scan is
     also compared with the last one, moved by the estimated motion.
@@ -110,10 +110,11 @@ def _changed_beams(
     """Return how many echoes of the scan before the beams do not show any more, and how many were compared.
 
     Args:
-        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the scan before.
+        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the scan before, in the
+            base frame then.
         moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
-        sensor: (2,) origin of the beams, in [m].
-        angles: (n,) ascending in even steps, in [rad].
+        sensor: (2,) origin of the beams in the base frame now, in [m].
+        angles: (n,) of the beams in the base frame now, ascending in even steps, in [rad].
         ranges: (n,) in [m].
     """
     count, step = len(angles), beam_step(angles)

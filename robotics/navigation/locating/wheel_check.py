@@ -60,7 +60,7 @@ class Contradiction(NamedTuple):
 
 
 class WheelCheck:
-    """Compares each scan with two earlier ones, moved as the wheels say.
+    """Test of each scan against two earlier ones, moved as the wheels say.
 
     The later of the two shows at once that the base is held; the earlier one shows wheels that half slip.
 
@@ -279,10 +279,11 @@ def disagreement_of_ranges(
     """Return the mean robust difference of two scans of one place, 0 to 1; 0 if too few beams compare.
 
     Args:
-        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan.
+        before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan, in the
+            base frame then.
         moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
-        sensor: (2,) origin of the beams, in [m].
-        angles: (n,) ascending in even steps, in [rad].
+        sensor: (2,) origin of the beams in the base frame now, in [m].
+        angles: (n,) of the beams in the base frame now, ascending in even steps, in [rad].
         ranges: (n,) in [m].
     """
     count, step = len(angles), beam_step(angles)

@@ -67,7 +67,13 @@ class KeyframeGraph:
         return [*self._edges, *self.loop_edges]
 
     def append(self, frame: Keyframe, pose: Pose2, match: LineMatch) -> None:
-        """Add a keyframe at its pose, by its match with those before it."""
+        """Add a keyframe at its pose, by its match with those before it.
+
+        Args:
+            frame: the keyframe.
+            pose: its pose in the graph's frame.
+            match: its pose in the frame of the keyframe before it, with the information.
+        """
         self._travel = np.append(self._travel, self._travel[-1] + pose.distance(self.poses[-1]))
         self.frames.append(frame)
         self.poses.append(pose)
@@ -80,8 +86,9 @@ class KeyframeGraph:
 
         Args:
             number: number of the keyframe.
-            pose: measured pose.
-            information: (3, 3) of x, y and heading, in [1/m²] and [1/rad²].
+            pose: measured pose of the base in the graph's frame.
+            information: (3, 3) of x, y and heading along the axes of the graph's frame, in [1/m²] and
+                [1/rad²].
         """
         cos, sin = math.cos(self.poses[0].theta), math.sin(self.poses[0].theta)
         turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
@@ -183,9 +190,10 @@ def _in_frame_of(spread: FloatArray, second: FloatArray, first: FloatArray) -> F
     """Return the covariance (3, 3) of first_T_second in the first frame, with a lower limit.
 
     Args:
-        spread: (3, 3) of the first pose relative to the second, in the graph's frame.
-        second: (3,) pose of the second keyframe.
-        first: (3,) pose of the first keyframe.
+        spread: (3, 3) covariance of the first pose relative to the second, along the axes of the graph's
+            frame: x, y in [m] and heading in [rad].
+        second: (3,) pose of the second keyframe in the graph's frame, in [m, m, rad].
+        first: (3,) pose of the first keyframe in the graph's frame, in [m, m, rad].
     """
     turn = np.eye(3)  # seen from the first, a turn of it moves the second the other way
     turn[0, 2], turn[1, 2] = first[1] - second[1], second[0] - first[0]

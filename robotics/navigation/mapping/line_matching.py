@@ -36,11 +36,11 @@ class LineMatch(NamedTuple):
     pose: Pose2
     """reference_T_moved."""
     information: FloatArray
-    """(3, 3) of x, y in [m] and heading in [rad], in the reference frame; singular along a corridor."""
+    """(3, 3) of x, y and heading in the reference frame, in [1/m²] and [1/rad²]; singular in a corridor."""
     inliers: float
     """Share of the points that the reference explains, 0 to 1."""
     sigma: float
-    """Standard deviation of the residuals of the explained points, in [m]."""
+    """Standard deviation of the residuals of the explained points, in [m]; infinite if none is explained."""
 
 
 def match_surfaces(
@@ -96,7 +96,10 @@ def _limited(information: FloatArray, sigma: float) -> FloatArray:
 def _pairs(
     reference: Surface, moved: Surface, pose: Pose2, gate: float, scale: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return slopes (n, 3), residuals (n,) in [m] and weights (n,) of the points that have a partner."""
+    """Return slopes (n, 3), residuals (n,) in [m] and weights (n,) of the points that have a partner.
+
+    Slopes are those of the residuals by x, y in [m] and heading in [rad] of `pose`.
+    """
     here = pose.apply(moved.points)
     normals = Pose2(0.0, 0.0, pose.theta).apply(moved.normals)
     distances, partners = reference.tree.query(here, distance_upper_bound=gate)

@@ -50,7 +50,7 @@ class KeyframeView(NamedTuple):
     hits: FloatArray
     """(n, 2) where some of the beams ended, in [m]."""
     grid: GridMap
-    """Occupied where beams ended, and next to it."""
+    """Occupied where beams ended, and next to it; free where `MIN_PASSES` beams passed."""
 
     def contradictions(self, hits: FloatArray) -> float:
         """Return the share of points that lie in free space, among those that lie in known cells.
@@ -70,7 +70,7 @@ class Loop(NamedTuple):
     first: int
     second: int
     match: LineMatch | None
-    """first_T_second; None if nothing fits."""
+    """Its `pose` is first_T_second; None if nothing fits."""
     contradictions: float
     reason: str
     """Why it is rejected; empty if it may be right."""
@@ -100,12 +100,14 @@ def close_loop(
     predicted: Pose2,
     covariance: FloatArray,
 ) -> Loop:
-    """Match two places, wherever within the uncertainty of the prediction they fit.
+    """Match two places, wherever within three sigmas of the prediction they fit.
+
+    The search reaches 0.3 to 8 m and 0.1 to 0.7 rad to either side.
 
     Args:
         places: of the earlier and the later keyframe.
-        numbers: of the two keyframes.
-        predicted: first_T_second.
+        numbers: numbers of the two keyframes.
+        predicted: predicted first_T_second.
         covariance: (3, 3) of the prediction, x, y in [m] and heading in [rad], in the frame of the first
             keyframe.
     """
@@ -143,14 +145,27 @@ def close_loop(
 
 
 def contradictions(places: tuple[KeyframeView, KeyframeView], pose: Pose2) -> float:
-    """Return the larger share of points of one place that lie in the other's free space."""
+    """Return the larger share, 0 to 1, of points of one place that lie in the other's free space.
+
+    Args:
+        places: of the first and the second keyframe.
+        pose: first_T_second.
+    """
     one, other = places
     there = one.contradictions(pose.apply(other.hits))
     return max(there, other.contradictions(pose.inverse().apply(one.hits)))
 
 
 def track_loop(places: tuple[KeyframeView, KeyframeView], numbers: tuple[int, int], predicted: Pose2) -> Loop:
-    """Match two places whose relative pose is nearly known."""
+    """Match two places whose relative pose is nearly known.
+
+    A match that is `APART_M` or `APART_RAD` from the prediction is rejected.
+
+    Args:
+        places: of the earlier and the later keyframe.
+        numbers: numbers of the two keyframes.
+        predicted: predicted first_T_second.
+    """
     match = match_surfaces(places[0].surface, places[1].sample, predicted, None, TRACKING_GATES_M)
     against = contradictions(places, match.pose)
     loop = Loop(*numbers, match, against, "")

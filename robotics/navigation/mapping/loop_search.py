@@ -32,7 +32,7 @@ class Candidate(NamedTuple):
     first: int
     second: int
     distance: float
-    """Between their estimated positions, in [m]."""
+    """Distance between their estimated positions, in [m]."""
 
 
 def candidates(
@@ -44,6 +44,8 @@ def candidates(
     most: int = MAX_CANDIDATES,
 ) -> list[Candidate]:
     """Return the earlier keyframes at which a keyframe may be, the nearest of each pass, nearest first.
+
+    Only keyframes at least `MIN_TRAVEL_M` of way before it count.
 
     Args:
         poses: (n, 3) map_T_base of the keyframes: x, y in [m], heading in [rad].
@@ -77,7 +79,7 @@ def supported(loops: Sequence[Loop], poses: Sequence[Pose2]) -> list[bool]:
 
     Args:
         loops: closures with a match.
-        poses: of the keyframes; right between neighbours.
+        poses: poses of all keyframes in one frame; right between neighbours.
     """
     return [
         any(_agree(loop, other, poses) for other in loops if other.second != loop.second) for loop in loops

@@ -27,7 +27,7 @@ class BuiltMap(NamedTuple):
     poses: FloatArray
     """(n, 3) map_T_base of each keyframe; the map's frame is that of the first odometry pose."""
     covariances: FloatArray
-    """(n, 3, 3) of each pose relative to the first, in [m, m, rad]."""
+    """(n, 3, 3) of each pose relative to the first, along the map's axes, in [m, m, rad]."""
     accepted: list[Loop]
     """Loop closures in the graph."""
     rejected: Counter[str]
@@ -69,9 +69,9 @@ def built_of(
 
     Args:
         graph: keyframes with their poses.
-        rows: of each keyframe.
+        rows: row of the log of each keyframe.
         blind: number of motions that only the odometry measured.
-        before: poses without loop closures.
+        before: map_T_base of each keyframe without loop closures.
         resolution: side of a cell, in [m].
 
     Raises:

@@ -38,6 +38,8 @@ ODOMETRY_SIGMAS = ((0.02, 0.1, 0.05), (0.01, 0.02, 0.1))
 def odometry_information(moved: Pose2) -> FloatArray:
     """Return the information (3, 3) of a motion measured by uncalibrated wheels, in [1/m²] and [1/rad²].
 
+    Rows are x, y and heading, in the base frame before the motion.
+
     Args:
         moved: pose after the motion in the pose before it.
     """
@@ -51,9 +53,11 @@ def chain(
 ) -> tuple[list[Pose2], list[Edge], int]:
     """Return the pose of each keyframe, the edges between neighbours, and how many have only odometry.
 
+    Poses are in the base frame of the first keyframe.
+
     Args:
         keyframes: in order of time.
-        heard: receives the finished share.
+        heard: receives the finished share, 0 to 1.
     """
     poses, edges, blind = [Pose2(0.0, 0.0, 0.0)], list[Edge](), 0
     for number in range(1, len(keyframes)):
@@ -77,8 +81,8 @@ def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[E
     odometry alone is measured from the last keyframe.
 
     Args:
-        poses: of the keyframes in order, that of the last one as the match found it.
-        match: of the last keyframe, in the frame of the one before.
+        poses: poses of the keyframes in order, in one frame; that of the last one as the match found it.
+        match: match of the last keyframe; its pose is in the frame of the one before.
         points: number of the keyframe's points on surfaces.
     """
     last = len(poses) - 1
@@ -95,7 +99,15 @@ def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[E
 
 
 def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMatch:
-    """Return the motion by scans and odometry; by odometry alone if the scans do not fit."""
+    """Return the motion by scans and odometry; by odometry alone if the scans do not fit.
+
+    Motions up to `SEARCH_M` and `SEARCH_RAD` from the odometry's are looked for.
+
+    Args:
+        reference: surfaces of earlier keyframes, in the base frame before the motion.
+        surface: surface of the scan after it, in the base frame then.
+        moved: motion by odometry, base_T_base from before to after.
+    """
     prior = odometry_information(moved)
     match = match_surfaces(reference, surface, moved, prior)
     if match.inliers < GOOD_INLIERS:
@@ -110,7 +122,13 @@ def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMa
 
 
 def submap(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], frame: Pose2) -> Surface:
-    """Return the surfaces of keyframes in the frame of one pose."""
+    """Return the surfaces of keyframes in the frame of one pose.
+
+    Args:
+        keyframes: the keyframes.
+        poses: pose of each keyframe, in any one frame.
+        frame: pose whose frame is wanted, in the same frame.
+    """
     return merge_surfaces(
         [
             keyframe.surface.moved(pose.relative_to(frame))

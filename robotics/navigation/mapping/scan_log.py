@@ -82,7 +82,7 @@ def keyframe_of(
     """Return a scan as a keyframe.
 
     Args:
-        row: its number.
+        row: row of the scan in the log.
         odometry: odom_T_base.
         beams: angles (b,) in the sensor frame in [rad], and ranges (b,) in [m], as in `ScanLog`.
         mount: base_T_sensor.

@@ -27,7 +27,12 @@ class Surface:
     """Points on surfaces, each with the surface's normal, which points to the side that was seen."""
 
     def __init__(self, points: FloatArray, normals: FloatArray) -> None:
-        """Store `points` (n, 2) in [m] and unit `normals` (n, 2)."""
+        """Store points and normals.
+
+        Args:
+            points: (n, 2) in any one frame, in [m].
+            normals: (n, 2) unit vectors in the same frame.
+        """
         self.points, self.normals = points, normals
 
     @cached_property

@@ -36,14 +36,14 @@ class Hypothesis(NamedTuple):
 def search_window(
     surface_points: FloatArray, points: FloatArray, centre: Pose2, reach: float, reach_turn: float
 ) -> list[Hypothesis]:
-    """Return the best poses of a window, the best first, each at least `APART_M` from the others.
+    """Return up to five poses of a window, the best first, each `APART_M` or `APART_RAD` from the others.
 
     Args:
         surface_points: (n, 2) of the reference, in its frame, in [m].
         points: (m, 2) in the moved frame, in [m].
-        centre: reference_T_moved in the middle of the window.
+        centre: reference_T_moved in the middle of the window, whose sides are along the reference axes.
         reach: half side of the window, in [m].
-        reach_turn: half of the turns tried, in [rad].
+        reach_turn: largest turn from `centre` to either side, in [rad].
     """
     if not len(surface_points) or not len(points):
         return []
@@ -76,7 +76,7 @@ def _steps(reach: float, step: float) -> FloatArray:
 
 
 def _blurred(points: FloatArray) -> tuple[SingleArray, FloatArray]:
-    """Return the score of each cell (h, w), and the lower-left corner (2,) in [m]."""
+    """Return the score of each cell (h, w), row 0 at the lowest y, and the lower-left corner (2,) in [m]."""
     low = points.min(axis=0) - MARGIN_M
     cells = ((points - low) / CELL_M).astype(np.int64)
     width, height = ((points.max(axis=0) + MARGIN_M - low) / CELL_M).astype(np.int64) + 1

@@ -17,9 +17,9 @@ class Nearest(NamedTuple):
     """The nearest solid cell to a point."""
 
     distance: float
-    """Distance in [m]; 0 inside of the cell, inf if the map is empty."""
+    """Distance to the cell's square in [m]; 0 inside of the cell, inf if the map is empty."""
     point: FloatArray
-    """Point (2,) of that cell that is nearest, in [m]; NaN if the map is empty."""
+    """Point (2,) of that cell that is nearest, on the map, in [m]; NaN if the map is empty."""
 
 
 class Clearances:
@@ -53,7 +53,7 @@ class Clearances:
             self.between_centres = np.asarray(away, dtype=np.float32)
 
     def nearest(self, point: tuple[float, float]) -> Nearest:
-        """Return the nearest solid cell to (x, y), in [m]."""
+        """Return the nearest solid cell to a point (x, y) on the map, in [m]."""
         if self.empty:
             return Nearest(math.inf, np.full(2, np.nan))
         x, y = self._scaled(np.array([point[:2]]))[0].tolist()
@@ -91,9 +91,9 @@ def nearest_square(
 
     Args:
         solid: (h, w) True for solid cells.
-        between_centres: (h, w) distance between centres, in [cells], see `Clearances`.
-        x: of the point, in [cells].
-        y: of the point, in [cells].
+        between_centres: (h, w) distance of each cell's centre to the nearest solid cell's centre, in [cells].
+        x: x of the point, in [cells] from the map's lower-left corner.
+        y: y of the point, in [cells] from the map's lower-left corner.
     """
     height, width = solid.shape
     column = min(max(math.floor(x), 0), width - 1)

@@ -23,7 +23,7 @@ class ExpectedEchoes(NamedTuple):
     cells: IntArray
     """Number (n,) of the first such cell in the map, by rows; -1 if the beam meets none."""
     ranges: FloatArray
-    """Range (n,) of that cell, in [m]; infinity if the beam meets none."""
+    """Range (n,) of that cell, in [m], in steps of the side of a cell; infinity if the beam meets none."""
 
 
 def expected_echoes(grid: GridMap, map_T_sensor: Pose2, angles: FloatArray, reach: float) -> ExpectedEchoes:

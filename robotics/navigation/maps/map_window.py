@@ -13,8 +13,8 @@ def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
 
     Args:
         grid: the map.
-        x: of the square's centre, in [m].
-        y: of the square's centre, in [m].
+        x: x of the square's centre on the map, in [m].
+        y: y of the square's centre on the map, in [m].
         half: half of its side, in [m].
     """
     corners = grid.to_cell(np.array([[x - half, y - half], [x + half, y + half]]))
@@ -53,7 +53,7 @@ def _any_of(cells: BoolArray, factor: int, beyond: bool) -> BoolArray:
 
 
 def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
-    """Return a map on which the cells of points (n, 2) in [m] are occupied; others are as before."""
+    """Return a map on which the cells of points (n, 2) on it, in [m], are occupied; others are as before."""
     if not len(points):
         return grid
     rows, columns = grid.to_cell(points[grid.inside(points)]).T
@@ -63,7 +63,7 @@ def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
 
 
 def is_within(grid: GridMap, points: FloatArray, margin: float) -> BoolArray:
-    """Return (n,) which points (n, 2) in [m] are on a map, by a margin in [m] from its border."""
+    """Return a mask (n,) of the points (n, 2), in [m], that are on a map and `margin` [m] from its border."""
     low = np.array([grid.origin_x, grid.origin_y])
     high = low + np.array(grid.occupied.shape[::-1]) * grid.resolution
     within: BoolArray = np.all((points >= low + margin) & (points <= high - margin), axis=1)

@@ -16,9 +16,9 @@ class MovedThing(NamedTuple):
     """Outlines of a thing on the map, as it was when the map was made and as it was measured."""
 
     before: FloatArray
-    """(n, 2) corners of a convex polygon, counter-clockwise, in [m]."""
+    """(n, 2) corners of a convex polygon on the map, counter-clockwise, in [m]."""
     now: FloatArray
-    """(n, 2) likewise."""
+    """(n, 2) corners of the same polygon where it was measured, counter-clockwise, in [m]."""
 
 
 def with_moved(grid: GridMap, things: Iterable[MovedThing]) -> GridMap:
@@ -43,8 +43,8 @@ def beside(points: FloatArray, outline: FloatArray, margin: float) -> BoolArray:
     """Return a mask (k,) of the points within a convex polygon or at most a margin away from its sides.
 
     Args:
-        points: (k, 2) in [m].
-        outline: (n, 2) corners, counter-clockwise, in [m].
+        points: (k, 2) in any one frame, in [m].
+        outline: (n, 2) corners in the same frame, counter-clockwise, in [m].
         margin: distance from the lines through the sides, in [m].
     """
     sides = np.roll(outline, -1, axis=0) - outline

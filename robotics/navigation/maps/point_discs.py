@@ -13,6 +13,9 @@ HIDDEN_DEPTH_M = 0.25  # [m] by which a thing may be deeper than it was seen
 def point_discs(points: FloatArray) -> FloatArray:
     """Return discs (n, 3), x, y and radius in [m], of the things that points lie on.
 
+    Points that are chained by gaps of `MAX_POINT_GAP_M` at most lie on one thing. Its disc holds them, and
+    `HIDDEN_DEPTH_M` more.
+
     Args:
         points: (m, 2) in any one frame, in [m].
     """

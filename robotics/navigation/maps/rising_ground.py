@@ -12,10 +12,10 @@ MAX_GROUND_SLOPE = 0.15  # [m/m] by which ground may rise from the base
 
 
 def may_be_ground(points: FloatArray, height: float, tilt: tuple[float, float]) -> BoolArray:
-    """Return True for points (n, 2) of a scan that lie so low that ground may reach them.
+    """Return a mask (n,) of the points of a scan that lie so low that ground may reach them.
 
     On a tilted base a beam sinks with its length, or the ground rises to it. An obstacle is higher: it
-    differs from the ground once it is so near that ground isn't that steep.
+    differs from the ground once it is so near that ground isn't that steep, `MAX_GROUND_SLOPE` at most.
 
     Args:
         points: (n, 2) in the base frame, in [m].

@@ -50,7 +50,7 @@ class BentWay(_BentSums):
             x: of the step on the map, in [m].
             y: of the step on the map, in [m].
             variance: of the heading, in [rad²].
-            slip: part of the variance that this step has added.
+            slip: part of the variance that this step has added, in [rad²].
         """
         along, aside = rest_sigmas(variance)
         rest = self.rest + np.array([[along * x, along * y], [-aside * y, aside * x]])

@@ -14,7 +14,7 @@ from .odometry import Odometry, OdometryErrors, SidewaysErrors
 
 
 class HolonomicOdometry(Odometry):
-    """Integrates the travel of both sides and the travel sideways: three degrees of freedom.
+    """Odometry by the travel of both sides and the travel sideways, with three degrees of freedom.
 
     Wheels of unequal size or load turn a base that drives sideways, and move it ahead: on mecanum wheels
     these errors are larger than those of driving ahead (Adascalitei and Doroftei 2011). They stay the same,
@@ -73,7 +73,7 @@ class HolonomicOdometry(Odometry):
         return float(by_scale @ self._state[3:, 3:] @ by_scale)
 
     def _slip_covariance(self, left: float, right: float, sideways: float, tread: float) -> FloatArray:
-        """Return (3, 3) of the motion ahead, to the left in [m] and of the turn in [rad]."""
+        """Return the covariance (3, 3) by slip of the motion ahead, to the left, and turn, in [m, m, rad]."""
         length = self._errors.slip_length * self.slip_factor
         slip = self._errors.slip**2 * length
         by_side = np.array([[0.5, 0.5], [0.0, 0.0], [-1.0 / tread, 1.0 / tread]])
@@ -103,7 +103,7 @@ def _twist(forward: float, left: float, turn: float) -> Pose2:
 
 
 def _body_jacobian(moved: Pose2, heading: float, turn: float) -> FloatArray:
-    """Return (3, 3) of x, y, heading on the map by motion ahead, to the left, and turn."""
+    """Return the derivative (3, 3) of x, y, heading on the map by motion ahead, to the left, and turn."""
     middle = heading + 0.5 * turn
     cos, sin = math.cos(middle), math.sin(middle)
     x = math.cos(heading) * moved.x - math.sin(heading) * moved.y

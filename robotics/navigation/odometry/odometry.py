@@ -45,7 +45,7 @@ class OdometryErrors(NamedTuple):
 
 
 class Odometry:
-    """Integrates wheel travel into a pose, and its errors into a covariance.
+    """Pose of a differential drive by its wheels' travel, with the covariance of their errors.
 
     Errors of wheel radius and tread stay the same for the whole drive, so their effect grows with distance,
     not with its square root. They are therefore carried as three more states; a pose that was measured
@@ -247,7 +247,10 @@ class Odometry:
         return 0.0
 
     def turn_variance(self, left: float, right: float, sideways: float = 0.0) -> float:
-        """Variance in [rad²] of a turn by the errors of the wheels, over their travel in [m]."""
+        """Return the variance in [rad²] of a turn by the constant errors of the wheels.
+
+        Arguments are travel in [m]; `sideways` is positive to the left. Slip is not included.
+        """
         by_scale = np.array([-left, right, -(right - left)]) / self.tread
         return float(by_scale @ self._state[3:6, 3:6] @ by_scale)
 

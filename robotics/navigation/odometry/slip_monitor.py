@@ -33,6 +33,7 @@ class RolledWay(NamedTuple):
 class SlipMonitor:
     """Estimator of the wheels' slip, by the turns that scans correct and their variance (Mehra, 1970).
 
+    Turns are summed up over windows of `WINDOW_M` of a wheel's travel, and the last ten windows are averaged.
     Scans determine the heading wherever a wall is seen, also along a corridor. Slip of both wheels alike does
     not show in the heading; it is assumed to be as large as that of a single wheel.
     """
@@ -46,18 +47,24 @@ class SlipMonitor:
 
     @property
     def factor(self) -> float:
-        """Factor of the slip's variance relative to the assumed one; at least 1."""
+        """Factor of the slip's variance relative to the assumed one, 1 to 400; 1 before three windows."""
         if len(self._ratios) < MIN_WINDOWS:
             return 1.0
         return min(MAX_FACTOR, max(1.0, math.fsum(self._ratios) / len(self._ratios)))
 
     @property
     def begun(self) -> bool:
-        """True if a window has just begun."""
+        """True if a new window of travel has just begun."""
         return self._rolled == 0.0
 
     def roll(self, left: float, right: float, variance: float) -> None:
-        """Count wheels' travel in [m], and the `variance` in [rad²] that slip is claimed to add by it."""
+        """Count the wheels' travel, and the variance that slip is claimed to add by it.
+
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, or sideways travel if that is more, in [m].
+            variance: claimed variance of the turn by slip, in [rad²].
+        """
         self._rolled += max(abs(left), abs(right))
         self._claimed += variance
 
@@ -65,7 +72,7 @@ class SlipMonitor:
         """Count a turn in [rad] that a scan found the wheels to have missed.
 
         Args:
-            missed: correction of the heading, in [rad].
+            missed: heading by the scan less heading by the wheels, in [rad].
             other: variance in [rad²] of the turn in the window for other reasons than slip.
         """
         self._missed += missed
@@ -76,10 +83,18 @@ class SlipMonitor:
         self.begin()
 
     def begin(self) -> None:
-        """Start a new window, and drop the counts of the present one."""
+        """Start a new window of travel, and drop the counts of the present one."""
         self._missed = self._claimed = self._rolled = 0.0
 
 
 def turn_variance(slip: float, length: float, left: float, right: float, tread: float) -> float:
-    """Variance in [rad²] of a turn by slip over wheels' travel in [m]; see `OdometryErrors`."""
+    """Return the variance in [rad²] of a turn by slip.
+
+    Args:
+        slip: relative error (sigma) of each wheel's travel, new every `length`.
+        length: distance after which the slip is new, in [m].
+        left: travel of the left wheels, in [m].
+        right: travel of the right wheels, in [m].
+        tread: distance of the wheels, in [m].
+    """
     return slip**2 * length * (abs(left) + abs(right)) / tread**2 if math.isfinite(left + right) else 0.0

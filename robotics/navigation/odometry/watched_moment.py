@@ -104,7 +104,9 @@ class WatchedMoment(NamedTuple):
         return self._replace(shared=np.zeros_like(self.shared))
 
     def relative_pose(self, now: Belief) -> Belief:
-        """Return the pose of `now` in the frame of then, (3,) and (3, 3); x, y, heading are the first states.
+        """Return then_T_now: mean (3,) of x, y in [m] and heading in [rad], and covariance (3, 3).
+
+        The first three states have to be x, y and heading; the heading of the mean isn't wrapped.
 
         Errors common to both moments cancel, and the absolute heading does not matter.
         """
@@ -142,7 +144,7 @@ def spread_about(
     """Return the covariance (n, n) of a mixture, in units of the states squared.
 
     Args:
-        away: (k, n) distances of the parts' means from that of the mixture.
+        away: (k, n) means of the parts less that of the mixture.
         weights: (k,) weights of these distances.
         covariances: (k, n, n) of the parts.
         shares: (k,) weights of the covariances.
@@ -166,7 +168,7 @@ def _corrected(
     residual: FloatArray,
     variance: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """See `WatchedMoment.corrected`: mean, spread and shared of the states then."""
+    """Return mean (k,), covariance (k, k) and shared covariance (k, n) of the states then, after readings."""
     seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
     gain = solved(seen, rows @ shared.T).T
     spread = spread - gain @ seen @ gain.T

@@ -13,8 +13,8 @@ WRONG_SIGMAS = 3.0  # sigmas beyond which what is claimed is wrong
 class WayMonitor:
     """Test for a scale error of the wheels' travel, by the sum of the scans' forward corrections.
 
-    The sum over a window of travel is compared with its expected spread (Mehra, 1970). The filter alone
-    hardly notices such an error, because it takes each single correction for the map's error.
+    The sum over a window of travel, 10 m at most, is compared with its expected spread (Mehra, 1970). The
+    filter alone hardly notices such an error, because it takes each single correction for the map's error.
     """
 
     STATE: ClassVar = {"_missed": float, "_way": float, "_claimed": float, "_next": float}
@@ -24,7 +24,7 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def roll(self, way: float, variance: float) -> None:
-        """Count a way in [m], signed, and the `variance` in [m²] that slip is claimed to add by it."""
+        """Count a way in [m], negative backwards, and the `variance` in [m²] that slip is claimed to add."""
         self._way += way
         self._claimed += variance
 
@@ -36,7 +36,7 @@ class WayMonitor:
         """Add a forward correction; return the relative scale error if it is significant, otherwise 0.
 
         Args:
-            missed: forward correction of the pose, in [m].
+            missed: position by the scan less position by the wheels, along the heading, in [m].
             map_sigma: sigma of the map's error at one place, in [m].
             scale_variance: assumed relative variance of the length of travel.
         """

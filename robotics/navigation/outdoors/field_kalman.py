@@ -113,7 +113,7 @@ class FieldKalman:
 
     @property
     def belief(self) -> Belief:
-        """Mean (13,) and covariance (13, 13) of all states."""
+        """Mean (13,) and covariance (13, 13) of all states of `FieldModel`, in SI units."""
         return Belief(self._mean, self._spread)
 
     def mark(self) -> Belief:
@@ -131,7 +131,7 @@ class FieldKalman:
 
     @property
     def relative_pose(self) -> Belief:
-        """origin_T_base: x, y, heading, mean (3,) and covariance (3, 3); the heading isn't wrapped."""
+        """origin_T_base: mean (3,) of x, y in [m] and heading in [rad], not wrapped; covariance (3, 3)."""
         if self._origin is None:
             raise ValueError("no origin was set")
         return self._origin.relative_pose(self.belief)

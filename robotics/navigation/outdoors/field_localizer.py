@@ -31,7 +31,7 @@ class Inconsistency(NamedTuple):
 
 
 class FieldLocalizer(ABC):
-    """Estimates world_T_base from wheels, gyros, accelerometers and GPS; world is x east, y north.
+    """Estimator of world_T_base from wheels, gyros, accelerometers and GPS; world is x east, y north.
 
     Between two steps of the filter its pose is carried on by gyro odometry: there is a new one each period.
     """
@@ -46,7 +46,12 @@ class FieldLocalizer(ABC):
     """True if it uses ranges to beacons."""
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
-        """Start at a pose; for `euler` see `GyroOdometry`."""
+        """Start at a pose.
+
+        Args:
+            start: world_T_base.
+            euler: False to take body rates for rates of roll, pitch and yaw, as the paper has them.
+        """
         self.refusal = ""
         """Why the latest fix wasn't believed, in words; empty if it was."""
         self.log_likelihood = math.nan
@@ -72,7 +77,9 @@ class FieldLocalizer(ABC):
 
     @property
     def meanwhile(self) -> Belief | None:
-        """Pose (3,) and covariance (3, 3) by the fixes while the heading is unknown; None once it is known.
+        """Pose by the fixes while the heading is unknown; None once it is known.
+
+        Mean (3,) and covariance (3, 3) of x, y in the field's frame in [m] and heading in [rad].
 
         `pose` is by wheels and gyros alone until then, so that the base comes back to where it was.
         """
@@ -131,11 +138,11 @@ class FieldLocalizer(ABC):
         return Belief(np.array([x, y, wrap(turn)]), covariance)
 
     def predict(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
-        """Take in one period's readings (see `GyroOdometry.update`).
+        """Take in one period's readings; a reading that isn't finite is replaced by the one before.
 
         Args:
             rates: (3,) angular velocities in the base's axes, in [rad/s].
-            accelerations: (3,) in the base's axes, in [m/s²].
+            accelerations: (3,) specific force in the base's axes, gravity included (z up at rest), in [m/s²].
             wheels: (2,) travel of the left and right wheel in the period, in [m].
             dt: length of the period, in [s].
         """
@@ -170,7 +177,10 @@ class FieldLocalizer(ABC):
         return None
 
     def smoothed(self) -> list[Belief]:
-        """Return the poses at the marked moments, by all readings so far; empty without a smoother."""
+        """Return the states at the marked moments, x, y and heading first; empty without a smoother.
+
+        They are estimated by all readings so far, also later ones.
+        """
         return []
 
     def forget_derived(self) -> None:
@@ -190,8 +200,9 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _relative_pose(self) -> Belief:
-        """Return x, y and heading (3,) of the filter's last step in the frame of the origin, and their
-        covariance (3, 3).
+        """Return origin_T_base of the filter's last step: x, y in [m] and heading in [rad].
+
+        Mean (3,) and covariance (3, 3).
         """
 
     @abstractmethod

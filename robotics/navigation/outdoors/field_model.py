@@ -21,9 +21,10 @@ TILT_SIGMA_RAD = math.radians(0.17)  # error of an ordinary levelled acceleromet
 class FieldModel(NamedTuple):
     """Thirteen states, and how they change with the readings of wheels and gyro.
 
-    x, y, heading; relative error of the wheels' travel: constant, in curves (new on each leg), slow;
-    angle from the heading to the direction of travel; the vertical gyro's bias, its part that warms away, its
-    scale; slow error of the fixes in x and y, and by how many seconds they come too late.
+    In this order: x, y in the field's frame in [m], heading in [rad]; relative error of the wheels' travel,
+    first the constant one, then that in curves (new on each leg), then the slow one; angle from the heading
+    to the direction of travel in [rad]; the vertical gyro's bias and its part that warms away in [rad/s], its
+    relative scale; slow error of the fixes in x and y in [m], and their delay in [s].
     """
 
     noise: FieldNoise
@@ -51,7 +52,11 @@ class FieldModel(NamedTuple):
 
     @property
     def figures(self) -> FloatArray:
-        """Parameters (11,) of the noise in SI units, in the order in which `field_step` takes them."""
+        """Parameters (11,) of the noise in SI units, in the order in which `field_step` takes them.
+
+        `slip`, `slip_length`, `turn_slip`, `side_slip`, `side_slip_length`, `side_slip_turning`,
+        `gyro_white`, `gyro_walk`, `gyro_warm_up_time`, slow error of a fix, `gps_drift_time`.
+        """
         n = self.noise
         ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]
         gyro = [n.gyro_white, n.gyro_walk, n.gyro_warm_up_time]
@@ -82,13 +87,15 @@ class FieldModel(NamedTuple):
 def field_step(
     mean: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return mean (13,), transition (13, 13) and added variances (13,) of one step; see `FieldModel.step`.
+    """Return mean (13,), transition (13, 13) and added variances (13,) of one step of `FieldModel`.
+
+    The covariance after it is transition @ covariance @ transition.T + diag(added).
 
     Args:
         mean: (13,) states before the step, in SI units.
-        advance: (6,) fields of `Advance`.
+        advance: (6,) forward in [m], turn and drift in [rad], time and rest in [s], still in [rad].
         new_leg: True if the base changed its direction of driving.
-        figures: (11,) see `FieldModel.figures`.
+        figures: (11,) parameters of the noise in SI units, in the order of `FieldModel.figures`.
     """
     forward, turn, drift, time, rest, _ = advance
     slip, slip_length, turn_slip, side, side_length, side_turning = figures[:6]
@@ -145,14 +152,14 @@ def field_step(
 def went_on(
     mean: FloatArray, covariance: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return mean (13,), covariance (13, 13) and transition (13, 13) after a step; see `FieldModel.step`.
+    """Return mean (13,), covariance (13, 13) and transition (13, 13) after a step of `FieldModel`.
 
     Args:
         mean: (13,) states before the step, in SI units.
         covariance: (13, 13) before the step.
-        advance: (6,) fields of `Advance`.
+        advance: (6,) forward in [m], turn and drift in [rad], time and rest in [s], still in [rad].
         new_leg: True if the base changed its direction of driving.
-        figures: (11,) see `FieldModel.figures`.
+        figures: (11,) parameters of the noise in SI units, in the order of `FieldModel.figures`.
     """
     mean, transition, added = field_step(mean, advance, new_leg, figures)
     return mean, carried(covariance, transition, added), transition

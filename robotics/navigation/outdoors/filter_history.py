@@ -34,6 +34,6 @@ class FixResult(NamedTuple):
     log_likelihood: float
     """Logarithm of the fix's likelihood before the update, under the filter's noise model."""
     square: float
-    """Squared distance to where the fix was expected, in sigmas: 2 on average."""
+    """Squared Mahalanobis distance of the fix to its expected position, 2 on average."""
     why: str = ""
     """Reason why the fix was not believed, in words; empty if it was."""

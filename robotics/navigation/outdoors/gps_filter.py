@@ -42,7 +42,7 @@ class GpsFilter(FieldLocalizer):
     """
 
     REST_PERIOD: ClassVar[float] = 1.0
-    """See `FieldLocalizer`; nothing but slow errors change at rest."""
+    """Duration of a filter step at rest, in [s]; nothing but slow errors change then."""
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
         "_weights": FloatArray,

@@ -26,12 +26,12 @@ BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer
 
 
 class Advance(NamedTuple):
-    """Motion since the last step of the filter, by wheels and gyro."""
+    """Motion since the last step of the filter, by wheels and vertical gyro."""
 
     forward: float
-    """Level travel over ground, in [m]."""
+    """Level travel over ground, in [m]; negative backwards."""
     turn: float
-    """Change of the heading, without the bias known so far, in [rad]."""
+    """Change of the heading, without the bias known so far, in [rad], positive to the left."""
     drift: float
     """Turn by the known bias, which was taken out of `turn`, in [rad]."""
     time: float
@@ -43,7 +43,7 @@ class Advance(NamedTuple):
 
 
 class GyroOdometry:
-    """Integrates wheel travel along the attitude from the gyros; cancels their drift in each stop.
+    """Odometry by wheel travel along the attitude from the gyros, whose drift is cancelled in each stop.
 
     At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading is constant. A
     base is at rest when its accelerometers have been quiet for half a second and its wheels have been
@@ -54,7 +54,7 @@ class GyroOdometry:
     """Attributes that change, with their types."""
 
     def __init__(self, start: Pose2 = Pose2(0.0, 0.0, 0.0), euler: bool = True) -> None:
-        """Start at a pose; without `euler` body rates count as rates of angles, as the paper has them."""
+        """Start at a pose; without `euler`, body rates count as rates of roll, pitch, yaw, like the paper."""
         self._euler = euler
         self._state = np.zeros(19)
         self._state[:2], self._state[3] = start[:2], start.theta
@@ -63,12 +63,12 @@ class GyroOdometry:
 
     @property
     def pose(self) -> Pose2:
-        """Pose by odometry in the frame of the start."""
+        """Pose of the base by odometry alone, in the frame in which the start was given."""
         return Pose2(float(self._state[0]), float(self._state[1]), wrap(float(self._state[3])))
 
     @property
     def height(self) -> float:
-        """Height above the start, in [m]."""
+        """Height of the base above the start by odometry alone, in [m]."""
         return float(self._state[2])
 
     @property
@@ -101,7 +101,7 @@ class GyroOdometry:
 
         Args:
             rates: (3,) angular velocities in the base's axes, in [rad/s].
-            accelerations: (3,) in the base's axes, in [m/s²].
+            accelerations: (3,) specific force in the base's axes, gravity included (z up at rest), in [m/s²].
             wheels: (2,) travel of the left and right rear wheel in the period, in [m].
             dt: length of the period, in [s].
         """
@@ -138,7 +138,7 @@ def _angle_rates(roll: float, pitch: float, rates: FloatArray) -> tuple[float, f
 
 @compiled
 def _levelled(force: FloatArray) -> tuple[float, float]:
-    """Roll and pitch by gravity."""
+    """Return roll and pitch, in [rad], by specific force (3,) at rest."""
     return math.atan2(force[1], force[2]), math.atan2(-force[0], math.hypot(force[1], force[2]))
 
 

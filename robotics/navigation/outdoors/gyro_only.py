@@ -17,8 +17,12 @@ class GyroOnly(GpsFilter):
     TAKES_FIXES: ClassVar = False
 
     def __init__(self, start: Pose2, noise: FieldNoise, start_position: float) -> None:
-        """Start with `noise` as the only hypothesis, because without fixes all are alike. Arguments as of
-        `GpsFilter`.
+        """Start with `noise` as the only hypothesis, because without fixes all are alike.
+
+        Args:
+            start: world_T_base.
+            noise: noise model of wheels and gyros.
+            start_position: sigma of the start's position along each axis, in [m].
         """
         super().__init__(start, noise, start_position, supposed=[NoiseHypothesis(noise, 1.0, 0)])
 

@@ -39,7 +39,7 @@ _BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in ran
 
 
 class HeadingBank:
-    """Weighs headings all around by the likelihood of the fixes under each (multiple models, Magill, 1965).
+    """Filters with headings all around, weighted by the fixes' likelihoods (multiple models, Magill, 1965).
 
     Each heading has an extended Kalman filter with all states of `FieldModel`. So a slow error of the fixes
     cancels between fixes that are near in time, and a gyro's bias, slipping wheels and late fixes are found
@@ -58,9 +58,15 @@ class HeadingBank:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, start: Pose2, noise: FieldNoise, start_position: float) -> None:
-        """See `begin`; `noise` is the noise model of wheels, gyros and GPS.
+        """Begin at a place, with any heading.
 
-        Fixes without any slow error would be believed too much: where one jumps, nothing else shows it yet.
+        Fixes without any slow error would be believed too much, because where one jumps, nothing else shows
+        it yet: at least `LEAST_DRIFT` of their white error is assumed.
+
+        Args:
+            start: world_T_base; its heading is the first one that is tried.
+            noise: noise model of wheels, gyros and GPS.
+            start_position: sigma of the position along each axis, in [m].
         """
         self._noise = noise
         supposed = noise._replace(start_heading=0.6 * 2.0 * math.pi / HEADING_COUNT)
@@ -89,7 +95,7 @@ class HeadingBank:
 
     @property
     def belief(self) -> Belief:
-        """Mean (13,) and covariance (13, 13) of the mixture, the heading about the likeliest one."""
+        """Mean (13,) and covariance (13, 13) of the mixture, in SI units, the heading near the likeliest."""
         best = self._means[int(np.argmax(self._weights))]
         away = self._means - best
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
@@ -103,7 +109,7 @@ class HeadingBank:
         return Pose2(x, y, wrap(heading))
 
     def is_known(self, sigma: float) -> bool:
-        """Return whether the heading is known to `sigma` [rad]."""
+        """Return whether the heading is known to `sigma` [rad], after `MIN_FIXES` fixes or more."""
         if self._fixes < MIN_FIXES or self._odd > 0.5 * MAX_ODD:
             return False
         return float(self.belief.covariance[2, 2]) <= sigma**2

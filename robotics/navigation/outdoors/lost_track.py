@@ -24,11 +24,11 @@ class FoundTrack(NamedTuple):
 
     pose: Pose2
     covariance: FloatArray
-    """(3, 3) in [m, m, rad]."""
+    """(3, 3) of x, y and heading in the field's frame, in [m, m, rad]."""
 
 
 class LostTrack:
-    """Compares the shape of the odometry's track with that of the fixes refused in a row.
+    """Comparison of the shape of the odometry's track with that of the fixes refused in a row.
 
     A wrong heading shows as soon as the robot moves: the fixes lie on the odometry's track, but turned about.
     A shift without a turn is what a reflection looks like too: it is believed only after `patience` fixes.
@@ -61,10 +61,14 @@ class LostTrack:
                 count -= 1
 
     def found(self, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
-        """Return a pose that explains the refused fixes, of `sigma` [m] an axis, better than `estimate`, or
-        None.
+        """Return a pose that explains the refused fixes better than the estimate; None without one.
 
-        `heading_sigma` of the estimate, in [rad].
+        It needs `MIN_REVIEWED_FIXES` refused in a row. After a result all fixes are forgotten.
+
+        Args:
+            sigma: standard deviation of a fix along each axis, in [m].
+            estimate: pose by the filter now, in the field's frame.
+            heading_sigma: standard deviation of its heading, in [rad].
         """
         tracks = np.array(self._tracks)
         believed = np.flatnonzero(tracks[:, 5])

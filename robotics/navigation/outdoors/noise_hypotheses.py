@@ -44,7 +44,10 @@ def _badness(noise: FieldNoise) -> tuple[float, float, float]:
 
 
 def noise_hypotheses(given: FieldNoise) -> list[NoiseHypothesis]:
-    """Return each GNSS condition combined with each ground, the given one first and worse ones later."""
+    """Return each GNSS condition combined with each ground, the given one first and worse ones later.
+
+    In all of them the delay of fixes has a sigma of `MAX_FIX_DELAY_S` or more.
+    """
     given = given._replace(gps_delay=max(given.gps_delay, MAX_FIX_DELAY_S))
     found: list[NoiseHypothesis] = []
     skies = [(_drifting(given, sigma, time), share) for sigma, time, share in GNSS_CONDITIONS[1:]]

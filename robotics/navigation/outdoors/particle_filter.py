@@ -178,7 +178,10 @@ class ParticleFilter(FieldLocalizer):
 def _predict(
     particles: FloatArray, rng: np.random.Generator, forward: float, turn: float, along: float, across: float
 ) -> None:
-    """Phase 2: move each particle (6, n) by the odometry's step with random errors."""
+    """Phase 2: move the particles by the odometry's step with random errors.
+
+    Rows of `particles` (6, n) are x, y in [m] and heading in [rad], now and at the origin.
+    """
     for i in range(particles.shape[1]):
         way = forward + along * rng.standard_normal()
         bend = turn + across * rng.standard_normal()

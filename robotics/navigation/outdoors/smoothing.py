@@ -32,7 +32,7 @@ class Entries(NamedTuple):
 
 
 class TrackRecord:
-    """Records a Kalman filter's run at some marked moments, and smooths them.
+    """Record of a Kalman filter's run at some marked moments, from which these are smoothed.
 
     Readings between two of them are combined as they come, so a record grows with the number of marked
     moments, not with time.
@@ -90,7 +90,7 @@ class TrackRecord:
             self._latest = self._latest.corrected_either(branches, rows, variance)
 
     def mark(self, now: Belief) -> None:
-        """Mark this moment for smoothing."""
+        """Mark this moment for smoothing; `now` is the filter's present belief."""
         if self._latest is not None:
             self._links.append(_Link(self._latest, now))
         self._latest = WatchedMoment.of(now)
@@ -107,7 +107,7 @@ class TrackRecord:
         self._links, self._latest = self._links[: entries.links], entries.latest
 
     def smoothed(self) -> list[Belief]:
-        """Return the beliefs at the marked moments, by all readings before and after them."""
+        """Return the beliefs at the marked moments, in order, by all readings before and after them."""
         return [belief for run in (*self._over, self._smoothed()) for belief in run]
 
     def _smoothed(self) -> list[Belief]:

@@ -31,7 +31,7 @@ WINDOW_MARGIN_M = 2.0  # from a window's border, that a part of a route on it ke
 
 
 class FarPlanner:
-    """Plans routes on a large map at the price of a small one.
+    """Planner of routes on a large map at the price of a small one.
 
     Larger cells are occupied where any of theirs is, so that a route on them is free. Narrow passages may be
     closed on them: if no route is found here, there may still be one.

@@ -22,7 +22,7 @@ WHOLE_PERIOD_S = 10.0  # between two searches on all cells of the map, which tak
 
 
 class FarReplanner:
-    """Decides whether to keep a route or to take another one, on a window of a large map.
+    """Decision whether to keep a route or to take another one, on a window of a large map.
 
     The rest of the route is that of `FarPlanner`. Where no way leads on within the window, another far route
     is looked for, and in the end one on all cells of the map, because larger cells close narrow passages.
@@ -65,7 +65,7 @@ class FarReplanner:
         better: bool,
         time: float,
     ) -> Generator[None, None, RouteLook]:
-        """Decide on the route from here in steps of about one graph of the window each; see `Replanner.look`.
+        """Decide on the route from here in steps of about one graph of the window each.
 
         Args:
             window: part of the map about the robot, with what was sensed.

@@ -131,9 +131,9 @@ def cheapest_nodes(
     heap would take longer to compile than it saves. All costs are prices of `EdgeTable`, in one unit.
 
     Args:
-        slots: (2e,) incidence as in `EdgeTable`.
-        slot_first: (n + 1,) as in `EdgeTable`.
-        ends: (e, 2) nodes.
+        slots: (2e,) edges at all nodes, one node after the other, each as 2 * edge + (0 or 1, its end there).
+        slot_first: (n + 1,) node i has slots[slot_first[i]:slot_first[i + 1]].
+        ends: (e, 2) numbers of the nodes at both ends of each edge.
         length: (e,) cost of each edge.
         start_cost: (n,) cost of beginning at each node, inf where that is impossible.
         goal_cost: (n,) cost of ending at each node, inf where that is impossible.

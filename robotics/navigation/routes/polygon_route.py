@@ -47,6 +47,13 @@ def polygon_routing(
     A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
     otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.
     Where none is found, the polygon is led straight through the middle of narrow places.
+
+    Args:
+        grid: the map; unknown cells count as blocked.
+        shape: polygon of the footprint.
+        start: x and y on the map, in [m].
+        goal: x and y on the map, in [m].
+        settings: clearance, reach of the ends, and rounding.
     """
     for may_be_tight in (False, True):
         for off in CELL_CENTRES:

@@ -36,17 +36,17 @@ class RouteLook(NamedTuple):
     kind: Literal["kept", "new", "none"]
     """Decision: keep the old route, take another one, or none leads to the goal."""
     points: FloatArray
-    """(n, 2) route to drive, from the robot on, in [m]; the old one where no way leads on."""
+    """(n, 2) route to drive, from the robot on, on the map, in [m]; the old one where no way leads on."""
     free: float
     """Length of the points that is free, in [m]."""
     obstacle: tuple[float, float] | None
-    """Position on the route at which it is not free, in [m]."""
+    """Position on the map of the first point of the route that is not free, in [m]; None if all are."""
     speeds: RoomSpeeds
     """Speed limits by the room beside the footprint."""
 
 
 class Replanner:
-    """Decides whether to keep a route or to take another one.
+    """Decision whether to keep a route or to take another one.
 
     A free route is kept unless another one costs less than `WORTH_RATIO` of it, so that two ways of about the
     same cost do not alternate.
@@ -109,7 +109,7 @@ class Replanner:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Decide on the route from here in steps that each take about as long as one graph; see `look`."""
+        """Decide on the route from here as `look` does, in steps each about as long as one graph."""
         squares = self._squares_of(grid)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
         speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)

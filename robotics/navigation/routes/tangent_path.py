@@ -35,7 +35,7 @@ class CarPath(NamedTuple):
     """A path that a car can drive forward, and how far it backs before and after."""
 
     poses: FloatArray
-    """(n, 3): x, y in [m], heading in [rad]."""
+    """(n, 3) x, y in [m], heading in [rad], in the frame of start and obstacles."""
     curvatures: FloatArray
     """(n,) in [1/m], positive to the left, of the piece that ends with the point."""
     length: float

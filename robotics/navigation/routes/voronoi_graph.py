@@ -42,6 +42,8 @@ class EdgeTable:
         price_along: (c,) like `along`, each step times the price of its cell; `BLOCKED_PRICE` more behind a
             step over a corner that is too narrow.
         price: (e,) price of each complete edge.
+        slots: (2e,) edges at all nodes, one node after the other, each as 2 * edge + (0 or 1, its end there).
+        slot_first: (n + 1,) node i has slots[slot_first[i]:slot_first[i + 1]].
     """
 
     def __init__(
@@ -101,7 +103,10 @@ class VoronoiGraph:
 
     @cached_property
     def graph(self) -> nx.MultiGraph:
-        """Nodes have `point` (x, y); edges `points` (k, 2), `length` and least `clearance`; all in [m]."""
+        """Graph for networkx, all on the map in [m].
+
+        Nodes have a `point` (x, y), edges `points` (k, 2), a `length` and the least `clearance`.
+        """
         return _network(self.map, self.edges, self.clearance)
 
     @property

@@ -35,9 +35,9 @@ class FieldValues(NamedTuple):
     """Values of a likelihood field at points."""
 
     distances: FloatArray
-    """(n,) in [m] to the nearest surface; inf outside the map."""
+    """Distances (n,) in [m] of the points to the nearest surface; inf outside the map."""
     slopes: FloatArray
-    """(n, 2) of the distances, along x and y."""
+    """Slopes (n, 2) of the distances along x and y of the map, without unit."""
 
 
 class LikelihoodField:
@@ -64,10 +64,11 @@ class LikelihoodField:
 
     @cached_property
     def facing(self) -> Uint16Array:
-        """Distances (8, h, w) of the cells to the nearest surface that faces the sensor, by `beam_sectors`.
+        """Distances (8, h, w) of the cells to the nearest surface that faces the sensor.
 
-        In whole steps, of which a cell has `STEPS_PER_CELL`, up to 255 cells. If the map was drawn from
-        echoes, (1, h, w): the distance to any surface.
+        The first index k is the direction of the beam on the map, k times 45 degrees. Distances are in whole
+        steps, of which a cell has `STEPS_PER_CELL`, up to 255 cells. If the map was drawn from echoes,
+        (1, h, w): the distance to any surface.
         """
         if self._is_drawn:
             return _in_steps(self.distance / np.float32(self.map.resolution))[None]
@@ -119,7 +120,7 @@ class LikelihoodField:
         return np.ascontiguousarray(points[~near])
 
     def _scaled(self, points: FloatArray) -> FloatArray:
-        """Column and row (n, 2), cell centres at whole numbers."""
+        """Return column and row (n, 2) in [cells], cell centres at whole numbers."""
         grid = self.map
         return (points - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
 
@@ -140,10 +141,12 @@ def _in_steps(cells: NDArray[np.floating[Any]]) -> Uint16Array:
 
 @compiled
 def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) -> Int32Array:
-    """Return (n,) index of each point's distances in `LikelihoodField.facing`, seen from a sensor.
+    """Return the index (n,) of each point's distances in `LikelihoodField.facing`, seen from a sensor.
+
+    It is k for a beam from the sensor to the point whose direction is nearest to k times 45 degrees.
 
     Args:
-        points: (n, 2) where beams ended, in [m].
+        points: (n, 2) where beams ended, on the map, in [m].
         sensor: x and y on the map, in [m].
         count: length of `facing`; 1 if no surface has a side.
     """
@@ -163,10 +166,10 @@ def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) ->
 
 @compiled
 def read_distance(distance: SingleArray, at: FloatArray) -> FloatArray:
-    """Return distances (n,), in [cells], interpolated bilinearly; infinity outside.
+    """Return distances (n,), in the unit of `distance`, interpolated bilinearly; infinity outside.
 
     Args:
-        distance: (h, w) of each cell to the nearest surface, in [cells].
+        distance: (h, w) of each cell to the nearest surface, in any unit.
         at: (n, 2) column and row; centres of cells are at whole numbers.
     """
     height, width = distance.shape
@@ -193,7 +196,7 @@ def read_field(
     """Return distances to the nearest surface, their slopes, and which points are in solid cells.
 
     Args:
-        facing: (k, h, w) distances, see `LikelihoodField.facing`.
+        facing: (k, h, w) distances in steps of 1 / `STEPS_PER_CELL` cells, as `LikelihoodField.facing`.
         occupied: (h, w) cells of the map.
         at: (n, 2) column and row of points, cell centres at whole numbers.
         sectors: (n,) which of the k distances each point reads.

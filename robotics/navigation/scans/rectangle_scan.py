@@ -74,9 +74,10 @@ def fit_rectangle(
     """Return a rectangle's pose; None if it isn't seen near its expected pose.
 
     Args:
-        scans: from one pose of the base.
+        scans: one or more scans from one pose of the base, outside the rectangle.
         size: of the rectangle along its x and y, in [m].
-        expected: pose of its middle in the base frame.
+        expected: expected pose of its middle in the base frame; the result is within `GATE_M` and
+            `MAX_TURN_RAD` of it.
         covariance: (3, 3) of the expected pose, x, y in [m] and heading in [rad].
         sigma: noise of a range, in [m].
     """

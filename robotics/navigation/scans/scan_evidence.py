@@ -61,11 +61,12 @@ def weakest_evidence(
 
     Args:
         grid: the map.
-        facing: (k, h, w) distances of its cells to the nearest surface, see `LikelihoodField.facing`.
+        facing: (k, h, w) distances of its cells to the nearest surface, as `LikelihoodField.facing`, in steps
+            of 1 / `STEPS_PER_CELL` cells.
         points: (n, 2) where beams ended, on the map, in [m].
         reading: values of the likelihood field at the points.
         pose: map_T_base that fits best.
-        information: (3, 3) of the scan alone, in [1/m²] and [1/rad²]: x, y and heading.
+        information: (3, 3) of the scan alone: x, y on the map and heading, in [1/m²] and [1/rad²].
         scale: scale of the robust cost, in [m].
         noise: sigma of a point's distance, in [m].
     """
@@ -112,9 +113,9 @@ class _Shifted(NamedTuple):
     slopes: FloatArray
     """(m, 2) of the distances, along x and y."""
     middle: FloatArray
-    """(2,) the base, in [m]."""
+    """(2,) position of the base on the map, in [m]."""
     lever: FloatArray
-    """(2,) by which the heading turns back with a shift, in [rad/m]."""
+    """(2,) by which the heading turns back with a shift along x and y of the map, in [rad/m]."""
     scale: float
 
     def rise(self, direction: FloatArray) -> tuple[float, float]:
@@ -172,7 +173,8 @@ def rises(
         every: only each point whose number is a multiple of this counts.
         origin: lower-left corner of the map, in [m].
         resolution: side of a cell, in [m].
-        facing: (k, h, w) distances of the cells, see `LikelihoodField.facing`.
+        facing: (k, h, w) distances of the cells to the nearest surface, as `LikelihoodField.facing`, in steps
+            of 1 / `STEPS_PER_CELL` cells.
         sectors: (m,) which of the k distances each point reads.
         points: (m, 2) of the scan on the map, in [m].
         distances: (m,) of the points to the nearest surface, in [m].

@@ -39,9 +39,9 @@ class ScanMatch(NamedTuple):
     covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's error all in it."""
     map_error: FloatArray
-    """(3, 3) factor W of the map's share W Wᵀ in `covariance`: the same for all scans at one place."""
+    """(3, 3) factor W of the map's share W Wᵀ in `covariance`, rows as there; the same at one place."""
     kept: FloatArray
-    """Share (3, 3) of the prior's error still in the pose; zero where the scan alone determines the pose."""
+    """Matrix (3, 3) from the prior's error (x, y, heading) to its part in the pose; 0 by the scan alone."""
     spread: FloatArray
     """Covariance (3, 3) of matches from one place, without the error of the map's cells, and with the noise
     that the scan shows if that is more than the stated noise."""
@@ -119,7 +119,7 @@ def match_scan(
         sigma: noise of a range, in [m].
         anneal: True to start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks
             slowly and the prior counts only at the end.
-        map_error: (3, 3) factor of the map's share in the prior, as in `ScanMatch`; None: zero.
+        map_error: (3, 3) factor W of the map's share W Wᵀ in `prior_covariance`; None: zero.
         before: evidence of the previous scan, at about the same place, which has to confirm this one's.
     """
     noise = math.hypot(sigma, CELL_SIGMA * field.map.resolution)
@@ -197,7 +197,7 @@ def _posterior(
 
     Args:
         fit: (3, 3) covariance of the pose if the map had no errors, and the prior neither.
-        kept: (3, 3), see `ScanMatch`.
+        kept: (3, 3) matrix from the prior's error to its part in the pose.
         cells: (3, 3) factor of the map's error in what a scan alone says.
         before: (3, 3) factor of the map's share in the prior; none if None.
     """
@@ -228,7 +228,8 @@ def descend_scan(
     Poses are map_T_base: x, y in [m] and heading in [rad].
 
     Args:
-        facing: (k, h, w) distances, see `LikelihoodField.facing`.
+        facing: (k, h, w) distances to surfaces, as `LikelihoodField.facing`, in steps of
+            1 / `STEPS_PER_CELL` cells.
         occupied: (h, w) cells of the map.
         points: (n, 2) of the scan in the base frame, in [m].
         start: (3,) pose where the descent begins.

@@ -16,16 +16,17 @@ OUTLIER_SIGMAS = 4.0
 def small_motions(angles: FloatArray, reference: FloatArray, scans: FloatArray) -> FloatArray | None:
     """Return the motions (k, 3) of a sensor since a reference scan: x, y in [m] and heading in [rad].
 
-    Each beam meets the tangent of the surface that it met before: ranges change by the motion along the
-    normal. That holds for motions of millimetres.
+    They are reference_T_sensor, in the sensor frame at the reference. Each beam meets the tangent of the
+    surface that it met before: ranges change by the motion along the normal. That holds for motions of
+    millimetres.
 
     Args:
-        angles: (n,) directions of the beams, in [rad], over a full turn or less.
+        angles: (n,) directions of the beams in the sensor frame, ascending, in [rad], a full turn or less.
         reference: (n,) ranges of the reference, averaged over scans, in [m]; not finite where nothing is.
-        scans: (k, n) ranges, in [m].
+        scans: (k, n) ranges of the same beams in k scans, in [m].
 
     Returns:
-        None if too few beams meet smooth surfaces.
+        The motions; None if fewer than `MIN_BEAMS` beams meet smooth surfaces.
     """
     beams = np.column_stack([np.cos(angles), np.sin(angles)])
     points = np.where(np.isfinite(reference), reference, np.nan)[:, None] * beams
@@ -61,8 +62,8 @@ def drift(times: FloatArray, motions: FloatArray, references: int) -> FloatArray
     The noise of the reference shifts all motions alike: it is estimated with them.
 
     Args:
-        times: (k,) since the reference, in [s].
-        motions: (k, 3) of single scans.
+        times: (k,) since the reference, ascending, in [s].
+        motions: (k, 3) of single scans: x, y in [m] and heading in [rad].
         references: number of scans that the reference is the mean of.
     """
     scale = max(float(times[-1]), 1e-9)

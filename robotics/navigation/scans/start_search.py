@@ -56,21 +56,27 @@ class StartFit(NamedTuple):
     """Result of comparing a scan with a stated start."""
 
     share: float
-    """Share of the beams that the map explains from the stated start."""
+    """Share of the beams, 0 to 1, that the map explains from the stated start."""
     other: Pose2 | None = None
-    """map_T_base of a place from which the map explains more beams; None without one."""
+    """map_T_base of a place from which the map clearly explains more beams; None without one.
+
+    It explains `MIN_SHARE_GAIN` more, and `SURE_FIT` of all or `MUCH_BETTER` more.
+    """
     other_share: float = 0.0
     is_sure: bool = False
-    """True if `other` is the only such place, and the map explains nearly all beams from there."""
+    """True if `other` is the only such place, and the map explains `SURE_FIT` of all beams from there.
+
+    It also has to be within `PLAUSIBLE_M` of the stated start.
+    """
 
     @property
     def contradicts(self) -> bool:
-        """True if the robot is not at the stated start."""
+        """True if another place explains the scan better than the stated start."""
         return self.other is not None
 
 
 def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> float:
-    """Share of the beams that the map explains from a pose, those that return nothing too.
+    """Return the share of beams, 0 to 1, that the map explains from a pose, those without a return too.
 
     A beam that returns nothing contradicts a wall that the map shows within its reach.
     """
@@ -87,6 +93,8 @@ def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise
 
 def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> StartFit:
     """Look for another place that explains a scan better than the stated one.
+
+    None is looked for if the map explains `PLAIN_FIT` of the beams from there, or if few beams return.
 
     Args:
         field: of the map.
@@ -170,6 +178,8 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
 def search_cells(field: LikelihoodField, headings: int, most: int) -> tuple[IntArray, float]:
     """Return free cells (n, 2) all over a map, row and column, and their distance in [m].
 
+    Cells are farther than `CLEAR_M` from surfaces.
+
     Args:
         field: likelihood field of the map.
         headings: number of headings that are tried at each cell.
@@ -187,15 +197,16 @@ def search_cells(field: LikelihoodField, headings: int, most: int) -> tuple[IntA
 def score_poses(
     distance: SingleArray, cells: IntArray, turns: FloatArray, points: FloatArray, scale: float
 ) -> FloatArray:
-    """Return how near the points of a scan are to surfaces (n, m), from n cells with m headings; larger is
-    nearer.
+    """Return how near the points of a scan are to surfaces (n, m), from n cells with m headings.
+
+    A point adds 1 on a surface, less with the distance, and 0 from twice `scale` on.
 
     Args:
-        distance: (h, w) of each cell to the nearest surface, in [cells].
+        distance: (h, w) of each cell to the nearest surface, in [m].
         cells: (n, 2) row and column of the base.
         turns: (m,) headings in [rad].
         points: (k, 2) of the scan in the base frame, in [cells].
-        scale: half the distance beyond which a point counts nothing, in [cells].
+        scale: half the distance beyond which a point counts nothing, in [m].
     """
     height, width = distance.shape
     out = np.zeros((len(cells), len(turns)))
@@ -228,10 +239,10 @@ def trace_ranges(
     reach.
 
     Args:
-        distance: (h, w) of each cell to the nearest surface, in [cells].
+        distance: (h, w) of each cell to the nearest surface, in [m].
         occupied: (h, w) cells of the map.
-        column: column of the place, a real number.
-        row: row of the place, a real number.
+        column: column of the place, a real number, cell centres at whole numbers.
+        row: row of the place, likewise.
         angles: (n,) directions on the map, in [rad].
         resolution: side of a cell, in [m].
         reach: largest range, in [m].

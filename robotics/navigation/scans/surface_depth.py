@@ -23,7 +23,7 @@ MIN_INFORMATION = 1.0  # points: a direction with fewer is not determined by the
 
 
 def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> FloatArray:
-    """Return the shifts of a matched position on the map if surfaces lie half a cell deep in their cells.
+    """Return the shifts of a matched position on the map if surfaces lie half a cell behind cell centres.
 
     Args:
         field: likelihood field of the map.
@@ -31,7 +31,9 @@ def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Flo
         pose: map_T_base that fits the scan.
 
     Returns:
-        (1 + SECTORS, 2) in [m]: first if all surfaces lie so, then if those that face one direction do.
+        (9, 2) along x and y of the map, in [m]; before the centres, the opposite shifts. Row 0 is for all
+        surfaces, row 1 + k for those alone whose normal towards the sensor is nearest to k times 45 degrees
+        on the map.
     """
     points = field.fixed(points, pose)
     if not len(points):

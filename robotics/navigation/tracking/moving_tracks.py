@@ -46,7 +46,7 @@ class BodyTrack(NamedTuple):
     velocity: FloatArray
     """Velocity (2,) on the map, in [m/s]; zero at rest."""
     covariance: FloatArray
-    """(4, 4) of position and velocity."""
+    """(4, 4) of x, y in [m] and the velocity along x and y in [m/s], on the map."""
     radius: float
     """Distance from the middle to the outermost point seen, in [m]."""
     is_moving: bool
@@ -64,7 +64,7 @@ class _Body:
     covariance: FloatArray
     radius: float
     anchor: FloatArray
-    """First position, or last position at rest."""
+    """First position (2,), or last position at rest, on the map, in [m]."""
     born: float
     seen: float
     evidence: int = 0
@@ -90,7 +90,7 @@ class TrackedScan(NamedTuple):
     moving: BoolArray
     """Mask (n,) of the points on people and carts that move, or rested for less than `STOOD_S`."""
     left: FloatArray
-    """Discs (k, 3) x, y, radius in [m] that moving bodies have left or never filled: they are empty."""
+    """Discs (k, 3), x, y on the map and radius in [m], that moving bodies left or never filled, so empty."""
 
 
 class MovingTracks:

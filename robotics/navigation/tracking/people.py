@@ -27,9 +27,9 @@ class People(NamedTuple):
     velocities: FloatArray
     """Velocities (p, 2) on the map, in [m/s]; zero at rest."""
     covariances: FloatArray
-    """(p, 4, 4) of position and velocity."""
+    """(p, 4, 4) of x, y in [m] and the velocity along x and y in [m/s], on the map."""
     radii: FloatArray
-    """(p,) of their bodies, in [m]."""
+    """Radii (p,) of their bodies, in [m]."""
     stood_s: FloatArray
     """Time (p,) at rest of each, in [s]; 0 while moving."""
 

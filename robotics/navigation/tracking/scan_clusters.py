@@ -20,7 +20,7 @@ class ScanClusters(NamedTuple):
     """Bodies of a size that people and carts have."""
 
     centres: FloatArray
-    """(k, 2) estimated middles, in [m]."""
+    """(k, 2) estimated middles, in the frame of the points, in [m]."""
     radii: FloatArray
     """(k,) from the middle to the outermost point, in [m]."""
     labels: IntArray

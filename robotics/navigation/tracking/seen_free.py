@@ -26,7 +26,7 @@ class PastScan(NamedTuple):
 
 
 def seen_free(points: FloatArray, past: PastScan, reach: float) -> BoolArray:
-    """Return which points a scan saw as free: beams on both sides passed them by `FREE_MARGIN_M`.
+    """Return a mask (k,) of points that a scan saw as free: beams on both sides passed by `FREE_MARGIN_M`.
 
     Args:
         points: (k, 2) on the map, in [m].

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IndexArray
 
 SAMPLE_POSITIONS_PX: FloatArray = np.arange(-5.0, 5.25, 0.5)
-"""Sample positions of a profile, from inside to outside, in [px]."""
+"""Positions (21,) of a profile's samples outwards from the assumed edge, negative inside, in [px]."""
 _AT: FloatArray = np.arange(-2.4, 2.5, 0.2)
 _WIDTHS: FloatArray = np.array([1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8, 3.2, 3.8, 4.4, 5.0, 6.0])
 _BLURS: FloatArray = np.arange(0.65, 1.46, 0.05)
@@ -27,11 +27,11 @@ class Steps(NamedTuple):
     """Fitted steps of grey profiles across edges: position and height of the first step down of each."""
 
     at: FloatArray
-    """Position (k,) of each step along its profile, in [px]."""
+    """Position (k,) of each step outwards from the assumed edge, in [px]."""
     drop: FloatArray
     """Height (k,) of each step in grey levels; 0 without a step."""
     model: FloatArray
-    """(k, 21) the profiles as fitted."""
+    """Fitted grey levels (k, 21), 0 to 255, at `SAMPLE_POSITIONS_PX`."""
 
 
 class _Models(NamedTuple):
@@ -63,7 +63,7 @@ def fit_steps(profiles: FloatArray, away: BoolArray, least: float) -> Steps:
     camera.
 
     Args:
-        profiles: (k, m) grey levels, from 0 to 255, from inside to outside of each of k edges.
+        profiles: (k, 21) grey levels, from 0 to 255, at `SAMPLE_POSITIONS_PX` across each of k edges.
         away: (k,) True for edges whose lower face is turned away from the camera.
         least: smallest step, in grey levels.
     """

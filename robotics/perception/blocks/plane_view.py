@@ -14,7 +14,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 
 class PlaneView(NamedTuple):
-    """An image (h, w) of the plane z = 0 of a frame whose `camera_T_plane` (4, 4) is known.
+    """A grey image (h, w) of the plane z = 0 of a frame whose `camera_T_plane` (4, 4) is known.
 
     Points are given in the frame of a pose in that plane, in [m].
     """
@@ -28,7 +28,7 @@ class PlaneView(NamedTuple):
         the plane.
 
         Args:
-            pose: pose in the plane, in [m] and [rad].
+            pose: pose in the plane, in [m] and [rad], in the frame of `camera_T_plane`.
         """
         camera_T_pose = self.camera_T_plane @ pose.lift()
         return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])

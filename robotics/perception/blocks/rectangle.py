@@ -18,13 +18,13 @@ _ENDS = 0.08  # of an edge that is skipped at each end: the blurred corners
 
 
 class Rectangle(NamedTuple):
-    """A rectangle in a plane; its pose is that of its centre."""
+    """A rectangle in a plane; its pose is plane_T_centre, x along its length."""
 
     pose: Pose2
     half: FloatArray
     """(2,) half of its length (along x) and width, in [m]."""
     seen: BoolArray
-    """(4,) which of its edges were found."""
+    """(4,) True for edges that were found, in the order +x, +y, -x, -y."""
 
 
 def shares(count: int) -> FloatArray:

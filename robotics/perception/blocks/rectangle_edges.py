@@ -36,7 +36,7 @@ _STRIPES = 0.012  # the same of what a side's face at its rim would change
 
 
 class _Edges(NamedTuple):
-    """Points on the four edges, k segments of each."""
+    """Points on the four edges, in the order +x, +y, -x, -y, k segments of each."""
 
     along: FloatArray
     """Positions (4, k) along each edge from its middle, in [m]."""
@@ -51,11 +51,16 @@ class _Edges(NamedTuple):
 
 
 def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> Pose2 | None:
-    """Return the bright rectangle of `size` [m] near a guess in the plane, at most 2 mm and 0.04 rad off.
+    """Return plane_T_centre of a bright rectangle near a guess; None if it is not found.
 
     The edges are lines in the plane, through points to a fraction of a pixel: lens and perspective are
     undone by where the image is sampled, not by warping it. None if fewer than three edges are there, if
     they aren't those of a rectangle of that size within 2 mm, or if what they enclose isn't of one shade.
+
+    Args:
+        view: image of the plane.
+        size: length (along x) and width of the rectangle, in [m].
+        guess: plane_T_centre, at most 2 mm and 0.04 rad off.
     """
     rough = rough_rectangle(view, size, guess, _SIZE_WITHIN, _LEAST_DROP)
     if rough is None:

@@ -21,7 +21,14 @@ def rough_rectangle(
     """Return the rectangle near a guess that is at most 2 mm and 0.04 rad off.
 
     On each side the innermost step down of `least` grey levels is taken, all sides turned alike. None if
-    fewer than three are there, or if opposite ones are not `size` apart, within `within` [m].
+    fewer than three are there, or if opposite ones are not `size` apart.
+
+    Args:
+        view: image of the plane.
+        size: length (along x) and width of the rectangle, in [m].
+        guess: plane_T_centre of the rectangle.
+        within: largest difference of a side from its size, in [m].
+        least: least height of a step, in grey levels.
     """
     half, share = np.array(size) / 2, shares(_ROWS)
     reach = np.full(4, _REACH)

@@ -41,7 +41,7 @@ class Decoded(NamedTuple):
 
 
 class CallNumberDecoder:
-    """Finds the likeliest call number `ddd[.d...] LLL` in a recogniser's (CTC) outputs.
+    """Search for the likeliest call number `ddd[.d...] LLL` in a recogniser's (CTC) outputs.
 
     Prefix beam search (Graves et al., "Connectionist temporal classification", 2006; Hannun et al., 2014)
     that only follows prefixes of call numbers. Nothing is invented: without a path in the outputs, no
@@ -61,7 +61,12 @@ class CallNumberDecoder:
         self._letters, self._max_decimals = letters, max_decimals
 
     def decode(self, probabilities: SingleArray) -> Decoded | None:
-        """Return the call number in `probabilities` (time, characters), or None where they hold none."""
+        """Return the likeliest call number, or None if the outputs allow none.
+
+        Args:
+            probabilities: (t, n) probability, 0 to 1, of each of n characters at each of t steps along the
+                text; column 0 is the blank.
+        """
         symbols = np.column_stack([probabilities[:, group].sum(axis=1) for group in self._groups])
         blanks = probabilities[:, self._blank].sum(axis=1)
         # For each prefix: its probability ending in a blank, and ending in its last symbol.

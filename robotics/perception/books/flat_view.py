@@ -14,9 +14,10 @@ _WIDEST_VIEW = 1.5  # [m]
 
 
 class FlatView(NamedTuple):
-    """The shelf's front plane drawn flat: `picture` (h, w), which of it was `seen` (h, w), and its scale.
+    """The shelf's front plane drawn flat, as seen from the front: `picture` (h, w), grey, and its scale.
 
-    Column c, row r show y = left - c * m_per_px, z = top - r * m_per_px.
+    `seen` (h, w) is True where the image shows the front. Column c, row r show y = left - c * m_per_px,
+    z = top - r * m_per_px in the shelf frame (x into the shelf, y to the left, z up), in [m].
     """
 
     picture: ByteArray

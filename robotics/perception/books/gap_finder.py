@@ -60,14 +60,20 @@ def find_gap(
     max_extra: float = 0.010,
     misplacement: bool = True,
 ) -> GapFound | NoGap:
-    """Return the slot between the right neighbours, at least 2 mm and at most `max_extra` [m] wider than the
+    """Return the slot between the right neighbours, at least 2 mm and at most `max_extra` wider than the
     book.
 
     The right place is the one that leaves the most books in order: the longest non-decreasing subsequence
     of the books to the left that are not above `call_number`, and of those to the right that are not below
     it. A misplaced book is in neither, at any place. Unread books fit everywhere; but directly next to the
-    slot one might belong on its other side. With `misplacement` False only the two reads next to each slot
-    are checked.
+    slot one might belong on its other side.
+
+    Args:
+        reading: books and gaps of the shelf.
+        call_number: call number of the book to insert.
+        thickness: thickness of the book, in [m].
+        max_extra: largest width of the slot beyond the thickness, in [m].
+        misplacement: False to check only the two reads next to each slot.
     """
     numbers = [book.call_number for book in reading.books]
     if all(number is None for number in numbers):
@@ -113,7 +119,7 @@ def _index(reading: ShelfReading, gap: Gap) -> int:
 
 
 def _at(reading: ShelfReading, place: int) -> float | None:
-    """Return y of a book inserted at a place between its neighbours, in [m]."""
+    """Return y, in the shelf frame in [m], of a book inserted at a place between its neighbours."""
     sides = [book.right for book in reading.books[:place][-1:]] + [
         book.left for book in reading.books[place : place + 1]
     ]

@@ -11,8 +11,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class LabelBox(NamedTuple):
-    """A label's rectangle: `centre` (y, z) and `along` (unit vector towards its foot) on the plane x = 0 of
-    the shelf.
+    """A label's rectangle: `centre` (y, z) in [m] and `along` (y, z), a unit vector towards its foot, on
+    the plane x = 0 of the shelf.
 
     `length` is along the spine and `width` across it in [m]. `paper`: True if its border was seen, False
     if it is only print on bright ground.
@@ -26,7 +26,7 @@ class LabelBox(NamedTuple):
 
     @property
     def lean(self) -> float:
-        """Turn to the left, in [rad]."""
+        """Turn of the label's top to the left, as seen from the front, in [rad]; 0 if upright."""
         return math.atan2(-self.along[0], -self.along[1])
 
     @property

@@ -27,7 +27,8 @@ class Label(NamedTuple):
 
     `confidence` 0..1; `corners` (4, 2) in [px] of the image: the printed text's upper left first, then
     clockwise as the reader of the text sees them; `lateral`, `height`: its middle's y and z in the shelf
-    frame, `width`: across the spine, in [m]; `lean`: how far it is turned to the left, in [rad].
+    frame, `width`: across the spine, in [m]; `lean`: turn of its top to the left as seen from
+    the front, in [rad].
     """
 
     text: str
@@ -48,7 +49,7 @@ class LabelReading(NamedTuple):
 
 
 class LabelReader(ABC):
-    """Finds the labels of a view and reads each; subclasses read upright crops.
+    """Reader of all labels in a view of the shelf; subclasses read upright crops.
 
     `catalogue`, when given, makes every reading one of the known call numbers: the nearest, at most two edits
     away, or none when two are equally near. A reading below `least_confidence` gives no call number.
@@ -56,7 +57,7 @@ class LabelReader(ABC):
 
     crop_height_px = 48
     crop_height_m = 0.0085
-    """Height of a crop of a line whose capitals are 5 mm high; it is scaled with them."""
+    """Height, in [m], of a crop of a line whose capitals are 5 mm high; it is scaled with them."""
     least_confidence = 0.5
 
     def __init__(self, catalogue: Sequence[CallNumber] | None = None) -> None:

@@ -19,7 +19,10 @@ _APART = 1.2  # lines of one label, at most, in heights of a capital
 
 
 def find_prints(view: FlatView) -> list[LabelBox]:
-    """Return boxes, with a margin, about dark print of a call number's size; lines side by side are one."""
+    """Return boxes in the shelf frame, with a margin, about dark print of a call number's size.
+
+    Lines side by side are one.
+    """
     size = max(3, round(_STROKE / view.m_per_px))
     ground = cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones((size, size), np.uint8))
     ink = (ground.astype(np.int16) - view.picture > _INK) & (ground >= _GROUND) & view.seen

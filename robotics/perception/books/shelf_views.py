@@ -39,7 +39,7 @@ class ShelfBook(NamedTuple):
 class ShelfReading(NamedTuple):
     """Contents of a shelf, from left to right: books with labels, and `gaps` between them.
 
-    `offsets` [m] were added to each view's positions.
+    `offsets` (one for each view) were added to the view's lateral positions y, in [m].
     """
 
     books: tuple[ShelfBook, ...]
@@ -102,7 +102,10 @@ def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
 
 
 def _offsets(views: Sequence[SpineView]) -> FloatArray:
-    """Least squares over the pairs of views that share books; a weak pull to zero fixes what is left free."""
+    """Return the offset (n,) of each view, in [m], by least squares over the pairs that share books.
+
+    A weak pull to zero fixes what is left free.
+    """
     rows, values = [1e-3 * np.eye(len(views))], [np.zeros(len(views))]
     for i, first in enumerate(views):
         for j in range(i + 1, len(views)):
@@ -117,7 +120,7 @@ def _offsets(views: Sequence[SpineView]) -> FloatArray:
 
 
 def _differences(first: Sequence[Spine], second: Sequence[Spine]) -> list[float]:
-    """Return how much farther left the first view puts each common book of one call number and thickness."""
+    """Return how much farther left, in [m], the first view has each common book: its y less the other's."""
     apart = []
     for a in first:
         for b in second:

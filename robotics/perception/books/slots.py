@@ -63,9 +63,9 @@ def find_slots(
 
     Args:
         views: views from before the shelf.
-        offsets: correction of each view's lateral positions, in [m].
+        offsets: number that is added to y of each view, in [m].
         interval: interval between two spines that were recognized.
-        solid: left and right edge of each recognized spine, in [m]; the brightness of the views is matched
+        solid: left and right edge y of each recognized spine, in [m]; the brightness of the views is matched
             there.
     """
     pair = _best_pair(views, offsets, interval)
@@ -90,18 +90,18 @@ def find_slots(
 
 
 class OffsetView(NamedTuple):
-    """A view, with the offset of its lateral positions, in [m]."""
+    """A view, with the offset that is added to its lateral positions y, in [m]."""
 
     view: SpineView
     offset: float
 
     @property
     def eye(self) -> float:
-        """y of the camera, in [m]."""
+        """y of the camera in the shelf frame, in [m]."""
         return self.view.eye + self.offset
 
     def at(self, y: FloatArray) -> FloatArray:
-        """Return the grey levels (n, m) of the view's strips, 0 to 255.
+        """Return the grey levels (n, m) of the view's n strips, 0 to 255; NaN where it shows nothing.
 
         Args:
             y: (m,) lateral positions in the shelf frame, in [m].
@@ -147,7 +147,12 @@ def compare(
 ) -> Alike | None:
     """Compare two views of a piece of the front; None if too little of it is visible.
 
-    `solid`: left and right edge y of spines that were recognized, in [m].
+    Args:
+        a: one view.
+        b: another view.
+        left: left end y of the piece in the shelf frame, in [m].
+        right: right end y of the piece, in [m].
+        solid: left and right edge y of spines that were recognized, in [m].
     """
     if left - right < 2 * _RIM + 4 * _STEP:
         return None
@@ -174,8 +179,9 @@ def _columns(left: float, right: float) -> FloatArray:
 def _brightness(
     a: OffsetView, b: OffsetView, y: FloatArray, solid: Sequence[tuple[float, float]]
 ) -> FloatArray:
-    """Return the brightness of `a` relative to `b` at each of `y` (m,): a line through their common
-    spines.
+    """Return the brightness of `a` as a multiple of that of `b` at each of `y` (m,), in [m].
+
+    It is a line through the ratios at their common spines, 1 without any.
     """
     places, ratios = [], []
     for left, right in solid:

@@ -88,8 +88,8 @@ class Strips(NamedTuple):
 
 
 class SpineEdge(NamedTuple):
-    """An edge: `y` in [m] at the view's mean height, `drop` in grey levels, `coverage` 0..1 of the view's
-    height.
+    """An edge: `y` in the shelf frame, in [m], at the view's mean height, `drop` in grey levels, `coverage`
+    0..1 of the view's height.
     """
 
     y: float
@@ -171,8 +171,8 @@ def falling_edges(strips: Strips) -> list[SpineEdge]:
 
 
 def _to_seam(grey: FloatArray, column: float) -> float:
-    """Return the columns from the steepest fall to the darkest line behind it, 0 if the grey does not rise
-    again after that line: a spine ends where it is darkest.
+    """Return the number of columns from the steepest fall to the darkest line behind it; 0 if the grey does
+    not rise again after that line: a spine ends where it is darkest.
     """
     near = grey[:, int(column) : int(column) + _SEAM_COLUMNS]
     if near.shape[1] < _SEAM_COLUMNS or np.isnan(near).all(axis=0).any():

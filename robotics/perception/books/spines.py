@@ -97,7 +97,7 @@ def find_spines(
 
 
 def scale_of(views: Sequence[SpineView], thicknesses: Mapping[CallNumber, float]) -> float:
-    """Return the ratio of seen widths to the catalogue's thicknesses (in [m]); 1 if too few can be compared.
+    """Return the ratio of seen widths to the catalogue's thicknesses (in [m]); 1 with less than six widths.
 
     A camera that differs slightly from its file shows all widths too large or too small by one factor.
     """

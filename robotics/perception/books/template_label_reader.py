@@ -19,13 +19,18 @@ _LEAST_LEAD = 0.02  # of the best over the second, in correlation
 
 
 class TemplateLabelReader(LabelReader):
-    """Finds the known label that correlates best with each crop.
+    """Reader that takes the known label which correlates best with each crop.
 
     It reads nothing that isn't among its templates: it needs a picture of every label on the shelf.
     """
 
     def __init__(self, templates: Mapping[CallNumber, ByteArray], px_per_m: float) -> None:
-        """Prepare `templates`: labels upright, text running left to right, at `px_per_m` pixels a metre."""
+        """Prepare the templates.
+
+        Args:
+            templates: pictures (h, w), grey, of the known labels, text running left to right.
+            px_per_m: scale of the pictures, in [px/m].
+        """
         super().__init__()
         self._numbers = list(templates)
         scale = self.crop_height_px / (self.crop_height_m * px_per_m)

@@ -13,7 +13,7 @@ _LEAST_CAP = 0.15  # of a label's width: a lower band is not a line of print
 
 
 class TextLine(NamedTuple):
-    """A line: its `middle` below the label's, and how high its capitals are (`cap`), in [px]."""
+    """A line: `middle` is how far its middle is below the label's, `cap` the height of capitals, in [px]."""
 
     middle: float
     cap: float
@@ -22,7 +22,8 @@ class TextLine(NamedTuple):
 def text_lines(page: ByteArray) -> list[TextLine]:
     """Return the lines on a label, from top to bottom; if none is found, one of half the label's height.
 
-    `page` (h, w): the label without its border, text running left to right.
+    Args:
+        page: (h, w), grey: the label without its border, text running left to right.
     """
     height, width = page.shape
     rim = max(1, width // 12)

@@ -20,13 +20,13 @@ class PosedBoard(NamedTuple):
 
     camera_T_board: Transform
     covariance: FloatArray
-    """(6, 6) of its shift in [m] and its turn in [rad], in camera axes, about the board's middle."""
+    """(6, 6) of its shift (x, y, z) in [m] and turn in [rad], in camera axes, about the board's middle."""
     rms: float
     """Root mean square error of the corners, in [px]."""
 
 
 def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
-    """Return the pose that explains the corners best.
+    """Return camera_T_board that explains the corners best, with its covariance.
 
     Raises:
         ValueError: the corners are not an image of a board.
@@ -46,7 +46,7 @@ def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
 
 
 def _covariance(pose: Transform, points: FloatArray, noise: float) -> FloatArray:
-    """Return the covariance (6, 6) of a pose for rays with the standard deviation `noise`."""
+    """Return the covariance (6, 6) of a pose for rays (x/z, y/z) with the standard deviation `noise`."""
     seen = apply(pose, points)
     arms = seen - pose[:3, 3]
     x, y, depth = seen[:, 0] / seen[:, 2], seen[:, 1] / seen[:, 2], seen[:, 2]

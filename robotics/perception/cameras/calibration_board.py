@@ -15,9 +15,9 @@ class BoardView(NamedTuple):
     """Corners of the board in one image."""
 
     points: FloatArray
-    """(n, 3) in [m] of the board's frame: origin in the middle, x to the right, y up, z out of it."""
+    """(n, 3) of the corners in the board's frame in [m]; origin in the middle, x right, y up, z out of it."""
     pixels: FloatArray
-    """(n, 2) where they are seen, in [px]."""
+    """(n, 2) of the same corners in the image, column and row in [px]."""
 
 
 class CalibrationBoard(ABC):
@@ -46,7 +46,7 @@ class CalibrationBoard(ABC):
 
     @abstractmethod
     def find(self, image: ByteArray) -> BoardView | None:
-        """Return the corners in an image (h, w), or None if there are too few to identify the board."""
+        """Return the corners in an image (h, w), grey, or None if there are too few to identify the board."""
 
     @abstractmethod
     def _drawn(self, width: int, height: int) -> ByteArray:

@@ -38,7 +38,7 @@ class CameraCalibration(NamedTuple):
     rms_of_views: FloatArray
     """Root mean square error (n,) of the corners in each view, in [px]."""
     camera_T_board: list[Transform]
-    """Pose of the board in each view."""
+    """Pose (4, 4) of the board in each view."""
 
 
 def calibrate_camera(
@@ -48,17 +48,23 @@ def calibrate_camera(
     worst_rms: float = 0.5,
     square_pixels: bool = False,
 ) -> CameraCalibration:
-    """Calibrate intrinsics, and as many lens coefficients as the views support. One focal length:
-    `square_pixels`.
+    """Calibrate intrinsics, and as many lens coefficients as the views support.
 
     Zhang, "A flexible new technique for camera calibration" (2000). k1 and k2 are always fitted; p1 and
     p2, then k3 if they are significant and Bayes' information criterion (Schwarz, 1978) improves with
     them.
 
+    Args:
+        views: corners of one board in at least `FEWEST_VIEWS` images.
+        width: width of the images, in [px].
+        height: height of the images, in [px].
+        worst_rms: largest accepted root mean square error of the corners, in [px].
+        square_pixels: True to fit one focal length for both axes.
+
     Raises:
         ValueError: too few views, or views too much alike (a board that is always seen straight on does not
             determine the focal length; lens distortion isn't seen where no corners are), or the fit is worse
-            than `worst_rms` [px].
+            than `worst_rms`.
     """
     _check_views(views, width, height)
     flags = cv2.CALIB_FIX_ASPECT_RATIO if square_pixels else 0

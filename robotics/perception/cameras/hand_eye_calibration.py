@@ -42,7 +42,7 @@ class HandEyeCalibration(NamedTuple):
     rms: float
     """Root mean square distance of all corners from their predicted positions, in [px]."""
     offsets: FloatArray
-    """(n,) how far from `base_T_board` each view alone puts the board's middle, in [m]."""
+    """(n,) distance between the board's middle by each view alone and by `base_T_board`, in [m]."""
     arm_error: float
     """Error of the hand's position estimated from the views, rms of each axis, in [m]."""
     method: str
@@ -59,9 +59,14 @@ def calibrate_hand_eye(
     is estimated along with them. (Minimizing the corners' distances in the images would take the arm for
     exact, and is worse than the closed forms.)
 
+    Args:
+        views: at least `FEWEST_VIEWS` views of a board that lies still.
+        camera: calibrated model of the camera.
+        worst_offset: largest accepted distance of a view's board centre from the common one, in [m].
+
     Raises:
         ValueError: too few views, or the hand turned too little or around one axis only (the camera's offset
-            along that axis is then unknown), or a view puts the board's centre more than `worst_offset` [m]
+            along that axis is then unknown), or a view puts the board's centre more than `worst_offset`
             from the common one.
     """
     _check(views)

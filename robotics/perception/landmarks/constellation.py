@@ -26,7 +26,7 @@ class Kind(NamedTuple):
     """Properties that distinguish landmarks in a picture."""
 
     height: float
-    """Height of the surface below the landmark, in the base frame, in [m]."""
+    """Height (z) in the base frame of the surface on which the landmark lies, in [m]."""
     side: float
     """Side of the landmark, in [m]."""
 
@@ -42,7 +42,10 @@ class PlannedMark(NamedTuple):
 Sighting = Mapping[Kind, Pose2]
 """Pose base_T_mark of a mark that was seen, by each kind it may be; the pose depends on the kind's height."""
 Shown = Callable[[Kind, Sequence[Pose2]], BoolArray]
-"""Check that marks of a kind at base_T_mark would have been completely in one of the pictures."""
+"""Function that returns a mask (n,) of marks that would have been completely in one of the pictures.
+
+Its arguments are the kind of all n marks and their base_T_mark.
+"""
 
 
 class BasePrior(NamedTuple):
@@ -50,7 +53,7 @@ class BasePrior(NamedTuple):
 
     planned_T_base: Pose2
     covariance: FloatArray
-    """(3, 3) of x, y in [m] and heading in [rad]."""
+    """(3, 3) of x, y in the planned base frame in [m] and heading in [rad]."""
 
     def log_density(self, planned_T_base: Pose2) -> float:
         """Return the log-density of a pose; the base may also have been moved by people."""
@@ -70,7 +73,7 @@ class MarkAssignment(NamedTuple):
     """Log-likelihood of the assignment, up to a constant for all explanations of the same sightings."""
 
     def rivals(self, other: MarkAssignment) -> bool:
-        """Return True if the other explanation has the base elsewhere."""
+        """Return True if the other explanation has the base elsewhere, by more than 20 mm or 0.05 rad."""
         one, two = self.planned_T_base, other.planned_T_base
         return one.distance(two) > APART or one.turn(two) > APART_TURN
 
@@ -146,7 +149,10 @@ def _missing(planned_T_base: Pose2, marks: Sequence[PlannedMark], shown: Shown) 
 
 
 def _fit(pairs: Sequence[tuple[PlannedMark, Pose2]]) -> Pose2:
-    """planned_T_base that brings what is seen nearest to the plan: Procrustes, the headings count as well."""
+    """Return planned_T_base that brings the seen marks nearest to the plan: Procrustes, with headings.
+
+    `pairs` are marks of the plan and the base_T_mark at which they were seen.
+    """
     there = np.array([mark.place for mark, _ in pairs])
     here = np.array([at for _, at in pairs])
     middle, other = here[:, :2].mean(axis=0), there[:, :2].mean(axis=0)

@@ -24,9 +24,9 @@ class Landmark(NamedTuple):
     centre: FloatArray
     """(2,) in [px] of the image as taken: where the diagonals meet."""
     rays: FloatArray
-    """(4, 2) x/z and y/z of the corners in the camera frame: the lens is undone."""
+    """(4, 2) x/z and y/z of the same corners in the camera frame, without lens distortion."""
     angle: float
-    """Angle from the camera's x to the landmark's, around the camera's z, in [rad], -pi to pi."""
+    """Angle from the camera's x to the landmark's, in [rad], -pi to pi; clockwise in the image positive."""
     score: float
     """Correlation of the square's inside with the landmark's pattern, 0 to 1."""
 
@@ -61,7 +61,9 @@ def pattern() -> FloatArray:
 
 
 def square_corners(side: float) -> FloatArray:
-    """Return the corners (4, 3) of a landmark in its own frame, in [m], in the order of `Landmark.corners`.
+    """Return the corners (4, 3) of a landmark in its own frame, in [m].
+
+    In the order upper left, upper right, lower right, lower left; x is right, y up.
 
     Args:
         side: side of the landmark, in [m].
@@ -82,7 +84,8 @@ def seen_landmark(rays: FloatArray, camera: CameraModel, score: float) -> Landma
     """Return the landmark with given corners.
 
     Args:
-        rays: (4, 2) rays to the corners, x/z and y/z in the camera frame, without unit.
+        rays: (4, 2) rays to the upper left, upper right, lower right and lower left corner, x/z and y/z in
+            the camera frame, without unit.
         camera: model of the camera.
         score: correlation of the square's inside with the landmark's, 0 to 1.
     """

@@ -19,7 +19,7 @@ RIM_PX = 16.0  # [px] of the picture in which a landmark may be, or not
 def wholly_in_view(
     camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
 ) -> BoolArray:
-    """Return a mask (n,): which landmarks are well within the picture; occlusion is ignored.
+    """Return a mask (n,) of the landmarks that are well within the picture; occlusion is ignored.
 
     Args:
         camera: model of the camera.

@@ -12,10 +12,16 @@ from handcart.robotics.perception.landmarks.landmark import Landmark, square_cor
 
 
 def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
-    """plane_T_landmark of a landmark that lies in the plane z = 0 of a frame, face up (towards +z).
+    """Return plane_T_landmark of a landmark that lies in the plane z = 0 of a frame, face up (towards +z).
 
-    The four corners are put on the plane; the landmark is in their middle. Its size isn't used. Raises
-    ValueError where the plane doesn't lie before the camera.
+    The four corners are put on the plane; the landmark is in their middle. Its size isn't used.
+
+    Args:
+        seen: the landmark as it was seen.
+        camera_T_plane: (4, 4) pose of the frame.
+
+    Raises:
+        ValueError: the plane doesn't lie before the camera.
     """
     plane_T_camera = inverse(camera_T_plane)
     directions = np.column_stack([seen.rays, np.ones(4)]) @ plane_T_camera[:3, :3].T

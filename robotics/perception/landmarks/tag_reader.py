@@ -73,13 +73,22 @@ class TagPose(NamedTuple):
     """A pose of a tag that fits its corners."""
 
     camera_T_tag: FloatArray
-    """(4, 4): x right, y up, z out of the tag."""
+    """Pose (4, 4) of the tag, whose frame has its origin in the middle, x right, y up, z out of the tag."""
     rms_px: float
     """Root mean square of the corners' residuals, in [px]."""
 
 
 def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
-    """Return the best camera_T_tag (4, 4) of `tag_poses`; arguments and errors as there."""
+    """Return the camera_T_tag (4, 4) that fits a tag's corners best: x right, y up, z out of the tag.
+
+    Args:
+        tag: tag with its corners in the image.
+        camera: model of the camera.
+        side: side of the tag's black square, in [m].
+
+    Raises:
+        ValueError: the corners are not an image of a square.
+    """
     return tag_poses(tag, camera, side)[0].camera_T_tag
 
 

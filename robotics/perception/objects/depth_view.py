@@ -44,7 +44,13 @@ class OverSurface(NamedTuple):
 
 
 def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform) -> DepthView:
-    """Return the points of a depth picture (h, w) in [m], NaN without a reading, taken from a pose (4, 4)."""
+    """Return the points of a depth picture.
+
+    Args:
+        depth: (h, w) depths along the optical axis, in [m]; NaN without a reading.
+        camera: model of the camera.
+        base_T_camera: (4, 4) pose of the optical frame (z forward).
+    """
     rows, columns = np.nonzero(np.isfinite(depth))
     z = depth[rows, columns].astype(np.float64)
     rays = camera.undistort(np.column_stack((columns, rows)).astype(np.float64))

@@ -48,7 +48,11 @@ class SolidCandidate(NamedTuple):
 
     name: str
     surface_T_solid: Transform
-    """(4, 4); the solid's origin is in the middle of its foot, if it is upright."""
+    """Pose (4, 4) of an upright solid, whose origin is in the middle of its foot.
+
+    A fallen box has its origin on the surface below its middle, z up, and x along the first of its level
+    sides (in the order x, y, z); a lying cylinder has it in its middle, z along its axis.
+    """
     covariance: FloatArray
     """(3, 3) of x, y in [m] and heading in [rad] on the surface."""
     is_upright: bool

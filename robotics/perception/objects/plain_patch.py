@@ -38,5 +38,5 @@ def edge_share(
 
 
 def is_plain(share: float | None) -> bool:
-    """Return whether a part is all in view and has no edges."""
+    """Return whether a part is all in view and has edges on a share of `MAX_EDGE_SHARE` at most."""
     return share is not None and share <= MAX_EDGE_SHARE

@@ -25,9 +25,9 @@ class TagView(NamedTuple):
     base_T_camera: Transform
     """Pose (4, 4) of the camera."""
     corners: FloatArray
-    """Corners (4, 2) of the tag in the picture, in [px]."""
+    """Corners (4, 2) of the tag in the picture, in any order, column and row in [px]."""
     on_box: FloatArray
-    """(4, 3) the same corners in the frame of the box, in [m]."""
+    """(4, 3) the same corners in the same order in the frame of the box, in [m]."""
 
 
 class UprightFit(NamedTuple):
@@ -36,7 +36,7 @@ class UprightFit(NamedTuple):
     base_T_box: Transform
     """Pose (4, 4) of the box."""
     covariance: FloatArray
-    """(4, 4) of x, y, z in [m] and the heading in [rad]."""
+    """(4, 4) of x, y, z in the base frame in [m] and the heading in [rad]."""
     rms_px: float
     """Root mean square of the corners' residuals, in [px]; large if the box is not upright."""
 
@@ -49,8 +49,8 @@ def fit_upright(views: Sequence[TagView], start: Transform, height: float, heigh
 
     Args:
         views: at least one.
-        start: (4, 4) first guess; its tilt is ignored.
-        height: expected height of the foot, in [m].
+        start: (4, 4) first guess of base_T_box; its tilt is ignored.
+        height: expected height (z) of the box's origin, in its foot, in the base frame, in [m].
         height_sigma: its standard deviation, in [m].
     """
     state = np.array([*start[:3, 3], np.arctan2(start[1, 0], start[0, 0]), 0.0])
