@@ -19,7 +19,7 @@ class Footprint(NamedTuple):
     radius: float
     """Radius of the circle around the origin that contains the outline, in [m]."""
     corners: FloatArray = NO_CORNERS
-    """(n, 2) of a polygon that contains the origin, in order, in [m]; empty for a disc."""
+    """(n, 2) of a polygon that contains the origin, in order around it, in [m]; empty for a disc."""
 
     @property
     def is_disc(self) -> bool:
@@ -64,7 +64,7 @@ class Footprint(NamedTuple):
 
 
 def polygon(corners: FloatArray) -> Footprint:
-    """Return the footprint with these corners (n, 2) in the base frame, in [m]."""
+    """Return the footprint with corners (n, 2) in the base frame, in order around its origin, in [m]."""
     kept = np.ascontiguousarray(corners, dtype=np.float64)
     return Footprint(float(np.hypot(*kept.T).max()), kept)
 
@@ -146,5 +146,5 @@ def _side(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
 
 @compiled
 def _cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> bool:
-    """Return True if the segments ab and cd cross."""
+    """Return True if the segments ab and cd cross; all four are points (2,) of one frame."""
     return _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0

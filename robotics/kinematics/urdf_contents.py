@@ -30,6 +30,7 @@ class JointFacts(NamedTuple):
     lower: float | None
     """Lower limit, in [rad] or [m]; None without a limit."""
     upper: float | None
+    """Upper limit, in [rad] or [m]; None without a limit."""
     velocity: float
     """Speed limit, in [rad/s] or [m/s]."""
     effort: float
@@ -56,6 +57,7 @@ class MeshUse(NamedTuple):
     """collision or visual."""
     file: str
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """Factor along each axis, without unit."""
 
 
 def link_names(urdf_text: str) -> list[str]:

@@ -22,9 +22,11 @@ class PathPrior(NamedTuple):
     heading: float
     """Direction at the start, in [rad] from x of the points' frame, about z."""
     heading_sigma: float
+    """Standard deviation of the heading, in [rad]."""
     curvature: float
     """Curvature at the start, in [1/m], positive to the left."""
     curvature_sigma: float
+    """Standard deviation of the curvature, in [1/m]."""
     slope_sigma: float
     """Standard deviation of the slope of the path's plane, along each level axis, without unit."""
 
@@ -39,6 +41,7 @@ class HingeFit(NamedTuple):
     radius: float
     """Distance of the path from the axis, in [m]."""
     radius_sigma: float
+    """Standard deviation of the radius, in [m]."""
     axis: FloatArray
     """Unit vector (3,) along the axis, upwards, in the frame of the fitted points."""
     axis_sigma: float

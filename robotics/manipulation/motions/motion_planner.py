@@ -111,7 +111,7 @@ _SHORTCUTS = 80
 
 
 def _longer_ways(arm: ArmModel, q_start: FloatArray, q_goal: FloatArray) -> Iterator[FloatArray]:
-    """Yield the goal posture with one continuous joint at a time turned the longer way."""
+    """Yield the goal posture (n,) with one continuous joint at a time turned the longer way."""
     for joint in np.flatnonzero(arm.endless):
         goal = np.array(q_goal, dtype=np.float64)
         goal[joint] -= np.copysign(2.0 * np.pi, goal[joint] - q_start[joint])
@@ -222,7 +222,7 @@ def _shorten(
 
 
 def _without_detours(path: FloatArray, free: Callable[[FloatArray, FloatArray], bool]) -> FloatArray:
-    """Replace stretches of a path by free lines, from each point to the furthest one that a free line
+    """Replace stretches of a path (m, n) by free lines, from each point to the furthest one that a free line
     reaches.
     """
     kept = [0]
@@ -234,6 +234,6 @@ def _without_detours(path: FloatArray, free: Callable[[FloatArray, FloatArray], 
 
 
 def _merged(path: FloatArray) -> FloatArray:
-    """Return the path without points that repeat the one before."""
+    """Return the path (m, n) without points that repeat the one before."""
     moved = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
     return path[np.concatenate(([True], moved))]

@@ -59,7 +59,7 @@ def _limits(velocity: bytes, acceleration: bytes) -> tuple[object, object]:
 
 
 def _grid(knots: FloatArray) -> FloatArray:
-    """Return the knots, with each piece divided into at least 4 parts of at most 0.02 rad."""
+    """Return the knots (k,) in [rad] with each piece divided into 4 parts or more, of 0.02 rad at most."""
     counts = np.maximum(4, np.ceil(np.diff(knots) / 0.02).astype(int))
     parts = [
         np.linspace(a, b, count, endpoint=False)

@@ -138,7 +138,7 @@ def _ranked(placer: Placer, path: ToolPath, blocked: Blocked) -> Iterator[tuple[
 
 
 def _spots(bases: FloatArray) -> FloatArray:
-    """Return some of the poses along a way, both ends included."""
+    """Return some of the base poses (p, 3) along a drive, about `_ROOM` apart, both ends included."""
     count = 2 + int(np.hypot(*np.ptp(bases[:, :2], axis=0)) / _ROOM)
     return np.asarray(bases[np.linspace(0, len(bases) - 1, count).round().astype(int)])
 

@@ -54,7 +54,7 @@ def _pull_in(
     inner: float,
     outer: float,
 ) -> FloatArray:
-    """Return the shortest of offsets between two distances, by halving."""
+    """Return the shortest offset (3,), in [m], along `directions` (m, 3) between two distances, halving."""
     while outer - inner > _FINEST:
         middle = 0.5 * (inner + outer)
         found = _usable(scorer, path, bases, index, middle * directions)

@@ -91,7 +91,10 @@ def _climb(
     reach: tuple[float, float],
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Return the best of random placements around the best one so far, ever nearer."""
+    """Return the best base pose (3,) of random ones around the best one so far, ever nearer.
+
+    `reach` is the largest step along x and y in [m], and of the heading in [rad], at the beginning.
+    """
     part = path.part(segment.first, segment.last)
     best, value = base, _worth(scorer, np.atleast_2d(base), part)[0]
     scale = 1.0

@@ -48,7 +48,7 @@ class OpenFloor:
 
         Args:
             bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
-            reached: (h, w) mask of cells, see `reached_from`.
+            reached: (h, w) mask of the map's cells that the base gets to.
         """
         inside = self._grid.inside(bases[:, :2])
         cells = self._grid.to_cell(bases[inside, :2])
@@ -95,7 +95,7 @@ def _placement(pose: FloatArray) -> object:
 
 
 def _positions(bases: FloatArray, body: Shape) -> FloatArray:
-    """(b, 3): the body's origin from each base, in world."""
+    """Return the body's origin (b, 3) in world, in [m], with the base at each of its poses (b, 3)."""
     cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
     x, y, z = body.pose[:3, 3]
     return np.column_stack(

@@ -195,7 +195,11 @@ def _fastest(
 
 
 def _progress(s: FloatArray, speed: FloatArray, times: FloatArray, at: FloatArray) -> FloatArray:
-    """Arc length at the times `at`, with constant acceleration between the points of the grid."""
+    """Return arc lengths (k,) in [m] at the times `at` (k,) in [s].
+
+    Acceleration is constant between the points of the grid, which have arc lengths `s` (g,), speeds `speed`
+    (g,) and times `times` (g,).
+    """
     index = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(s) - 2)
     dt = at - times[index]
     gain = (speed[index + 1] - speed[index]) / (times[index + 1] - times[index])

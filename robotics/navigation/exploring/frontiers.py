@@ -129,7 +129,7 @@ def _nearest(flags: BoolArray, row: int, column: int) -> tuple[int, int] | None:
 
 
 def _connected(flags: BoolArray, row: int, column: int, within: float) -> BoolArray:
-    """Return the connected cells nearest to one; none if they are farther than `within` cells."""
+    """Return a mask (h, w) of the connected cells nearest to one; none if farther than `within` cells."""
     nearest = _nearest(flags, row, column)
     if nearest is None or math.dist(nearest, (row, column)) > within:
         return np.zeros_like(flags)

@@ -34,7 +34,12 @@ class BlockedWheels:
     """
 
     def __init__(self, period: float, tread: float) -> None:
-        """Start with an empty window; control period in [s], distance of the wheels in [m]."""
+        """Start without any periods.
+
+        Args:
+            period: control period, in [s].
+            tread: distance of the wheels, in [m].
+        """
         self._period, self._tread = period, tread
         self._sides = {side: BlockedMotion(period, CONFIRMING_PERIODS) for side in ("left", "right")}
 

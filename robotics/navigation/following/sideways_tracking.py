@@ -104,7 +104,7 @@ def make_tracker(
     tolerance: PoseTolerance = PoseTolerance(),
     allowed: AllowedSpeeds | None = None,
 ) -> PathTracker:
-    """Return the tracker of a base, which drives sideways if its limits allow that; see `PathTracker`.
+    """Return the tracker of a base, which drives sideways if its limits allow that.
 
     Args:
         points: (n, 2) of the path, on the map, in [m].

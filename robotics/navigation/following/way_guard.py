@@ -189,7 +189,7 @@ def _free_way(
     """Length of the arc `way` (curvature, length) that is free, with its sign, and what ends it: 0 nothing, 1
     the map, 2 the scan.
 
-    Distances change by no more than the way driven, so as much as is left can be driven without a look.
+    Distances change by no more than the way driven, so a part as long as the room left is free.
     """
     size, sign = abs(way[1]), math.copysign(1.0, way[1])
     most = needed + 1.3 * size + MIN_STEP_M

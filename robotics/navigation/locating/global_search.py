@@ -106,7 +106,7 @@ def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
 
     Args:
         poses: (n, 3) map_T_base: x, y in [m], heading in [rad].
-        pose: (3,) map_T_base, likewise.
+        pose: (3,) map_T_base: x, y in [m], heading in [rad].
     """
     away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
     turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)
@@ -123,7 +123,7 @@ def _can_stand(field: LikelihoodField, poses: FloatArray) -> BoolArray:
 
 
 def _distinct(poses: FloatArray, order: IntArray) -> IntArray:
-    """Return the indices in `order` without poses at the place of an earlier one."""
+    """Return the indices (k,) in `order` without poses of `poses` (n, 3) at the place of an earlier one."""
     left, kept = order, []
     while len(left):
         kept.append(int(left[0]))

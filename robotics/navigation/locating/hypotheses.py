@@ -116,7 +116,7 @@ class Hypotheses:
     def _moved(
         self, poses: FloatArray, before: Look, after: Look
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return map_T_base (n, 3) after the motion between two looks, the log-likelihoods (n,) of motion
+        """Return map_T_base (n, 3) after the motion between two scans, the log-likelihoods (n,) of motion
         and scan, and the shares (n,) of the scan that the map explains.
         """
         step = after.pose.relative_to(before.pose)
@@ -133,7 +133,7 @@ class Hypotheses:
         return fitted, cost + after.weight * fit.log_likelihood, fit.explained
 
     def _traced_back(self, poses: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return poses (n, 3) at the last look with their log-likelihoods (n,) of all looks, and the sums
+        """Return map_T_base (n, 3) at the last scan, the log-likelihoods (n,) of all scans, and the sums
         (n,) of the shares explained.
         """
         last = self.looks[-1]

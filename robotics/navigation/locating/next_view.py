@@ -36,7 +36,7 @@ MAX_ROUTES = 8  # places to which a route is looked for
 
 
 class View(NamedTuple):
-    """A place to drive to for another look."""
+    """A place to drive to for another scan."""
 
     route: FloatArray
     """(n, 2) points from the base to it, in the local frame, in [m]."""

@@ -68,10 +68,13 @@ class Loop(NamedTuple):
     """Candidate of a loop closure between two keyframes, and the result of its test."""
 
     first: int
+    """Number of the earlier keyframe."""
     second: int
+    """Number of the later keyframe."""
     match: LineMatch | None
     """Its `pose` is first_T_second; None if nothing fits."""
     contradictions: float
+    """Share of points, 0 to 1, of one place that lie in the other's free space, the larger of both."""
     reason: str
     """Why it is rejected; empty if it may be right."""
 

@@ -30,7 +30,9 @@ class Candidate(NamedTuple):
     """Two keyframes that may be at the same place."""
 
     first: int
+    """Number of the earlier keyframe."""
     second: int
+    """Number of the later keyframe."""
     distance: float
     """Distance between their estimated positions, in [m]."""
 

@@ -31,7 +31,12 @@ class NothingLeft(ValueError):
 
 
 def crop_to(grid: GridMap, low: tuple[float, float], high: tuple[float, float]) -> GridMap:
-    """Return the part of a map between two corners, in [m]; cells that a corner touches are kept.
+    """Return the part of a map between two corners; cells that a corner touches are kept.
+
+    Args:
+        grid: the map.
+        low: least x and y on the map, in [m].
+        high: greatest x and y on the map, in [m].
 
     Raises:
         NothingLeft: the rectangle lies outside the map, or is empty.
@@ -67,7 +72,7 @@ def _part(grid: GridMap, first: IntArray, last: IntArray) -> GridMap:
 
 
 def turn(grid: GridMap, angle: float) -> GridMap:
-    """Return a map turned by an angle in [rad] about the origin of its frame, cells along the axes.
+    """Return a map turned anticlockwise by an angle in [rad] about its frame's origin, cells along the axes.
 
     Raises:
         TooManyCells: the turned map would be too large.
@@ -79,7 +84,7 @@ def turn(grid: GridMap, angle: float) -> GridMap:
 
 
 def straightening_angle(grid: GridMap) -> float:
-    """Return the smallest turn in [rad] after which most walls lie along x and y.
+    """Return the smallest turn in [rad], anticlockwise positive, after which most walls lie along x and y.
 
     At the right turn most occupied cells are in few rows and columns: the sum of the squared counts of all
     rows and columns is largest.
@@ -107,7 +112,7 @@ def paint_zone(zones: GridMap, corners: Sequence[tuple[float, float]], is_barred
 
     Args:
         zones: map whose occupied cells are zones.
-        corners: of the polygon, in [m].
+        corners: x and y on the map of the polygon's corners, in order, in [m].
         is_barred: whether the polygon is a zone or takes zones away.
     """
     scaled = (np.array(corners) - (zones.origin_x, zones.origin_y)) / zones.resolution - 0.5

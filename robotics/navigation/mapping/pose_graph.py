@@ -33,7 +33,9 @@ class Edge(NamedTuple):
     """Measured pose of one node in the frame of another."""
 
     first: int
+    """Number of the node in whose frame the other one was measured."""
     second: int
+    """Number of the measured node."""
     pose: Pose2
     """first_T_second."""
     information: FloatArray
@@ -67,7 +69,7 @@ def optimize(poses: FloatArray, edges: list[Edge], robust: bool = True) -> Float
 
 
 def _descend(poses: FloatArray, table: _Edges, limit: float) -> FloatArray:
-    """Levenberg-Marquardt at one limit of the squared errors."""
+    """Return the poses (n, 3) after Levenberg-Marquardt at one limit of the squared errors, in sigmas."""
     from scipy.sparse.linalg import splu
 
     damping, cost = 1e-6, _cost(poses, table, limit)
@@ -146,10 +148,10 @@ def relative_covariances(factor: Any, poses: FloatArray, node: int, diagonal: Fl
     Rows are x, y in [m] and heading in [rad].
 
     Args:
-        factor: factorized information matrix, see `factorized`.
+        factor: factorized information matrix (3n, 3n) of all poses, of `factorized`.
         poses: (n, 3) of the nodes: x, y in [m], heading in [rad].
         node: number of the node that the others are relative to.
-        diagonal: (n, 3, 3) covariance of each pose, see `covariances`.
+        diagonal: (n, 3, 3) covariance of each pose relative to the first one.
     """
     unit = np.zeros((3 * len(poses), 3))
     unit[3 * node : 3 * node + 3] = np.eye(3)
@@ -180,7 +182,7 @@ def _wrapped(angles: FloatArray) -> FloatArray:
 
 
 def _errors(poses: FloatArray, edges: _Edges) -> FloatArray:
-    """Return the error (m, 3) of each edge, in the frame of its first node."""
+    """Return the error (m, 3) of each edge, poses less measurement, in the frame of its first node."""
     one, other = poses[edges.first], poses[edges.second]
     cos, sin = np.cos(one[:, 2]), np.sin(one[:, 2])
     x, y = (other - one)[:, 0], (other - one)[:, 1]

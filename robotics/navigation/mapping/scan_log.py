@@ -84,7 +84,8 @@ def keyframe_of(
     Args:
         row: row of the scan in the log.
         odometry: odom_T_base.
-        beams: angles (b,) in the sensor frame in [rad], and ranges (b,) in [m], as in `ScanLog`.
+        beams: angles (b,) in the sensor frame in [rad], and ranges (b,) in [m], infinity
+            where nothing is within the reach, NaN where nothing is known.
         mount: base_T_sensor.
         reach: maximum range, in [m].
     """

@@ -200,7 +200,7 @@ def line_clearance(
     Args:
         squares: blocked squares of the map.
         start: (2,) row and column on the map, in [cells], cell centres at whole numbers.
-        end: (2,) likewise.
+        end: (2,) row and column, in [cells].
         limit: clearance above which none is looked for, in [cells].
         enough: clearance below which -1 is returned as soon as that is sure, in [cells].
     """

@@ -93,7 +93,7 @@ def from_occupancy(values: Int8Array, resolution: float, origin: tuple[float, fl
     """Return a map from occupancies in percent: 100 is occupied, 0 free, others unknown.
 
     Args:
-        values: (h, w), row 0 at the bottom, as `ros_occupancy` gives them.
+        values: (h, w) in percent, row 0 at the bottom.
         resolution: side of a cell, in [m].
         origin: lower-left corner, in [m].
     """

@@ -44,7 +44,10 @@ def map_walls(grid: GridMap) -> FloatArray:
 
 
 def _blocks(filled: BoolArray) -> FloatArray:
-    """Rectangles over squares between four occupied cells each: runs in rows, equal ones put together."""
+    """Return rectangles over squares between four occupied cells each: runs in rows, equal ones joined.
+
+    Columns (n, 5) are row, column, yaw in [rad], length and width, in [cells].
+    """
     squares = np.argwhere(filled)
     first, wide = _runs(squares[:, 0], squares[:, 1])
     row, column = squares[first].T
@@ -55,7 +58,7 @@ def _blocks(filled: BoolArray) -> FloatArray:
 
 
 def _lines(starts: IntArray, step: tuple[int, int]) -> FloatArray:
-    """Thin walls over joints (n, 2) from a cell to the one a step on; joints in a row put together."""
+    """Return thin walls (k, 5) over joints (n, 2) from a cell to the one a step on, joined in rows."""
     down, right = step
     first, long = _runs(starts[:, 1] * down - starts[:, 0] * right, starts[:, 0 if down else 1])
     middle = starts[first] + long[:, None] * np.array(step) / 2
@@ -66,13 +69,13 @@ def _lines(starts: IntArray, step: tuple[int, int]) -> FloatArray:
 
 
 def _posts(cells: BoolArray) -> FloatArray:
-    """Cells that touch no other."""
+    """Return small squares (k, 5) at the cells that touch no other."""
     lone = np.argwhere(cells & (cv2.dilate(cells.view(np.uint8), _RING) == 0))
     return np.column_stack([lone, np.zeros(len(lone)), np.full((len(lone), 2), LONE_POST_CELLS)])
 
 
 def _runs(line: IntArray, at: IntArray) -> tuple[IntArray, IntArray]:
-    """Unbroken runs of whole numbers `at` (n,) on the same `line` (n,): index of their first, and lengths."""
+    """Return index of the first (k,) and length (k,) of unbroken runs of whole numbers `at` on one `line`."""
     order = np.lexsort((at, line))
     broken = (np.diff(line[order], prepend=-1) != 0) | (np.diff(at[order], prepend=-1) != 1)
     broken[:1] = True

@@ -169,7 +169,7 @@ class Odometry:
         Args:
             left: travel of the left wheel, in [m].
             right: travel of the right wheel, in [m].
-            sideways: travel to the left of a base that drives sideways, in [m]; see `HolonomicOdometry`.
+            sideways: travel to the left of a base that drives sideways, in [m].
         """
         if left == 0.0 and right == 0.0:
             self.pose = self.pose._replace(theta=wrap(self.pose.theta))

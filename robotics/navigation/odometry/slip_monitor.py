@@ -41,7 +41,7 @@ class SlipMonitor:
     STATE: ClassVar = {"_missed": float, "_claimed": float, "_rolled": float, "_ratios": tuple[float, ...]}
 
     def __init__(self) -> None:
-        """Start with the claimed variance."""
+        """Start with the assumed variance of slip."""
         self._missed = self._claimed = self._rolled = 0.0
         self._ratios: tuple[float, ...] = ()
 
@@ -58,12 +58,12 @@ class SlipMonitor:
         return self._rolled == 0.0
 
     def roll(self, left: float, right: float, variance: float) -> None:
-        """Count the wheels' travel, and the variance that slip is claimed to add by it.
+        """Count the wheels' travel, and the variance that slip is assumed to add by it.
 
         Args:
             left: travel of the left wheels, in [m].
             right: travel of the right wheels, or sideways travel if that is more, in [m].
-            variance: claimed variance of the turn by slip, in [rad²].
+            variance: assumed variance of the turn by slip, in [rad²].
         """
         self._rolled += max(abs(left), abs(right))
         self._claimed += variance

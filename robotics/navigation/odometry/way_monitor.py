@@ -24,7 +24,7 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def roll(self, way: float, variance: float) -> None:
-        """Count a way in [m], negative backwards, and the `variance` in [m²] that slip is claimed to add."""
+        """Count a way in [m], negative backwards, and the `variance` in [m²] that slip is assumed to add."""
         self._way += way
         self._claimed += variance
 

@@ -23,6 +23,7 @@ class FilterMoment(NamedTuple):
     belief: Belief
     rested: bool
     still: FloatArray
+    """(2,) turn in [rad] and time in [s] at rest since the gyro's bias was last corrected."""
     entries: Entries
     origin: WatchedMoment | None
 

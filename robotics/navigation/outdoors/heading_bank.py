@@ -167,7 +167,7 @@ def _corrected_by(
     lever: FloatArray,
     speed: float,
 ) -> tuple[FloatArray, FloatArray, float, bool]:
-    """Correct one filter by a fix: mean, covariance, logarithm of the likelihood, whether it is a reflection.
+    """Return mean (13,) and covariance (13, 13) after a fix, its log-likelihood, and True for a reflection.
 
     A fix that is likelier a reflection counts as one of that size: it draws the filter but little.
     """

@@ -63,7 +63,7 @@ def _first_seen(
     column: int,
     most: int,
 ) -> IntArray:
-    """Return indices into `cells` of the first cell in sight of each of the first `most` edges, in this
+    """Return indices (k,) into `cells` of the first cell in sight of each of the first `most` edges, in this
     order.
     """
     found = np.empty(most, dtype=np.int64)

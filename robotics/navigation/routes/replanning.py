@@ -31,7 +31,7 @@ USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
 
 class RouteLook(NamedTuple):
-    """Result of a look at the map and what was sensed."""
+    """Decision on a route, by the map and what was sensed."""
 
     kind: Literal["kept", "new", "none"]
     """Decision: keep the old route, take another one, or none leads to the goal."""
@@ -230,7 +230,7 @@ class _Driven:
         return float(np.hypot(*(self.points - start[:2]).T).min())
 
     def head(self, length: float) -> FloatArray:
-        """Return the first points, up to about this length in [m]; empty if too few."""
+        """Return the first points (k, 2) on the map, up to about this length in [m]; empty if too few."""
         found = self.points[self._along <= length]
         return found if len(found) > 1 else np.empty((0, 2))
 

@@ -61,7 +61,7 @@ class _End(NamedTuple):
     """A start or goal and its connections to the graph; all positions are row and column."""
 
     spot: FloatArray
-    """The start or goal itself, in [cells]."""
+    """Start or goal itself (2,), row and column in [cells]."""
     roomy: bool
     """True if the line from the spot to `cell` has the room that the robot needs."""
     cell: IntArray
@@ -216,8 +216,8 @@ def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -
 
 
 def _node_costs(graph: VoronoiGraph, end: _End, haste: float) -> tuple[FloatArray, IntArray]:
-    """Return for each node the cost from `end` along a joined edge (inf if none), and the index of that
-    join.
+    """Return the cost (n,) of each node from `end` along a joined edge (inf if none), and the index (n,) of
+    that join.
     """
     table = graph.edges
     cost = np.full(len(table.nodes), np.inf)
@@ -248,13 +248,13 @@ def _on_one_edge(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> 
 
 
 def _stretch(graph: VoronoiGraph, i: int, j: int) -> IntArray:
-    """Cells of one edge from its cell i to its cell j."""
+    """Return the cells (k, 2) of one edge from its cell i to its cell j, both included."""
     cells = graph.edges.cells
     return cells[i : j + 1] if i <= j else cells[j : i + 1][::-1]
 
 
 def _to_node(graph: VoronoiGraph, join: int, node: int) -> IntArray:
-    """Cells from a join along its edge to one of the edge's nodes, the nearer one if both are the same."""
+    """Return the cells (k, 2) from a join along its edge to one of its nodes, the shorter way if both are."""
     table = graph.edges
     edge = table.edge_of[join]
     at_first, at_last = table.ends[edge] == node

@@ -27,7 +27,7 @@ def _theta_star(
     start: IntArray,
     goal: IntArray,
 ) -> IntArray:
-    """Return the parent of each cell as a flat index; -1 for cells that the search did not reach."""
+    """Return the parent (h * w,) of each cell, both as row * width + column; -1 for cells not reached."""
     height, width = free.shape
     cost = np.full(height * width, np.inf)
     parent = np.full(height * width, -1, dtype=np.int64)
@@ -106,7 +106,7 @@ def shortest_clear_path(
 
 
 def _pull_tight(squares: BlockedSquares, need: float, corners: IntArray) -> IntArray:
-    """Leave out corners as long as their neighbours see each other."""
+    """Leave out corners (k, 2) as long as their neighbours see each other."""
     kept = corners.tolist()
     i = 1
     while i < len(kept) - 1:

@@ -20,12 +20,12 @@ LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8
 
 
 class SkeletonTrace(NamedTuple):
-    """Edges of a skeleton as runs of cells; cells are flat indices."""
+    """Edges of a skeleton as runs of cells, each as row * width + column."""
 
     nodes: IntArray
     """(n,) cells that are a node: ends, junctions, lone cells, and one cell of each plain loop."""
     cells: IntArray
-    """All edges' cells one after the other, end nodes included."""
+    """(c,) cells of all edges one after the other, end nodes included."""
     first: IntArray
     """(e + 1,): edge i is cells[first[i]:first[i + 1]]."""
 

@@ -300,5 +300,5 @@ def _arc(circle: _Circle, come: float, go: float) -> FloatArray:
 
 
 def _steps(length: float) -> FloatArray:
-    """Return even distances along a piece of a length, in [m], up to its end, without 0."""
+    """Return even distances (n,) along a piece of a length, in [m], up to its end, without 0."""
     return np.linspace(0.0, length, math.ceil(length / PATH_SPACING_M - 1e-9) + 1)[1:]

@@ -62,7 +62,7 @@ def neighbour_steps(width: int) -> IntArray:
 
 
 def _nearest_first(distance: SingleArray, free: ByteArray, levels: int) -> Int32Array:
-    """Flat indices of the free cells by growing distance, ties in raster order."""
+    """Return flat indices (n,) of the free cells by growing distance, ties in raster order."""
     cells = np.flatnonzero(free).astype(np.int32)
     # NumPy sorts numbers of 16 bits in one pass.
     kind = np.uint16 if levels <= np.iinfo(np.uint16).max else np.int64
@@ -71,7 +71,10 @@ def _nearest_first(distance: SingleArray, free: ByteArray, levels: int) -> Int32
 
 
 def _ridges(distance: SingleArray, free: ByteArray, width: int) -> ByteArray:
-    """Mark cells where the distance rises less than `MAX_RIDGE_SLOPE` to all sides: between two obstacles."""
+    """Return a mask (h * w,) of cells between two obstacles: ridges of the distance.
+
+    It rises less than `MAX_RIDGE_SLOPE` from there to all sides.
+    """
     inner = slice(width + 1, free.size - width - 1)
 
     def steepest(*steps: int) -> FloatArray:

@@ -182,7 +182,7 @@ def _too_narrow(squares: BlockedSquares, need: float, cells: IntArray, step: Flo
 
 
 def _component(free: BoolArray, grid: GridMap, seed_point: tuple[float, float] | None) -> BoolArray:
-    """Return the largest component of the (padded) free cells, or the one nearest to the seed point."""
+    """Return a mask of the largest component of the padded free cells, or that nearest to a seed point."""
     if not free.any():
         raise ValueError("no free cell is left after growing the obstacles by the robot's radius")
     _, labels, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=8)
@@ -222,7 +222,10 @@ def _unflatten(cells: IntArray, padded_width: int) -> IntArray:
 
 
 def _incidence(ends: IntArray, nodes: int) -> tuple[IntArray, IntArray]:
-    """Edges at each node: node i has slots[first[i]:first[i + 1]], each 2 * edge + (which end it is)."""
+    """Return slots (2e,) and first (n + 1,) of the edges at each node.
+
+    Node i has slots[first[i]:first[i + 1]], each 2 * edge + (0 or 1, its end there).
+    """
     flat = ends.ravel()
     slots = np.argsort(flat, kind="stable")
     first = np.zeros(nodes + 1, dtype=np.int64)

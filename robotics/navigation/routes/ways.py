@@ -275,8 +275,9 @@ class Ways:
         return other
 
     def _tight_spot(self, route: Route, front: FloatArray | None) -> FloatArray | None:
-        """Return the route's point with too little clearance, its beginning excepted; None if it has no such
-        point.
+        """Return the route's point (2,) with too little clearance, on the map in [m].
+
+        Its beginning is excepted; None if it has no such point.
         """
         if not self._shape.is_disc and front is None:
             return None  # `polygon_route` has looked at the room along it

@@ -70,7 +70,7 @@ def fit_front(
 
 
 def _axes(segment: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return unit vectors along a segment and across it, the latter away from the origin."""
+    """Return unit vectors (2,) along a segment (2, 2) and across it, the latter away from the origin."""
     along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
     normal = np.array([-along[1], along[0]])
     return along, normal if normal @ segment[0] >= 0.0 else -normal
@@ -79,8 +79,9 @@ def _axes(segment: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _first_line(
     points: FloatArray, along: FloatArray, normal: FloatArray, sigma: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a point and the normal of the line through two far points that explains most of the points
-    (MSAC).
+    """Return a point (2,) and the normal (2,) of the line that explains most of the points (MSAC).
+
+    Lines through two far points are tried.
     """
     ordered = points[np.argsort(points @ along, kind="stable")]
     some = ordered[np.linspace(0, len(points) - 1, min(SEED_POINT_COUNT, len(points))).astype(np.int64)]
@@ -96,7 +97,7 @@ def _first_line(
 def _weighted_line(
     points: FloatArray, weights: FloatArray, towards: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Centre of the points and normal of the line through them, on the side of `towards`."""
+    """Return centre (2,) of points (n, 2) and normal (2,), towards `towards`, of the line through them."""
     centre: FloatArray = weights @ points / weights.sum()
     off = points - centre
     _, axes = np.linalg.eigh((off * weights[:, None]).T @ off)

@@ -134,7 +134,7 @@ def _distances(surface: BoolArray) -> SingleArray:
 
 
 def _in_steps(cells: NDArray[np.floating[Any]]) -> Uint16Array:
-    """Distances in cells as whole steps, as far as two bytes reach."""
+    """Return distances in cells as whole steps of 1 / `STEPS_PER_CELL`, as far as two bytes reach."""
     steps = np.minimum(cells * STEPS_PER_CELL + 0.5, np.iinfo(np.uint16).max)
     return np.asarray(steps, dtype=np.uint16)
 

@@ -63,6 +63,7 @@ class StartFit(NamedTuple):
     It explains `MIN_SHARE_GAIN` more, and `SURE_FIT` of all or `MUCH_BETTER` more.
     """
     other_share: float = 0.0
+    """Share of the beams, 0 to 1, that the map explains from `other`."""
     is_sure: bool = False
     """True if `other` is the only such place, and the map explains `SURE_FIT` of all beams from there.
 

@@ -83,7 +83,7 @@ def _pieces(points: FloatArray, sensor: FloatArray) -> tuple[IntArray, FloatArra
 
 
 def _bodies(middles: FloatArray, widths: FloatArray) -> IntArray:
-    """Return the body of each piece: small pieces near each other are one, large ones stay alone."""
+    """Return the body (k,) of each piece: small pieces near each other are one, large ones stay alone."""
     bodies = np.arange(len(middles))
     small = np.flatnonzero(widths < 0.5 * PAIR_DISTANCE_M)
     if len(small) > 1:

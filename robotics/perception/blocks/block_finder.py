@@ -85,8 +85,9 @@ def _guesses(view: PlaneView, size: tuple[float, float], expected: Pose2, within
 
 
 def _picture(view: PlaneView, expected: Pose2, half: float) -> ByteArray:
-    """Return the plane about the expected pose: x along the rows, y along the columns, the pose in the
-    middle.
+    """Return a picture (n, n) of the plane about the expected pose, which is in the middle.
+
+    x grows with the column, y with the row, in the frame of the expected pose.
     """
     half_px = math.ceil(half / _M_PER_PX) + 2 * _STRIP
     side = 2 * half_px + 1
@@ -126,7 +127,7 @@ def _scores(picture: ByteArray, size: tuple[float, float], within: float) -> Flo
 
 
 def _turned(picture: ByteArray, columns: int, rows: int) -> SingleArray:
-    """Return the picture in all turns, one below the other; the middle stays in the middle."""
+    """Return the picture in all turns, (turns * height, width), one below the other, about its middle."""
     middle = picture.shape[0] // 2
     width, height = 2 * columns + 1, 2 * rows + 1
     turned = np.empty((len(_ANGLES) * height, width), dtype=np.float32)

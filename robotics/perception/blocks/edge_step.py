@@ -119,8 +119,8 @@ def _best(models: _Models, left: FloatArray, weights: FloatArray) -> _Fit:
 
 
 def _between(left: FloatArray, best: IndexArray) -> FloatArray:
-    """Return the offset from the best position to the minimum of a parabola through it and its neighbours, in
-    [px].
+    """Return the offsets (k,), in [px], from the best position to the minimum of a parabola through it and
+    its neighbours.
     """
     each = np.arange(left.shape[1])
     inner = (best % len(_AT) > 0) & (best % len(_AT) < len(_AT) - 1)

@@ -53,9 +53,9 @@ def find_labels(
 
 
 def _papers(view: FlatView) -> list[ByteArray]:
-    """Return the view with print painted over, which leaves paper as one bright patch: print is thinner than
-    3 mm.
+    """Return the view, twice (h, w), with print painted over, which leaves paper as one bright patch.
 
+    Print is thinner than 3 mm.
     Closing also removes the seams beside a label as broad as its spine, so the second view is closed along
     spines only.
     """

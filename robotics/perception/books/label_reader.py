@@ -106,7 +106,10 @@ class LabelReader(ABC):
     def _crop(
         self, image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, box: LabelBox
     ) -> ByteArray:
-        """Return the label turned so that its text runs left to right, line after line, cut to print."""
+        """Return a crop (crop_height_px, w), grey, of a label, cut to print.
+
+        It is turned so that its text runs left to right, line after line.
+        """
         flat = partial(_flat_label, image, camera, camera_T_shelf, box)
         lines = text_lines(
             flat(0.0, _PAGE_SHARE * box.width, round(_PAGE_SHARE * box.width / _PAGE_M_PER_PX))
@@ -153,8 +156,9 @@ def _flat_label(
     height: float,
     rows: int,
 ) -> ByteArray:
-    """Return a strip along a label as its reader sees it, `below` [m] the label's middle; its `height` [m]
-    has `rows` pixels.
+    """Return a strip (rows, w) along a label, grey, as a reader of its text sees it.
+
+    The strip's middle is `below` [m] below the label's; its `height` is in [m].
     """
     m_per_px = height / rows
     width = round(box.length / m_per_px)

@@ -62,7 +62,7 @@ class TemplateLabelReader(LabelReader):
 
 
 def _normalised(crop: ByteArray) -> FloatArray:
-    """Return a crop in the size of comparison, as a vector of mean 0 and length 1."""
+    """Return a crop in the size of comparison, as a vector (n,) of mean 0 and length 1."""
     small = cv2.resize(crop, (_WIDTH, _HEIGHT), interpolation=cv2.INTER_AREA).astype(np.float64).ravel()
     small -= small.mean()
     unit: FloatArray = small / max(float(np.linalg.norm(small)), 1e-9)

@@ -19,6 +19,7 @@ class PosedBoard(NamedTuple):
     """Pose of a board estimated from one view."""
 
     camera_T_board: Transform
+    """Pose (4, 4) of the board."""
     covariance: FloatArray
     """(6, 6) of its shift (x, y, z) in [m] and turn in [rad], in camera axes, about the board's middle."""
     rms: float

@@ -29,6 +29,7 @@ class HandEyeView(NamedTuple):
     """The board as seen from one posture of the arm."""
 
     base_T_hand: Transform
+    """Pose (4, 4) of the hand by the arm's joints."""
     board: BoardView
 
 
@@ -36,7 +37,9 @@ class HandEyeCalibration(NamedTuple):
     """Pose of the camera on the hand, with residuals."""
 
     hand_T_camera: Transform
+    """Pose (4, 4) of the camera."""
     base_T_board: Transform
+    """Pose (4, 4) of the board."""
     sigmas: FloatArray
     """(6,) standard deviations of hand_T_camera: position in [m], turn in [rad], in the camera frame."""
     rms: float

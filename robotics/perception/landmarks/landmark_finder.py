@@ -88,7 +88,7 @@ def _same(seen: Landmark, guess: FloatArray) -> bool:
 
 
 def _turn(image: ByteArray, corners: FloatArray) -> tuple[FloatArray, float]:
-    """Return the corners from the upper left one on, and the correlation."""
+    """Return the corners (4, 2) from the landmark's upper left one on, clockwise, and the correlation."""
     turns, score = _correlate(image, corners)
     return np.roll(corners, -turns, axis=0), score
 
