@@ -55,14 +55,7 @@ class LocalReplanning:
     """Obstacles that one drive senses and the map lacks, and the route around them."""
 
     def __init__(self, robot: Robot, model: ModelView, name: str, place: Place | None = None) -> None:
-        """Begin a drive, with the obstacles that earlier drives sensed.
-
-        Args:
-            robot: robot that drives.
-            model: world model with the map and the sensed obstacles.
-            name: name of the place to drive to.
-            place: place on the way, where this drive ends; None: the place `name`.
-        """
+        """Begin a drive to the place `name`, or to `place` on the way, with what earlier drives sensed."""
         self._model, self._name = model, name
         self._place: Place = place or model.places[name]
         self._goal = self._place.pose
@@ -110,9 +103,7 @@ class LocalReplanning:
         return self._near.layer
 
     def sense(self, robot: Robot) -> None:
-        """Add this period's scan to the sensed obstacles; if the base's pose is in doubt, only look for
-        people.
-        """
+        """Add this period's scan to the sensed obstacles; with the pose in doubt, only look for people."""
         self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
@@ -194,14 +185,7 @@ class LocalReplanning:
     def _planned(
         self, robot: Robot, route: FloatArray | None, takes: float = PLANNING_S
     ) -> Generator[None, None, RouteLook]:
-        """Plan while the base holds, and return the route; the distance to people is reduced until a route is
-        found.
-
-        Args:
-            robot: the robot.
-            route: (n, 2) present route on the map, in [m]; None without one.
-            takes: assumed time of the planning, in [s].
-        """
+        """Plan while the base holds, with ever less distance to people until a route is found; return it."""
         self.people.try_all_room()
         while True:
             steps = self._answering(robot.pose, route, self._avoided(robot), robot.time)
@@ -219,16 +203,7 @@ class LocalReplanning:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Check or plan the route, yielding about once for each graph; return the result.
-
-        Args:
-            pose: map_T_base.
-            route: (n, 2) present route on the map in [m]; None without one.
-            avoided: (m, 2) further points on the map in [m] to avoid.
-            time: the robot's time, in [s].
-            lead: distance that the base drives meanwhile, in [m].
-            better: True to look for a better route even if the present one is free.
-        """
+        """Check or plan the route, yielding about once for each graph; return the result."""
         grid = self.people.drawn_on(self._layer.merged().with_points(avoided), pose)
         if self._far is None:
             look = yield from self._replanner.looking(
@@ -392,9 +367,7 @@ class LocalReplanning:
         )
 
     def _nearest_to_route(self, ahead: FloatArray) -> tuple[float, float]:
-        """Return the sensed point (x, y) nearest to where the route `ahead` (n, 2) is not free, on the map in
-        [m].
-        """
+        """Return the sensed point on the map nearest to where the route `ahead` isn't free, in [m]."""
         there = None if self._look is None else self._look.obstacle
         x, y = there if there is not None else (ahead[-1].tolist() if len(ahead) else self._goal[:2])
         points = self._layer.points

@@ -186,9 +186,7 @@ class ArmModel:
         return np.asarray(mass * _GRAVITY * rises)
 
     def manipulability(self, q: FloatArray) -> float:
-        """Return the smallest singular value of the Jacobian; 0 at a singularity.
-
-        Its rows in [m/s] and in [rad/s] are taken as they are, so a metre is weighed as a radian.
+        """Return the smallest singular value of the Jacobian, a metre weighed as a radian; 0 if singular.
 
         Args:
             q: (n,) joint angles in [rad] or [m].

@@ -59,14 +59,7 @@ class Localizer(ABC):
         errors: OdometryErrors = OdometryErrors(),
         covariance: FloatArray | None = None,
     ) -> None:
-        """Start at a pose.
-
-        Args:
-            start: map_T_base.
-            tread: distance of the wheels, in [m].
-            errors: errors of the wheels.
-            covariance: (3, 3) of the start, x, y in [m] and heading in [rad]; certain if None.
-        """
+        """Start at map_T_base, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
         self._odometry = odometry_of(start, tread, errors, covariance)
         self.surface_error = 0.0
         """Error in [m] of surfaces on the map, beyond that of its cells."""
@@ -92,13 +85,7 @@ class Localizer(ABC):
         return self._odometry.covariance
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Predict the motion from the wheels' travel since the last call.
-
-        Args:
-            left: travel of the left wheels, in [m].
-            right: travel of the right wheels, in [m].
-            sideways: travel to the left of a base that drives sideways, in [m].
-        """
+        """Predict the motion from the wheels' travel since the last call, in [m]; sideways to the left."""
         self._odometry.predict(left, right, sideways)
 
     @property
@@ -316,9 +303,8 @@ class ScanLocalizer(Localizer):
     def check_start(self, beams: ScanBeams) -> StartFit:
         """Compare the stated start with all other places of the map, by the first scan.
 
-        If exactly one other place, within `PLAUSIBLE_M` of the start, explains the scan, the pose is set to
-        it; if several do, or none completely, the robot is misplaced. Nothing is compared if the map explains
-        the scan from the start.
+        If exactly one other place within `PLAUSIBLE_M` explains the scan, the pose is set to it; if several,
+        or none completely, the robot is misplaced. Nothing is compared if the start explains the scan.
         """
         noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
         fit = check_start(self._field, beams, self.pose, noise)
