@@ -21,7 +21,7 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 class CommandError(HandcartError, ValueError):
-    """A command that no robot may be given: not finite, or beyond a limit that its file states."""
+    """Error: a command is not finite, or beyond a limit of the robot's file."""
 
 
 class RobotFault(HandcartError):
@@ -59,9 +59,9 @@ class Backend(ABC):
     drive_kinds: ClassVar[frozenset[str]] = frozenset({"differential", "ackermann"})
     """Kinds of drives in a robot's file that the backend can drive."""
     lacks: ClassVar[frozenset[str]] = frozenset()
-    """Keys of a world's file, such as `doors`, whose things it refuses to simulate."""
+    """Keys of a world's file, such as `doors`, whose things the backend refuses to simulate."""
     simulated: bool = True
-    """True if `build` creates a new world; a real world is as it was left."""
+    """True if `build` creates a new world; False for a real one, which is as the last run left it."""
     address: str = ""
     """Address of the robot if several are reachable from this machine, such as `socketcan can0`."""
     remarks: Sequence[str] = ()
@@ -88,7 +88,13 @@ class Backend(ABC):
         """Return a world that `build` accepts, read from a world's file, or from a map with the robot at
         `start`.
 
-        None if `build` reads the file itself; then `build` gets a world's file in place of a map.
+        Args:
+            path: a world's file, or a map in ROS format.
+            start: initial world_T_base in a map's world; a world's file has its own.
+
+        Returns:
+            The world; None if `build` reads the file itself. `build` then gets a temporary world's file in
+            place of a map.
 
         Raises:
             FileError: the file is missing or something in it is wrong.
@@ -97,7 +103,9 @@ class Backend(ABC):
 
     @classmethod
     def with_start(cls, world: Any, start: Pose2) -> Any:
-        """Return a world, as `read_world` returned it, with the robot at `start` (world_T_base) at first."""
+        """Return a world, as `read_world` returned it, with `start` (world_T_base) as the robot's initial
+        pose.
+        """
         raise NotMovable(
             f"the backend {cls.name!r} cannot put its robot at a given place; "
             "allowed: no start place, or a simulated backend of handcart"
@@ -129,6 +137,12 @@ class Backend(ABC):
     @classmethod
     def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]) -> Backend:
         """Build as `build` does, with simulated drives in front of a simulated backend.
+
+        Args:
+            robot: robot file.
+            world: file of the surroundings; None without one.
+            seed: seed of simulated errors.
+            bench: class of the simulated backend whose robot the drives move.
 
         Raises:
             NoBench: this backend has no drives, or such a bench is impossible.
@@ -177,7 +191,7 @@ class Backend(ABC):
         raise NotAState(f"the backend {self.name!r} keeps no state")
 
     def true_base(self) -> Pose2 | None:
-        """Return world_T_base of the ground truth; None without one."""
+        """Return the 2D pose world_T_base of the ground truth; None without ground truth."""
         truth = self.ground_truth()
         return None if truth is None else truth.base
 
@@ -186,7 +200,7 @@ class Backend(ABC):
         return {}
 
     def view(self) -> ByteArray | None:
-        """Return a picture of robot and surroundings for videos: RGB (height, width, 3).
+        """Return a picture of robot and surroundings for videos: RGB (height, width, 3), 0 to 255.
 
         None if this backend renders only its cameras.
         """

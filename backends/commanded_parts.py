@@ -17,11 +17,11 @@ class CommandedArm(Arm):
 
     _model: ArmModel
     _most: FloatArray
-    """(n,) largest step of each joint in a period, in [rad] or [m]."""
+    """Largest step (n,) of each joint in a period, in [rad] or [m]."""
     _command: FloatArray
-    """(n,) joints commanded for the end of the next period, in [rad] or [m]."""
+    """Joints (n,) commanded for the end of the next period, in [rad] or [m]."""
     _sent: FloatArray
-    """(n,) joints that were sent last, in [rad] or [m]."""
+    """Joints (n,) that were sent last, in [rad] or [m]."""
 
     @override
     def move(self, joints: FloatArray) -> None:

@@ -1,4 +1,4 @@
-"""The true state of a simulated robot and its world, as far as outcomes are held against it."""
+"""The true state of a simulated robot and its world, with which outcomes are compared."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ class Body:
     """True state of a movable body."""
 
     support: str
-    """Supporting body: "hand", "tray", or its name; "floor" if the body fell."""
+    """Supporting body: "hand", "tray", or the name of another one; "floor" if the body fell."""
     pose: Transform
-    """(4, 4) in the frame of its support: hand, base, otherwise the world."""
+    """Pose (4, 4) in the frame of its support: the hand frame in the hand, the base frame on the tray,
+    otherwise the world frame.
+    """
 
 
 @dataclass(frozen=True)
@@ -25,9 +27,9 @@ class GroundTruth:
     """Robot and world at one instant."""
 
     base: Pose2
-    """world_T_base."""
+    """2D pose world_T_base."""
     joints: FloatArray
-    """Joints (n,), in [rad] or, if they slide, in [m]."""
+    """Joints (n,) of the arm, in [rad] or, if they slide, in [m]."""
     slides: BoolArray
     """Mask (n,), True for joints that slide."""
     width: float

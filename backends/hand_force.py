@@ -18,9 +18,9 @@ def force_by_efforts(
     The arm's own weight by the URDF is subtracted; that of a held object stays in the force.
 
     Args:
-        model: of the arm.
+        model: model of the arm.
         joints: (n,) in [rad] or [m].
-        efforts: (n,) of the joints' motors, in [Nm] or [N].
+        efforts: (n,) measured efforts of the joints' motors, in [Nm] or [N].
         known: (n,) True for the joints whose efforts are known; without any, the force is zero.
     """
     if not known.any():
@@ -36,7 +36,7 @@ def efforts_of_force(model: ArmModel, joints: FloatArray, force: FloatArray) -> 
     """Return the efforts (n,) in [Nm] or [N] with which the joints carry the arm and a force on the hand.
 
     Args:
-        model: of the arm.
+        model: model of the arm.
         joints: (n,) in [rad] or [m].
         force: (3,) of the surroundings on the hand, in [N], in the hand frame.
     """

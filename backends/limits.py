@@ -18,7 +18,8 @@ _ROUNDING = 1e-9
 
 
 def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, float]:
-    """Return a speed in [m/s] and a turn rate in [rad/s] within the robot's limits.
+    """Return a forward speed in [m/s] and a turn rate to the left in [rad/s] unchanged if they are within the
+    robot's limits.
 
     Raises:
         CommandError: a value isn't finite or beyond a limit.
@@ -28,7 +29,13 @@ def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, 
 
 
 def checked_command(drive: Drive, speed: float, turn_rate: float, sideways: float = 0.0) -> DriveCommand:
-    """Return a command of speeds in [m/s] and a turn rate in [rad/s] within the robot's limits.
+    """Return the command of unchanged speeds if they are within the robot's limits.
+
+    Args:
+        drive: drive of the robot's file.
+        speed: forward, in [m/s].
+        turn_rate: to the left, in [rad/s].
+        sideways: to the left, in [m/s].
 
     Raises:
         CommandError: a value isn't finite or beyond a limit.
@@ -62,7 +69,7 @@ def _check_sideways(drive: Drive, speed: float, sideways: float) -> None:
 
 
 def checked_joints(model: ArmModel, joints: FloatArray, last: FloatArray, most: FloatArray) -> FloatArray:
-    """Return the commanded joints (n,), in [rad] or [m], if they are within the limits.
+    """Return the commanded joints (n,), in [rad] or [m], unchanged if they are within the limits.
 
     Args:
         model: model of the arm.
@@ -106,12 +113,14 @@ def _fast(model: ArmModel, number: int, step: float, most: float) -> str:
 
 
 def _units(model: ArmModel, number: int) -> tuple[float, str]:
-    """Return the factor of a joint's value for people, and its unit."""
+    """Return the factor from a joint's SI unit to the unit shown to people, and that unit: "deg", or "mm" if
+    it slides.
+    """
     return (1e3, "mm") if model.slides[number] else (math.degrees(1.0), "deg")
 
 
 def checked_width(gripper: GripperSpec, width: float) -> float:
-    """Return an opening in [m] within the gripper's range; raises `CommandError`."""
+    """Return an opening in [m] unchanged if it is in the gripper's range; otherwise raise `CommandError`."""
     opening = gripper.opening_mm / 1e3
     if not 0.0 <= width <= opening + _ROUNDING:
         raise CommandError(f"a width of {width} m; allowed: 0 to {opening}")

@@ -24,7 +24,7 @@ def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
     backends that read files themselves; see `Backend.read_world`.
 
     Raises:
-        FileError: the file cannot be read, or the picture of a map cannot.
+        FileError: the file, or the picture of a map, cannot be read.
     """
     if not is_map_file(path):
         yield path

@@ -24,7 +24,7 @@ from handcart.robotics.far import MAY_BE_INFINITE
 from .saved_state import NotAState
 
 MAX_NUMBER = 1e15
-"""Largest absolute value that a finite number in a state may have, whatever its unit."""
+"""Largest absolute value of any finite number in a state, in whichever unit it is."""
 MAX_TEXT_LETTERS = 100_000  # characters of a word
 
 Kinds = Mapping[str, Any]

@@ -20,7 +20,7 @@ class Recording(ABC):
 
     @abstractmethod
     def look(self, time: float) -> None:
-        """Record the traffic of a period that ended at `time`, in [s] of the robot.
+        """Record the traffic of a period that ended at `time`, in [s] of the robot's clock.
 
         The data are handed to the operating system, so that a killed process loses none of them.
         """

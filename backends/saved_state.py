@@ -100,13 +100,18 @@ def _written(value: object, blobs: list[bytes]) -> Any:
 
 
 class _Reader:
-    """Takes the arrays off the end of a saved state, one after the other."""
+    """Reader that takes the arrays off the end of a saved state, one after the other."""
 
     def __init__(self, blobs: memoryview) -> None:
         self.blobs, self.taken = blobs, 0
 
     def read(self, value: Any, depth: int) -> Any:
-        """Return the state that `_written` wrote."""
+        """Return the value that `_written` converted to JSON, with its arrays.
+
+        Args:
+            value: decoded JSON.
+            depth: levels of lists and mappings that may still follow.
+        """
         if depth < 0:
             raise ValueError(f"more than {MAX_DEPTH} levels of lists and mappings")
         if isinstance(value, list):

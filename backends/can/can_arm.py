@@ -22,9 +22,9 @@ class CanArm(CommandedArm):
     """Joints whose drives plan ramps to their set-points (profile), or follow them from SYNC to SYNC
     (cyclic).
 
-    The force on the hand follows from the joints' torques (6077h), less the arm's own weight by the URDF.
-    The weight of a held object stays in the force. Joints whose drives report no torque are excluded; if
-    none does, the force is zero.
+    The force of the surroundings on the hand follows from the joints' torques (6077h), less the arm's own
+    weight by the URDF. The weight of a held object stays in the force. Joints whose drives report no torque
+    are excluded; if none does, the force is zero.
     """
 
     def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: FloatArray, period: float) -> None:
@@ -32,8 +32,8 @@ class CanArm(CommandedArm):
 
         Args:
             model: model of the arm.
-            joints: (n) drives of the joints, in the order of the arm.
-            rated: (n,) torques that the drives call rated, in [Nm].
+            joints: drives of the n joints, in the order of the arm.
+            rated: (n,) rated efforts of the drives, in [Nm], or [N] for sliding joints.
             period: control period, in [s].
         """
         self._model, self._joints, self._rated = model, joints, rated
@@ -51,7 +51,7 @@ class CanArm(CommandedArm):
         self.holds(np.where(np.abs(within - measured) <= self._most, within, measured))
 
     def holds(self, joints: FloatArray) -> None:
-        """Set the last command, (n,) in [rad], to the given joints."""
+        """Set the last command to joints (n,), in [rad], or [m] for sliding ones, without sending it."""
         self._command = self._sent = joints.copy()
 
     @override

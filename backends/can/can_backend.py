@@ -84,7 +84,7 @@ class CanBackend(Backend):
         self.epoch = 0
         """Number of stops; commands of an earlier epoch move nothing."""
         self.axes = Axes(robot, robot.can)
-        """The drives, by what they move."""
+        """The drives, by the names of the parts that they move."""
         self._parts = CanParts(robot, robot.can, self.axes)
         self._pace = None if bench else Pace(self.period, sleep=self._listen)
         self._line = self._open(robot.can)
@@ -234,7 +234,7 @@ class CanBackend(Backend):
             self.axes.sync()
 
     def stop(self) -> None:
-        """See `Backend`; raises `BusFault` if the interface fails."""
+        """Stop all motion; arm and gripper hold. Raise `BusFault` if the interface fails."""
         self.epoch += 1
         if self._fault is not None or not self._enabled or self._closed:
             self._parts.halt()
@@ -246,7 +246,7 @@ class CanBackend(Backend):
             self.axes.send()
 
     def close(self) -> None:
-        """See `Backend`; all axes stop, each in its own way."""
+        """Stop all axes, each in its own way, and release all resources; a second call does nothing."""
         if self._closed:
             return
         self._closed = True

@@ -31,9 +31,9 @@ class CanParts:
         """Build the capabilities that a robot's file declares."""
         self.base = CanBase(robot.drive, axes.left, axes.right)
         self.arm: CanArm | None = None
-        """None where the robot has none."""
+        """The arm; None for a robot without one."""
         self.gripper: CanGripper | None = None
-        """None where the robot has none."""
+        """The gripper; None for a robot without one."""
         if axes.joints:
             rated = np.array([joint.rated_effort for joint in spec.joints])
             self.arm = kind_of_arm(spec.joints)(robot.arm_model(), axes.joints, rated, robot.period_s)
@@ -59,7 +59,7 @@ class CanParts:
 
     @property
     def travel(self) -> WheelTravel:
-        """Travel of the wheels."""
+        """Travel of the wheels by their encoders, in [m]."""
         return self.base.wheel_travel()
 
     @travel.setter

@@ -19,11 +19,11 @@ class Arm(Capability):
 
     @abstractmethod
     def move(self, joints: FloatArray) -> None:
-        """Command the joint angles at the end of the next period, (n,) in [rad].
+        """Command the joints (n,) at the end of the next period, in [rad], or [m] for sliding ones.
 
         Raises:
-            CommandError: a value is not finite, is beyond its limit, or needs more than the joint's top
-                speed for one period.
+            CommandError: a value is not finite, is beyond its limit, or needs more than the joint's top speed
+                for one period.
         """
 
     @abstractmethod

@@ -15,16 +15,16 @@ class WheelTravel(NamedTuple):
     """Travel of the wheels since the backend was built, by their encoders and nominal radius."""
 
     left: float
-    """Travel of the left side, in [m]."""
+    """Travel of the left side, in [m], positive forwards."""
     right: float
-    """Travel of the right side, in [m]."""
+    """Travel of the right side, in [m], positive forwards."""
     sideways: float = 0.0
     """Travel to the left in [m] of a base that can drive sideways; its `left` and `right` are the travel of
     its sides.
     """
 
     def away(self, other: WheelTravel) -> float:
-        """Return the largest of the three distances rolled since `other`, in [m], either way."""
+        """Return the largest change of the three distances since `other`, as an absolute value in [m]."""
         return max(
             abs(self.left - other.left), abs(self.right - other.right), abs(self.sideways - other.sideways)
         )
@@ -42,8 +42,9 @@ class DriveCommand(NamedTuple):
 
     @property
     def direction(self) -> float:
-        """Direction of travel against the base's heading, in [rad]; 0 for straight ahead and straight
-        back.
+        """Direction of travel in the base frame, in [rad], counter-clockwise from straight ahead.
+
+        0 for straight ahead, and for straight back with a negative `along`.
         """
         return math.atan2(self.sideways, self.speed) if self.sideways else 0.0
 
@@ -54,7 +55,14 @@ class DriveCommand(NamedTuple):
 
     @classmethod
     def towards(cls, direction: float, along: float, turn_rate: float) -> Self:
-        """Return the command of a speed `along` [m/s] in a direction [rad] against the base's heading."""
+        """Return the command of a speed `along` in [m/s] in a direction in the base frame, and of a turn
+        rate.
+
+        Args:
+            direction: in [rad], counter-clockwise from straight ahead.
+            along: speed in that direction, in [m/s].
+            turn_rate: to the left, in [rad/s].
+        """
         if direction == 0.0:
             return cls(along, turn_rate)
         return cls(along * math.cos(direction), turn_rate, along * math.sin(direction))
@@ -68,7 +76,7 @@ class Base(Capability):
 
     @abstractmethod
     def drive(self, speed: float, turn_rate: float) -> None:
-        """Command the next period's forward speed in [m/s] and turn rate in [rad/s].
+        """Command the next period's forward speed in [m/s] and turn rate to the left in [rad/s].
 
         Raises:
             CommandError: a value isn't finite or beyond the robot's limits.
@@ -89,7 +97,7 @@ class HolonomicBase(Base):
 
         Args:
             speed: forward, in [m/s].
-            turn_rate: in [rad/s].
+            turn_rate: to the left, in [rad/s].
             sideways: to the left, in [m/s].
 
         Raises:

@@ -14,7 +14,9 @@ class BeaconRanges(NamedTuple):
     """Distances of the beacons from the tag, the robot's own radio."""
 
     distances: FloatArray
-    """(k,) in [m], in the order of the robot's file; NaN of a beacon that wasn't heard."""
+    """Distances (k,) in [m], in the order of the beacons in the robot's file; NaN for a beacon that wasn't
+    heard.
+    """
 
 
 class Beacons(Capability):

@@ -52,7 +52,7 @@ class Camera(AnyCamera):
 
     @property
     def carrier(self) -> str:
-        """Link that carries the camera: its pose follows from the measured joints."""
+        """Link that carries the camera; the link's pose follows from the measured joints."""
         return "hand"
 
     @property

@@ -18,16 +18,18 @@ class DepthImage(NamedTuple):
     """Colour and depth of one instant, with the pose of the camera at that instant."""
 
     colour: ByteArray
-    """(height, width, 3) in RGB."""
+    """Colours (height, width, 3) in RGB, 0 to 255."""
     depth: SingleArray
-    """(height, width) in [m] along the optical axis; NaN without a reading."""
+    """Depths (height, width) in [m] along the optical axis; NaN without a reading."""
     base_T_camera: Transform
-    """Pose (4, 4) of the optical frame (z forward, x right, y down) by the joints measured then."""
+    """Pose (4, 4) of the optical frame (z forward, x right, y down) in the base frame, by the joints measured
+    at that time.
+    """
     time: float
     """Time of the picture in [s], counted in periods of the backend since it was built."""
 
     def points(self, model: CameraModel) -> FloatArray:
-        """Return the points (n, 3) that have a reading, row by row, in the base frame, in [m].
+        """Return the points (n, 3) of the pixels that have a reading, row by row, in the base frame, in [m].
 
         Args:
             model: intrinsics and distortion of the camera.
@@ -39,7 +41,7 @@ class DepthImage(NamedTuple):
 
 
 class DepthCamera(Capability):
-    """A camera that measures colour and depth, from one place with one lens, rectified."""
+    """A camera that measures colour and depth through one lens; its pictures are rectified."""
 
     READINGS: ClassVar = {"image": Reading("depth camera", ("colour", "depth"), noisy=True)}
 

@@ -14,7 +14,7 @@ class Fix(NamedTuple):
     """A position of the antenna."""
 
     position: FloatArray
-    """(2,) east and north of the task's origin, in [m]."""
+    """Antenna position (2,), east and north of the task's origin, in [m]."""
     sigma: float
     """Sigma that the receiver states, on each axis, in [m]."""
 

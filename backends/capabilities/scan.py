@@ -22,7 +22,9 @@ class Validity(IntEnum):
     NO_RETURN = 1
     """Nothing came back: the way along the beam counts as free."""
     TOO_CLOSE = 2
-    """Something nearer than the lidar can measure, or in the robot's footprint: it sees no farther there."""
+    """Something is nearer than the lidar can measure, or in the robot's footprint; it hides the space behind
+    it.
+    """
     INVALID = 3
     """No reading, or a masked one: the space along the beam is unknown."""
 
@@ -31,30 +33,30 @@ _TOO_CLOSE, _INVALID = int(Validity.TOO_CLOSE), int(Validity.INVALID)  # looked 
 
 
 class _Beams(NamedTuple):
-    """Fields of a scan."""
+    """Fields of a scan with n beams."""
 
     angles: FloatArray
-    """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
+    """Angles (n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
     ranges: FloatArray
-    """(n,) in [m]; infinity without a return. In an interpreted scan, infinity for every beam without a
-    return.
+    """Ranges (n,) in [m]; infinity without a return. In an interpreted scan, infinity for every beam whose
+    validity isn't `RETURN`.
     """
     base_T_sensor: Pose2
-    """Pose of the sensor on the base."""
+    """2D pose of the sensor in the base frame."""
     validity: ByteArray = NO_ECHO_KINDS
-    """(n,) of `Validity`; empty in a raw scan."""
+    """Values (n,) of `Validity`; empty in a raw scan."""
 
 
 class Scan(_Beams):
     """Readings of one turn of a lidar, or of the part of a turn that it sees."""
 
     def points(self) -> FloatArray:
-        """Return the hit points (m, 2) in the base frame, in [m]."""
+        """Return the points (m, 2) at which beams hit something, in the base frame, in [m]."""
         return self._points
 
     @cached_property
     def _points(self) -> FloatArray:
-        """Hit points, computed once, because several callers need them."""
+        """Hit points (m, 2) in the base frame, in [m], computed once, because several callers need them."""
         hit = np.isfinite(self.ranges)
         reach, angle = self.ranges[hit], self.angles[hit]
         points = np.empty((len(reach), 2))

@@ -12,7 +12,9 @@ from .sensor_spec import SensorSpec
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 BeaconPlace = tuple[float, float, float]
-"""Position of a radio, x, y and height above the ground, in [m]."""
+"""Position of a radio, x, y and height above the ground, in [m]; of a beacon on the map, of the tag in the
+base frame.
+"""
 
 
 class BeaconsSpec(SensorSpec):

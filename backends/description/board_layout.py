@@ -20,7 +20,7 @@ class BoardLayout(FileModel):
 
     pattern: Literal["charuco", "chessboard"] = "charuco"
     columns: Squares = 9
-    """Squares along; inner corners are one fewer."""
+    """Number of squares in a row; inner corners are one fewer."""
     rows: Squares = 6
     tag_mm: Annotated[float, Field(gt=0.0)] | None = None
     """Side of a tag (default: three quarters of the side of a square)."""

@@ -23,7 +23,7 @@ COEFFICIENT_COUNTS = {
     "equidistant": (4,),
     "fisheye": (4,),
 }
-"""Distortion models by name, each with how many coefficients it has; more of them have to be 0."""
+"""Distortion models by name, each with its allowed numbers of coefficients; further ones have to be 0."""
 
 
 class Matrix(FileModel):
@@ -42,13 +42,15 @@ class CameraInfo(FileModel):
     image_width: Pixels
     image_height: Pixels
     camera_matrix: Matrix
-    """K, 3 x 3."""
+    """Camera matrix K, 3 x 3, in [px]."""
     distortion_model: Literal["plumb_bob", "rational_polynomial", "equidistant", "fisheye"] = Field(
         "plumb_bob", validation_alias=AliasChoices("distortion_model", "camera_model")
     )
-    """Some versions of `camera_calibration` call it `camera_model` in files of fisheye lenses."""
+    """Distortion model; some versions of `camera_calibration` call this key `camera_model` for fisheye
+    lenses.
+    """
     distortion_coefficients: Matrix = Matrix(data=())
-    """D: k1, k2, p1, p2, k3, k4, k5, k6, or the four of `equidistant`."""
+    """Coefficients D in the order k1, k2, p1, p2, k3, k4, k5, k6, or the four of `equidistant`."""
 
     @model_validator(mode="after")
     def _is_camera(self) -> Self:
@@ -72,7 +74,7 @@ class CameraInfo(FileModel):
 
     @property
     def _coefficients(self) -> tuple[float, ...]:
-        """The coefficients without the zeros at their end."""
+        """Distortion coefficients without the zeros at their end."""
         data = self.distortion_coefficients.data
         while data and data[-1] == 0.0:
             data = data[:-1]

@@ -43,7 +43,7 @@ class AxisSpec(FileModel):
     """A CiA 402 drive and the part that it turns."""
 
     node: NodeId
-    """Its node ID."""
+    """Node ID of the drive."""
     eds: FilePath | None = None
     """The maker's EDS file, next to the robot's file (default: `backends/can/drives/drive.eds`)."""
     counts_per_rev: Annotated[int, Field(gt=0, le=2**24)]
@@ -53,7 +53,9 @@ class AxisSpec(FileModel):
     sign: Literal[1, -1] = 1
     """-1: the motor counts down where the robot's file counts up."""
     stop: Literal["hold", "brake_then_disable"]
-    """`hold`: it slows down and keeps its torque (605Ah = 6); the other loses it at rest (605Ah = 2)."""
+    """`hold`: the drive slows down and keeps its torque (605Ah = 6); the other: it loses the torque at rest
+    (605Ah = 2).
+    """
     gravity: bool
     """True if the axis would move by its weight without torque."""
     brake: bool = False
@@ -98,7 +100,7 @@ class JointDriveSpec(AxisSpec):
     stop: Literal["hold", "brake_then_disable"] = "hold"
     gravity: bool = True
     following_deg: Positive = 3.0
-    """Window of its following error (6065h)."""
+    """Window of the drive's following error (6065h), for a turning joint."""
     following_mm: Positive = 5.0
     """Maximum following error of a sliding joint."""
     rated_torque_nm: Positive | None = None
@@ -115,7 +117,9 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def counts_per_unit(self) -> float:
-        """Counts for a radian of the joint, or a metre."""
+        """Counts for a radian of the joint, or for a metre of a sliding one, with the sign of the robot's
+        file.
+        """
         turn = 2.0 * math.pi if self.lead_mm is None else self.lead_mm / 1e3
         return self.counts_per_turn / turn
 
@@ -145,7 +149,7 @@ class GripperDriveSpec(AxisSpec):
 
     @property
     def counts_per_m(self) -> float:
-        """Counts for a metre of opening."""
+        """Counts for a metre of opening; negative if the motor counts down while the fingers open."""
         return self.counts_per_turn / (self.lead_mm / 1e3)
 
 

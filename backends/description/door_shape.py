@@ -25,11 +25,11 @@ class DoorTag(FileModel):
     family: TagFamily = "apriltag_36h11"
     id: Annotated[int, Field(ge=0)]
     side_mm: Annotated[float, Field(gt=0.0, le=500.0)]
-    """Side of its black square."""
+    """Side of the tag's black square."""
     right_mm: float = 0.0
-    """Offset of its middle from that of the handle, to the right for somebody in front of the door."""
+    """Offset of the tag's middle from the handle's middle, to the right for somebody in front of the door."""
     up_mm: float = 0.0
-    """Offset of its middle from that of the handle, upwards."""
+    """Offset of the tag's middle from the handle's middle, upwards."""
 
     @model_validator(mode="after")
     def _in_family(self) -> Self:
@@ -38,7 +38,14 @@ class DoorTag(FileModel):
         return self
 
     def on_door(self, standoff: float) -> Transform:
-        """Return handle_T_tag (4, 4); the front is `standoff` behind the middle of the bar, in [m]."""
+        """Return handle_T_tag (4, 4).
+
+        Handle frame: x away from the closed door, y to the right for somebody in front of it, z up. Tag
+        frame: x right, y up, z out of the front.
+
+        Args:
+            standoff: distance from the front of the door to the middle of the bar, in [m].
+        """
         beside = (-standoff, self.right_mm / 1e3, self.up_mm / 1e3)
         return transform(beside, FACE_TURNS["+x"])
 
@@ -50,7 +57,9 @@ class DoorHandle(FileModel):
     y_m: float
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
     heading_deg: float = 0.0
-    """Direction from the closed door towards somebody in front of it."""
+    """Direction on the map from the closed door towards somebody in front of it, counter-clockwise from the x
+    axis.
+    """
     bar: Literal["vertical", "horizontal"] = "vertical"
     width_mm: Annotated[float, Field(gt=0.0, le=100.0)] = 16.0
     """Diameter of the bar."""
@@ -68,7 +77,7 @@ class DoorHandle(FileModel):
 
     @property
     def pose(self) -> Transform:
-        """Pose (4, 4) on the map while the door is closed: x away from the door, z up."""
+        """Pose map_T_handle (4, 4) while the door is closed: x away from the door, z up."""
         return transform((self.x_m, self.y_m, self.height_m), (0.0, 0.0, math.radians(self.heading_deg)))
 
     @property
@@ -125,7 +134,12 @@ class DoorShape(FileModel):
         return math.radians(self.opened_deg) if self.is_hinged else self.opened_mm / 1e3
 
     def joint(self, closed: Transform, radius: float) -> DoorJoint:
-        """Return its joint for a handle at `closed` (4, 4), and a distance from the hinge in [m]."""
+        """Return the door's joint, in the frame in which the pose of its handle is given.
+
+        Args:
+            closed: (4, 4) pose of the handle while the door is closed.
+            radius: distance from the hinge's axis to the handle, in [m]; ignored for a drawer.
+        """
         outwards = 1.0 if self.opens == "towards" else -1.0
         if not self.is_hinged:
             return DoorJoint(np.asarray(closed), None, outwards)
@@ -136,7 +150,12 @@ class DoorShape(FileModel):
         return DoorJoint(np.asarray(closed), (-behind, across), side * outwards)
 
     def front(self, joint: DoorJoint) -> tuple[Transform, tuple[float, float, float]]:
-        """Return handle_T_front (4, 4) of the middle of its front, and the size of the front, in [m]."""
+        """Return the pose and the size of the door's front.
+
+        Returns:
+            handle_T_front (4, 4) of the front's middle, with the axes of the handle frame; thickness, width
+            and height of the front, in [m].
+        """
         middle, width = 0.0, self.length_mm / 1e3
         if joint.hinge is not None:
             middle = (joint.hinge[1] - math.copysign(EDGE_M, joint.hinge[1])) / 2

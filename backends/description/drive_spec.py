@@ -29,14 +29,15 @@ class Drive(FileModel):
     """`ackermann`: largest change of the curvature by the steering in a second."""
     wheel_radius_m: Positive
     tread_m: Positive
-    """Distance between the wheels. With skid steering the effective one, as measured when it turns.
-    `holonomic`: twice the arm by which wheels turn the base: for mecanum wheels half of track and wheelbase
-    together, twice; for others the diameter of their circle.
+    """Distance between the wheels of both sides; with skid steering the effective one, as measured in a turn.
+
+    `holonomic`: twice the lever arm by which the wheels turn the base: track plus wheelbase for mecanum
+    wheels, the diameter of the wheels' circle for others.
     """
     left: str | tuple[str, ...] | None = None
     """The joint that drives the left side, or several, where the URDF doesn't call it `left_wheel`."""
     right: str | tuple[str, ...] | None = None
-    """Wheel joints on the right."""
+    """The joint that drives the right side, or several, where the URDF doesn't call it `right_wheel`."""
     top_speed_m_s: Positive
     top_sideways_m_s: Positive | None = None
     """`holonomic`: maximum speed sideways. (default: `top_speed_m_s`)"""

@@ -49,7 +49,7 @@ class GroundSpec(FileModel):
     """Sigma of the angle between travel and heading, drawn again every `side_slip_length_m`."""
     side_slip_length_m: Positive = 3.0
     side_slip_deg_m: float = math.degrees(0.02)
-    """Side slip angle in a curve, for each 1/m of curvature: a known effect, not an error."""
+    """Side slip angle in a curve, in [deg] for each 1/m of curvature: a known effect, not an error."""
 
 
 class GpsSpec(MountedSensorSpec):

@@ -17,8 +17,8 @@ class JointUnits(NamedTuple):
     """True for each continuous joint: a full turn makes no difference to it."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Return joint values in [rad] and [m] from those in a file, in [deg] and [mm]; continuous joints
-        within half a turn.
+        """Return joint values in [rad] and [m] from those in [deg] and [mm]; continuous joints are wrapped to
+        half a turn either way.
         """
         both = zip(values, self.slides, self.endless, strict=True)
         return tuple(

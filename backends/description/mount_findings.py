@@ -64,7 +64,7 @@ def _moved_joints(robot: RobotFile, urdf: str) -> set[str]:
 
 
 def _key(robot: RobotFile, name: str, link: str) -> KeyPath:
-    """Return where the robot's file says that a sensor is mounted at a link."""
+    """Return the key path in the robot's file that mounts a sensor at a link."""
     if link in robot.links:
         return ("links", link)
     key = robot.key_of(name)

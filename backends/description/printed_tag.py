@@ -23,9 +23,9 @@ FACE_TURNS: dict[Face, tuple[float, float, float]] = {
 }
 """Roll, pitch and yaw of each side's frame in [rad]: seen from outside, x right and y up; z points out."""
 FACE_AXES: dict[str, tuple[int, int]] = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
-"""Axes of the box along x and y of a side's frame, by the axis of its normal."""
+"""Numbers (0 to 2) of the box's axes along x and y of a side's frame, by the axis of its normal."""
 UNIT_TAG_CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])
-"""(4, 3) corners of a tag of side 1 in its frame, clockwise from its own upper left."""
+"""Corners (4, 3) of a tag of side 1 in the tag's frame, clockwise from the tag's own upper left."""
 
 
 class PrintedTag(FileModel):
@@ -34,13 +34,13 @@ class PrintedTag(FileModel):
     family: TagFamily = "apriltag_36h11"
     id: Annotated[int, Field(ge=0)]
     side_mm: Annotated[float, Field(gt=0.0, le=500.0)]
-    """Side of its black square."""
+    """Side of the tag's black square."""
     face: Face = "+z"
     """Side of the box, by its outward normal; `+z` is the upper one."""
     x_mm: float = 0.0
-    """Offset of its middle from the middle of the side, to the right, as seen from outside."""
+    """Offset of the tag's middle from the middle of the side, to the right, as seen from outside."""
     y_mm: float = 0.0
-    """Offset of its middle from the middle of the side, upwards; on `+z` along the box's y."""
+    """Offset of the tag's middle from the middle of the side, upwards; on `+z` along the box's y."""
     turn_deg: float = 0.0
     """Counter-clockwise turn on the side, as seen from outside."""
 
@@ -57,7 +57,7 @@ class PrintedTag(FileModel):
 
     @property
     def side(self) -> float:
-        """Side of its black square, in [m]."""
+        """Side of the tag's black square, in [m]."""
         return self.side_mm / 1e3
 
     def fits(self, size_mm: tuple[float, float, float], is_round: bool = False) -> bool:
@@ -74,7 +74,10 @@ class PrintedTag(FileModel):
         return abs(self.x_mm) + half <= size_mm[along] / 2 and abs(self.y_mm) + half <= size_mm[up] / 2
 
     def on_box(self, size: tuple[float, float, float]) -> Transform:
-        """Return box_T_tag (4, 4), the box's origin in the middle of its foot; x right, y up, z out of it.
+        """Return box_T_tag (4, 4).
+
+        Box frame: origin in the middle of the box's foot, axes along its sides. Tag frame: origin in the
+        tag's middle, x right, y up, z out of the box.
 
         Args:
             size: size of the box along its x, y and z, in [m].

@@ -30,19 +30,23 @@ class RangeSpec(MountedSensorSpec):
     reach_m: Positive = Field(validation_alias=AliasChoices("reach_m", "range_max_m"))
     """Maximum range, in files also called `range_max_m`. A larger reading means no return."""
     range_min_m: NotNegative = 0.0
-    """The least range that it measures; a nearer reading says that something is too close."""
+    """Minimum range; a nearer reading means that something is too close."""
     start_deg: Angle = -180.0
     """Angle of the first beam, counter-clockwise from the frame's x axis."""
     end_deg: Angle = 180.0
-    """Angle of the last beam. In a full turn it equals the first beam and is omitted."""
+    """Angle of the last beam, counter-clockwise from the frame's x axis; in a full turn it equals
+    `start_deg`, and that beam is omitted.
+    """
     masked_deg: tuple[tuple[Angle, Angle], ...] = ()
-    """Sectors in which the lidar sees the robot itself, each from, to, counter-clockwise; ignored."""
+    """Sectors in which the lidar sees the robot itself, each as (from, to), counter-clockwise; their readings
+    are ignored.
+    """
     no_return: tuple[Literal["zero", "below_min", "nan"], ...] = ("zero",)
     """Values that this driver delivers without a return, in addition to infinity and ranges beyond
     `reach_m`.
     """
     sigma_mm: NotNegative
-    """Noise of a range."""
+    """Sigma of a range's noise."""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

@@ -51,7 +51,7 @@ class ArmSpec(FileModel):
     """The arm's joints and its named postures."""
 
     joints: tuple[str, ...]
-    """Names in the URDF, from the shoulder to the hand."""
+    """Names of the arm's joints in the URDF, from the shoulder to the hand."""
     top_speed_deg_s: Positive
     acceleration_deg_s2: Positive
     slide_speed_mm_s: Positive | None = None
@@ -60,8 +60,8 @@ class ArmSpec(FileModel):
     accuracy_mm: Positive = 0.5
     """Sigma of the hand's position against its joints, along each axis."""
     working_deg: dict[str, tuple[float, float]] = Field(default_factory=dict)
-    """Narrower limits of turning joints for working poses of the hand; motions between them use the URDF's
-    limits.
+    """Narrower limits (lowest, highest) of turning joints, by name, for working poses of the hand; motions
+    between them use the URDF's limits.
     """
     postures: dict[str, tuple[float, ...]]
     """Joint angles in [deg], of joints that slide [mm], in the order of `joints`. `handcart teach` adds to
@@ -99,11 +99,13 @@ class SuspensionSpec(FileModel):
     """Motion of the base under the arm's load: identified (`tasks/calibrate_suspension`), not simulated."""
 
     yaw_mrad_per_swing: float = 0.0
-    """Turn of the base with each swing of the loaded arm."""
+    """Turn of the base to the left with each swing, which is a motion of the loaded arm by at least
+    `swing_from_mm`.
+    """
     yaw_sigma_mrad: NotNegative = 0.0
     """Sigma of the turn with each swing."""
     swing_from_mm: NotNegative = 0.0
-    """Minimum distance of carrying the load that counts as a swing."""
+    """Minimum distance by which the hand carries a load in a motion that counts as a swing."""
     roll_mrad_per_m: float = 0.0
     """Roll of the base for each metre of the hand to the left; negative if that side sinks."""
     pitch_mrad_per_m: float = 0.0
@@ -135,25 +137,28 @@ class Tolerance(FileModel):
 
 
 class UnknownPosture(InputError):
-    """A robot's file doesn't have the posture that is asked for."""
+    """The robot's file doesn't have the requested posture."""
 
 
 class RobotFile(SensorTable, OutlinedFile):
-    """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
+    """A robot: drive, arm, sensors, limits, tolerances, postures, and the errors of its simulation."""
 
     format: Literal["handcart-robot/1"]
     urdf: UrdfPlace
     srdf: UrdfPlace | None = None
-    """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    """MoveIt's SRDF file of the robot's own URDF: which links may touch each other (`disable_collisions`)."""
     without: tuple[str, ...] = ()
-    """Joints of `urdf` that are removed with everything that they carry."""
+    """Joints of `urdf` that are removed with all links behind them."""
     still: dict[str, float] = Field(default_factory=dict)
-    """Joints that are never moved, such as those of a second arm: where they are, in [deg], if they slide
-    [mm]."""
+    """Joints that are never moved, such as those of a second arm, with their positions in [deg], or [mm] if
+    they slide.
+    """
     links: dict[Role, str] = Field(default_factory=dict)
     """Links of the URDF by their expected names: `hand: tool0`."""
     allowed_contacts: tuple[tuple[str, str], ...] = ()
-    """Pairs of links that may touch: those of the hull of a concave mesh, say. `handcart check --allow`."""
+    """Pairs of links that may touch, such as those of a concave mesh's hull; `handcart check --allow`
+    proposes them.
+    """
     parts: tuple[PartSpec, ...] = ()
     """Further URDFs, unchanged, each fixed onto a link of an earlier one."""
     period_s: Positive
@@ -224,7 +229,7 @@ class RobotFile(SensorTable, OutlinedFile):
         """Return the URDF of the whole robot: its parts put together, meshes named by absolute paths.
 
         Raises:
-            UrdfError: of a part that is missing, or can't be put there.
+            UrdfError: a part is missing, or can't be put where the file says.
         """
         return self.whole.text
 
@@ -327,7 +332,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def body_height(self) -> float:
-        """Height of the base itself by the URDF, in [m]."""
+        """Height of the top of the base's own body above the floor by the URDF, in [m]."""
         from handcart.backends.urdf.robot_shape import body_height
 
         return body_height(self.urdf_text())
@@ -369,7 +374,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return ideal
 
     def posture(self, name: str) -> tuple[float, ...]:
-        """Return a named posture, in [rad] and [m]; raises `UnknownPosture`."""
+        """Return a named posture, in [rad] or [m] for each joint of the arm; raise `UnknownPosture`."""
         if self.arm is None or name not in self.arm.postures:
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
             raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")

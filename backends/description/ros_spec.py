@@ -65,11 +65,11 @@ class RosLensSpec(RosTopicSpec):
     """Topic of pictures, and the topic of their calibration."""
 
     info: Topic | None = None
-    """Topic of its calibration (default: `camera_info` beside the pictures)."""
+    """Topic of the camera's calibration (default: `camera_info` beside the pictures)."""
 
     @property
     def info_topic(self) -> str:
-        """Return the topic of its `camera_info`."""
+        """Return the topic of the camera's calibration."""
         folder = self.topic.rpartition("/")[0]
         return self.info or (f"{folder}/camera_info" if folder else "camera_info")
 
@@ -130,14 +130,14 @@ class RosGripperSpec(FileModel):
 
     topic: Topic = "gripper_controller/joint_trajectory"
     action: Topic | None = None
-    """Name of the action by which it is commanded instead of a topic."""
+    """Name of the action by which the gripper is commanded instead of a topic."""
     action_type: Literal["GripperCommand", "FollowJointTrajectory"] = "GripperCommand"
     """Type of the action, of `control_msgs`."""
     max_effort_n: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
     """Force for which a `GripperCommand` asks; many controllers take 0 as their own limit."""
     type: Literal["JointTrajectory", "Float64MultiArray"] = "JointTrajectory"
     joints: tuple[JointName, ...] = ("left_finger", "right_finger")
-    """Its joints by their names in ROS, in the order of its messages."""
+    """Names in ROS of the fingers' joints, in the order of the controller's messages."""
     closed: float = 0.0
     """Position of each joint, in [rad] or [m], at which the fingers meet."""
     open: float | None = None

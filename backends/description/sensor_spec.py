@@ -30,7 +30,7 @@ class SensorSpec(FileModel):
     kind: str
     """Kind of the sensor."""
     CARRIER: ClassVar[Carrier | None] = None
-    """Parts of the URDF that may carry it; None for a sensor without a frame in the URDF."""
+    """Parts of the robot that may carry the sensor; None for a sensor without a frame in the URDF."""
 
     def link(self, name: str) -> str:
         """Return the link of the URDF that the sensor `name` is mounted at; "" if it has no frame."""

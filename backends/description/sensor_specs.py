@@ -25,8 +25,8 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 class OdometrySpec(FileModel):
     """Accuracy of the wheels as the localizer assumes it: sigmas. Errors of simulated wheels are in `errors`.
 
-    The defaults are for uncalibrated wheels. Claims are only as good as these figures if nothing besides
-    the wheels determines the pose.
+    The defaults are for uncalibrated wheels. If nothing besides the wheels determines the pose, its
+    covariance is only as good as these figures.
     """
 
     wheel_radius_percent: Positive = 2.0
@@ -82,7 +82,7 @@ class CalibratedCamera(FileModel):
     xyz_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Offset of the camera from the URDF's frame `camera`, along the axes of that frame."""
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Orientation of the camera in that frame: roll, pitch, yaw, as in a URDF."""
+    """Orientation of the camera in the URDF's frame `camera`: roll, pitch, yaw."""
 
 
 class CameraSpec(MountedSensorSpec):
@@ -159,7 +159,7 @@ class ImuSpec(MountedSensorSpec):
     warm_up_s: Positive = 600.0
     """Duration of the warm-up drift."""
     gyro_scale_percent: NotNegative = 0.0
-    """Sigma of a gyro's scale, relative to a turn."""
+    """Sigma of a gyro's scale error, relative to the turn."""
     accelerometer_sigma_m_s2: NotNegative
     """Sigma of an accelerometer's reading."""
     accelerometer_bias_m_s2: NotNegative = 0.0

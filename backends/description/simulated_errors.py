@@ -39,11 +39,11 @@ class Errors(FileModel):
     image_noise_grey: NotNegative = 3.0
     image_blur_px: NotNegative = 0.7
     camera_mount_mm: NotNegative = 0.0
-    """Offset of the camera from the URDF's frame `camera`, along each axis."""
+    """Sigma of the camera's offset from the frame that the URDF states, along each axis."""
     camera_mount_mrad: NotNegative = 0.0
-    """Rotation of the camera against that frame, about each axis."""
+    """Sigma of the camera's rotation from the frame that the URDF states, about each axis."""
     focal_percent: NotNegative = 0.0
-    """Difference of the focal length from `focal_px`; `calibrated` does not change the simulated camera."""
+    """Sigma of the focal length, relative to `focal_px`; `calibrated` doesn't change the simulated camera."""
     light_gradient: NotNegative = 0.25
     """Share by which the picture's light changes from one side to the other."""
     range_zero_percent: Percent = 0.0
@@ -57,13 +57,13 @@ class Errors(FileModel):
     start_mm: NotNegative = 20.0
     start_deg: NotNegative = 1.0
     book_place_mm: NotNegative = 2.0
-    """Error of a person who puts a thing onto the tray."""
+    """Sigma of the place at which a person puts a thing onto the tray."""
     book_turn_deg: NotNegative = 1.0
     book_lean_deg: NotNegative = 1.0
     """Tilt of a thing released between neighbours; with physics the engine computes it."""
     hand_force_n: NotNegative = 0.3
     block_place_mm: NotNegative = 0.0
-    """Error of a person who puts a thing down elsewhere."""
+    """Sigma of the place at which a person puts a thing down elsewhere."""
     block_turn_deg: NotNegative = 0.0
     hand_systematic_mm: NotNegative = 0.0
     """Maximum systematic error of the hand, smooth from place to place; drawn once."""
@@ -74,12 +74,14 @@ class Errors(FileModel):
     hand_uniform_mm: NotNegative = 0.0
     """Uniform error of the hand from motion to motion: maximum."""
     swing_yaw_mrad: float = 0.0
-    """Turn of the resting base with each swing of the arm, caused by casters and tyres."""
+    """Turn of the resting base to the left with each swing of the arm, caused by casters and tyres."""
     swing_yaw_sigma_mrad: NotNegative = 0.0
     swing_from_mm: NotNegative = 0.0
-    """Least distance of carrying something over the floor that is a swing; 0 if any motion is one."""
+    """Least distance by which the hand carries a load in a motion that counts as a swing; 0 if any motion of
+    the arm does.
+    """
     lean_mrad_per_m: NotNegative = 0.0
-    """Tilt of the base towards the hand, for each metre of its distance from the base's centre."""
+    """Tilt of the base towards the hand, for each metre of the hand's horizontal distance from its centre."""
     lean_pivot_m: NotNegative = 0.0
     """Height of the point about which the base tilts."""
 

@@ -28,14 +28,15 @@ LEVEL_GROUND = GroundSpec(roughness_deg=0.0)
 class KinematicBackend(SimulatedBackend):
     """Simulation of a mobile base with arm, gripper, camera and lidar among solid things, without dynamics.
 
-    Simulated errors, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the
-    tilt of the base after the arm has swung, ranges, image noise, blur, light and lens, the force reading,
-    where a person puts the robot and things.
+    Simulated errors, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the tilt
+    of the base after the arm has swung, ranges, image noise, blur, light and lens, the force reading, where a
+    person puts the robot and things.
 
     How it differs from hardware:
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
       checked, those of acceleration are not. Nothing swings, tips or heats up.
-    - Contacts are quasi-static. The base is a disc and stops where it meets something, its wheels slipping.
+    - Contacts are quasi-static. The base has the outline of its footprint and stops where it meets something,
+      its wheels slipping.
       The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N. The
       hand, and what it holds, slides along what it presses on, with a coefficient of friction of 0.4.
       The arm is not checked against itself and its base. The base also stops where it drives the arm, a part
@@ -115,7 +116,7 @@ class KinematicBackend(SimulatedBackend):
         return touching
 
     def _lean(self) -> None:
-        """Let the base lean to where the arm reaches."""
+        """Tilt the base on its suspension towards the hand."""
         rate = self.scene.robot.errors.lean_mrad_per_m
         if rate == 0.0 or self.scene.arm is None or self._hand is None:
             return
@@ -134,7 +135,7 @@ class KinematicBackend(SimulatedBackend):
         return {"ride": self._ride, **{f"rule {name}": rule for name, rule in rules.items()}}
 
     def close(self) -> None:
-        """See `Backend`; there is nothing to release."""
+        """Do nothing, because there is nothing to release."""
 
 
 def _not_simulated(world: WorldFile) -> Iterator[str]:

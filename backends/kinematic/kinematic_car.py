@@ -12,10 +12,11 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class KinematicCar(CommandedBase):
-    """Rear wheels that turn as commanded, front wheels that turn into their steering at its speed.
+    """Rear wheels that turn as commanded, and front wheels that turn to the commanded curvature at the
+    steering's speed.
 
-    Wheel travel is that of the rear wheels. On the spot nothing is steered; a curvature is the turn rate by
-    the speed.
+    Wheel travel is that of the rear wheels. The curvature is the turn rate divided by the speed; a standing
+    car keeps its steering.
     """
 
     STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
@@ -26,7 +27,9 @@ class KinematicCar(CommandedBase):
         self._bend = 0.0
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; return the motion of the base if nothing stops it."""
+        """Turn the wheels for a period; return the base's pose after it in the base frame before it, without
+        obstacles.
+        """
         speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period

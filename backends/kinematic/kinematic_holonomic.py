@@ -17,7 +17,9 @@ class KinematicHolonomicBase(CommandedHolonomicBase):
         self._wheels = MecanumWheels(robot, seed)
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; return the motion of the base if nothing stops it."""
+        """Turn the wheels for a period; return the base's pose after it in the base frame before it, without
+        obstacles.
+        """
         speed, turn_rate, sideways = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         left, right = (speed - half) * self._period, (speed + half) * self._period

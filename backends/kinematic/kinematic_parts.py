@@ -41,7 +41,9 @@ class KinematicBase(CommandedBase):
         self._rolling = Rolling(robot, seed)
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; return the motion of the base if nothing stops it."""
+        """Turn the wheels for a period; return the base's pose after it in the base frame before it, without
+        obstacles.
+        """
         speed, turn_rate, _ = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         left, right = (speed - half) * self._period, (speed + half) * self._period
@@ -62,7 +64,13 @@ class Rolling:
         self._slip, self._scrub = errors.slip_percent / 100, errors.scrub_percent / 100
 
     def motion(self, left: float, right: float, period: int) -> Pose2:
-        """Return the pose of the base after a period in its pose before, if nothing stops it."""
+        """Return the base's pose after a period in the base frame before it, without obstacles.
+
+        Args:
+            left: travel of the left wheel by its encoder, in [m].
+            right: travel of the right wheel by its encoder, in [m].
+            period: number of the period, which decides the slip.
+        """
         if left == 0.0 and right == 0.0:
             return Pose2(0.0, 0.0, 0.0)
         slips = self._slip * keyed_normal(self._seed, "slip", period, 2)
@@ -80,7 +88,7 @@ def _arc(length: float, turn: float) -> Pose2:
 
 
 class KinematicArm(SimulatedArm):
-    """Joints that reach their command within the period, but for a contact and for `ArmError`."""
+    """Joints that reach their command within the period, except for contacts and the offset of `ArmError`."""
 
     STATE: ClassVar = {**SimulatedArm.STATE, "_settled": bool, "_touching": frozenset[tuple[str, str]]}
 
@@ -98,7 +106,13 @@ class KinematicArm(SimulatedArm):
         return self._hand.scene.felt_force()
 
     def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
-        """Move the arm for a period; return the touching pairs. `disturbed`: the fingers have moved."""
+        """Move the arm for a period, and return the touching pairs: names of the robot's body and of the
+        other one.
+
+        Args:
+            period: number of the period.
+            disturbed: True if the fingers have moved.
+        """
         changed = self._begin(period, loaded=self._hand.scene.held is not None)
         self._from = self._command.copy()
         if not changed and not disturbed and self._settled:
@@ -125,7 +139,7 @@ class KinematicGripper(SimulatedGripper):
         return self._scene.width
 
     def advance(self, period: int) -> bool:
-        """Move the fingers for a period; return whether anything moved."""
+        """Move the fingers for a period; return True if they moved, or the held thing changed."""
         self._now = period
         before, held = self._scene.width, self._scene.held
         way = max(-self._step, min(self._step, self._command - before))
@@ -155,7 +169,7 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         return cls(site.spec, mount, site.scene, site.seed)
 
     def scan_later(self) -> Callable[[], Scan]:
-        """See `RangeSensor`: no ray is cast before the returned function is called."""
+        """Return a function that returns this period's scan; no ray is cast before it is called."""
         period, base, time = self._now, self._scene.base, self._scene.time
         if self._last is not None and self._last[0] == period:
             return super().scan_later()
@@ -167,7 +181,13 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         return self._cast_from(self._scene.base, self._scene.time, discs)
 
     def _cast_from(self, base: Pose2, time: float, discs: FloatArray) -> FloatArray:
-        """Return the true ranges to everything, also to discs (k, 3): x, y and radius in [m]."""
+        """Return the true ranges (n,) of the beams to solids and passers, in [m].
+
+        Args:
+            base: world_T_base.
+            time: simulated time, in [s].
+            discs: (k, 3) parts of passers: x, y in the world and radius, in [m].
+        """
         ranges = self._cast_at_solids(base, time)
         if not len(discs):
             return ranges
@@ -175,7 +195,9 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         return np.minimum(ranges, cast_at_discs(discs, sensor, self._angles, self._spec.reach_m))
 
     def _cast_at_solids(self, base: Pose2, time: float) -> FloatArray:
-        """Return the true ranges, cast again only if the base moved or an obstacle appeared or left."""
+        """Return the true ranges (n,) to solids in [m], cast again only if the base moved or an obstacle
+        appeared or left.
+        """
         here = base, self._plan.there(time).tobytes()
         if here != self._seen_from:
             sensor = base.compose(self._mount)

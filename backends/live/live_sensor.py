@@ -32,9 +32,9 @@ class LiveSensor(ABC):
         self.rejected = 0
         """Number of dropped readings: damaged, not finite, of another size, out of order."""
         self.trouble = ""
-        """Why it can't be read any more; "" while it can."""
+        """Reason why the sensor can't be read any more; "" while it can."""
         self.doubt = ""
-        """Why what comes is not used just now; "" while it is."""
+        """Reason why arriving readings are not used just now; "" while they are."""
 
     def advance(self) -> None:
         """Read the data that arrived in the last period."""
@@ -43,7 +43,7 @@ class LiveSensor(ABC):
 
     @abstractmethod
     def _take_in(self) -> None:
-        """Read the data that have arrived; never wait, never raise."""
+        """Read the data that have arrived in this period; never wait, never raise."""
 
     @abstractmethod
     def close(self) -> None:

@@ -23,7 +23,7 @@ def suspended() -> float:
 
 
 class Pace:
-    """Wait until a period of the wall clock is over.
+    """Timer of control periods by the wall clock.
 
     A late period starts the next one at its own end: missed periods are not compensated by shorter ones.
     """
@@ -56,7 +56,7 @@ class Pace:
         self.late = 0
         """Number of periods that were over before the wait."""
         self.trouble = ""
-        """Why the robot has to be stopped; "" while it needn't. Stays once it is said."""
+        """Reason why the robot has to be stopped; "" if there is none. A reason stays once it is set."""
 
     def wait(self) -> None:
         """Wait for the end of the current period; the next one begins."""

@@ -52,7 +52,11 @@ class MujocoBackend(PhysicsBackend):
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> MujocoBackend:
-        """See `Backend`: in MuJoCo's viewer, as fast as time passes."""
+        """Build a robot and world that MuJoCo's viewer shows in a window, as fast as time passes.
+
+        Raises:
+            NoWindow: OpenGL is not available on the display.
+        """
         from .rendering.window import Window, check_display
 
         needs_display()

@@ -27,7 +27,7 @@ class Onlooker:
         """Return world_T_camera (4, 4) of the chase camera (z forward, x right, y down).
 
         Args:
-            world_T_base: (4, 4) pose of the robot.
+            world_T_base: (4, 4) pose of the base.
             time: simulated time, in [s].
         """
         eye, at = ((world_T_base @ (*point, 1.0))[:3] for point in (FROM, TOWARDS))

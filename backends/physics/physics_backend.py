@@ -268,7 +268,7 @@ class PhysicsBackend(SimulatedBackend):
         return self._held.mass, (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
     def _riding(self) -> list[int]:
-        """Return the bodies on the robot."""
+        """Return the engine's numbers of the things that lie on the robot."""
         return [self._world.bodies[thing.name] for thing in self.scene.riding()]
 
     @override

@@ -36,7 +36,7 @@ class PropsBody:
         """Begin a period, after `Props.step`."""
 
     def act(self) -> None:
-        """Begin a chunk of the period."""
+        """Act before each chunk of the period, which is the time between two actions of the drives."""
 
     def end(self) -> None:
         """Act at the end of a period, before things are located."""

@@ -12,7 +12,7 @@ MAX_QUOTED_LETTERS = 300  # of what an engine says
 
 
 class RobotRefused(InputError):
-    """An engine can't be given a robot."""
+    """An engine refuses a robot."""
 
 
 def refusal(engine: str, error: Exception, whole: RobotUrdf, prefix: str = "") -> InputError:

@@ -17,8 +17,8 @@ def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs], is_round: b
 
     Args:
         client: Bullet's client.
-        size: (3,) lengths in [m].
-        uvs: four corners of each face in the texture, in the order of `ThingForm.uvs`.
+        size: (3,) lengths along x, y and z, in [m].
+        uvs: four corners (u, v), 0 to 1, of each face in the texture; faces -x, +x, -y, +y, +z, -z.
         is_round: True for a cylinder along z.
     """
     p = bullet()

@@ -93,7 +93,7 @@ class BulletBody(RobotBody):
         self._engine.set_pose(self.id, base.lift(height) @ inverse(self._middle_T_base))
 
     def free(self, joint: int) -> None:
-        """Switch Bullet's own motor of a joint off."""
+        """Switch Bullet's own motor of a joint off, given Bullet's number of the joint."""
         self._p.setJointMotorControl2(
             self.id, joint, self._p.VELOCITY_CONTROL, force=0.0, physicsClientId=self._engine.client
         )

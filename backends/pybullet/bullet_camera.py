@@ -23,8 +23,13 @@ class BulletCamera(EngineCamera):
     """
 
     def _draw(self, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]) -> ByteArray:
-        """Render the picture in tiles, because the EGL renderer stretches its window of 1024 x 768 to larger
-        sizes.
+        """Render the picture (height, width), grey, in tiles, because the EGL renderer stretches its window
+        of 1024 x 768 to larger sizes.
+
+        Args:
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
+            size: width and height in [px].
         """
         assert isinstance(self._engine, BulletEngine)
         width, height = size[0] // SAMPLES_PER_SIDE, size[1] // SAMPLES_PER_SIDE
@@ -79,13 +84,26 @@ def render_with_depth(
 
 
 def _depth(part: FloatArray, nearest: float) -> FloatArray:
-    """Return the depths in [m] of OpenGL's buffer, which is 0 at the nearest plane and 1 at `FURTHEST`."""
+    """Return the depths (h, w) in [m] of OpenGL's depth buffer (h, w); infinite where it is 1.
+
+    Args:
+        part: (h, w) values of the buffer: 0 at the nearest plane, 1 at `FURTHEST`.
+        nearest: depth of the nearest plane, in [m].
+    """
     depth = FURTHEST * nearest / (FURTHEST - part * (FURTHEST - nearest))
     return np.where(part >= 1.0, np.inf, depth)
 
 
 def _projection(K: FloatArray, size: tuple[int, int], near: float = NEAREST) -> FloatArray:
-    """Return OpenGL's projection (4, 4) of a pinhole camera; OpenGL counts pixels from their edges."""
+    """Return OpenGL's projection (4, 4) of a pinhole camera.
+
+    OpenGL counts pixels from their edges, not from their centres.
+
+    Args:
+        K: (3, 3) camera matrix, in [px].
+        size: width and height in [px].
+        near: depth of the nearest plane, in [m].
+    """
     width, height = size
     fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5
     far = FURTHEST

@@ -45,9 +45,9 @@ _LEVEL = 1  # of its pictures: the renderer takes the nearest points of a finer 
 class BulletEngine(Engine):
     """Engine with a Bullet client of its own; body numbers are Bullet's.
 
-    Bullet takes the impulses of motors and contacts to be those of a whole chunk, although they are those
-    of one step. Therefore forces given to Bullet are divided by `substeps`, and forces that it returns are
-    multiplied.
+    Bullet reports the impulses of one of its steps as if they were those of a chunk (the time between two
+    actions of the drives, `substeps` steps). Therefore forces given to Bullet are divided by `substeps`, and
+    forces that it returns are multiplied.
     """
 
     CHUNK = 0.005
@@ -106,7 +106,11 @@ class BulletEngine(Engine):
     # Bodies
 
     def add_floor(self, friction: float) -> int:
-        """Add the floor, of which pictures show the part within 40 m; see `Engine`."""
+        """Add a level floor at height 0, of which pictures show the part within 40 m; return its body.
+
+        Args:
+            friction: Coulomb's coefficient of friction, without unit.
+        """
         shape = self.p.createCollisionShape(self.p.GEOM_PLANE, physicsClientId=self.client)
         body = self.p.createMultiBody(0.0, shape, floor_look(self.client), physicsClientId=self.client)
         return self._rub(body, friction)
@@ -209,7 +213,7 @@ class BulletEngine(Engine):
         return [point for point in points if point[9] > 0.0]
 
     def _contact(self, point: Sequence[Any]) -> ContactPoint:
-        """Return a contact point of Bullet, whose first body is the one in question."""
+        """Return a contact point from Bullet's tuple, whose first body is the one whose contacts are read."""
         other, link, other_link, normal = point[2], point[3], point[4], point[7]
         (pressed, one, first, two, second), times = point[9:14], self.substeps
         x, y, z = (
@@ -218,15 +222,15 @@ class BulletEngine(Engine):
         return ContactPoint(link, other, other_link, normal, (x, y, z))
 
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return how much of each way from a point is free of all but the robot, in one batch; see
-        `Engine.free_shares`.
+        """Return the free share of the lines from one point to others, without the robot, in one batch.
 
         Args:
-            start: (3,) common start of the ways in the world, in [m].
-            ends: (n, 3) their ends, in [m].
+            start: (3,) common start of the lines in the world, in [m].
+            ends: (n, 3) their ends in the world, in [m].
 
         Returns:
-            (n,) share of each way, from 0 to 1; infinity where all of it is free.
+            (n,) distance from the start to the first body divided by the line's length, 0 to 1; infinity if
+            all of a line is free.
         """
         starts = np.broadcast_to(start, ends.shape)
         hits = self.p.rayTestBatch(
@@ -266,9 +270,8 @@ class BulletEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """Return the state as Bullet writes it into a file, signed, and the held connections.
-
-        Bullet itself does not save the connections.
+        """Return Bullet's own state file, its signature, and the pinned connection, which Bullet does not
+        save.
         """
         content = self._saved()
         pinned = to_plain(self._pinned, Pinned | None)

@@ -14,7 +14,7 @@ from .bullet_engine import BulletEngine
 
 
 class BulletJoints(JointGroup):
-    """See `JointGroup`; Bullet's motors are constraints whose impulses are limited."""
+    """Joints with Bullet's motors, which are constraints whose impulses are limited; see `JointGroup`."""
 
     def __init__(self, engine: BulletEngine, body: int, joints: Sequence[int]) -> None:
         """Select joints of a body by Bullet's numbers."""

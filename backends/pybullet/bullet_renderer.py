@@ -52,7 +52,7 @@ class BulletRenderer:
     # Textures
 
     def show(self, body: int, picture: ByteArray) -> None:
-        """Paint a body with a grey picture (h, w)."""
+        """Paint a body with a grey picture (h, w), 0 to 255."""
         texture = self.texture(picture)
         if texture != self._shown.get(body):
             self._shown[body] = texture

@@ -31,7 +31,13 @@ def floor_look(client: int) -> int:
 
 
 def plain_box(client: int, size: Sequence[float], grey: int) -> tuple[int, int]:
-    """Return the numbers of Bullet's collision and visual shape of a box of a size (3,) in [m]."""
+    """Return the numbers of Bullet's collision and visual shape of a box.
+
+    Args:
+        client: number of Bullet's client.
+        size: (3,) lengths along x, y and z, in [m].
+        grey: grey of the visual shape, 0 to 255.
+    """
     p, half, shade = bullet(), [length / 2 for length in size], grey / 255
     shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client)
     visual = p.createVisualShape(
@@ -45,12 +51,12 @@ def plain_box(client: int, size: Sequence[float], grey: int) -> tuple[int, int]:
 
 
 def tile_shape(client: int, cell: float, heights: FloatArray) -> tuple[int, int]:
-    """Return the numbers of Bullet's collision and visual shape of rough ground; see `Engine.add_tile`.
+    """Return the numbers of Bullet's collision and visual shape of a square of rough ground.
 
     Args:
         client: number of Bullet's client.
-        cell: distance of neighbouring heights, in [m].
-        heights: (k, k) in [m], a row for each y.
+        cell: distance of neighbouring heights along x and y, in [m].
+        heights: (k, k) heights of the ground in [m], a row for each y, ascending, and a column for each x.
     """
     p, count = bullet(), len(heights)
     side = (count - 1) * cell

@@ -31,7 +31,9 @@ class AveragedScan:
         self._began = Pose2(0.0, 0.0, 0.0)
 
     def take(self, scan: Scan) -> Scan:
-        """Return a scan with averaged ranges; the same scan counts once."""
+        """Return a scan whose ranges (n,), in [m], are the running averages of the beams; the same scan
+        counts once.
+        """
         pose = self._pose()
         apart = pose.distance(self._began) > SAME_POSE_M or pose.turn(self._began) > SAME_POSE_RAD
         if apart or self._count == 0 or len(scan.ranges) != len(self._average):

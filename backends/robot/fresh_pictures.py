@@ -19,11 +19,13 @@ class Photo(NamedTuple):
     """A picture, with the camera and its pose at the instant when it was taken."""
 
     pixels: ByteArray
-    """(height, width), grey."""
+    """Picture (height, width), grey, 0 to 255."""
     camera: CameraModel
     """Intrinsics and distortion, as calibrated."""
     base_T_camera: Transform
-    """Pose (4, 4) of the optical frame by the measured joints."""
+    """Pose (4, 4) of the optical frame (z forward, x right, y down) in the base frame, by the measured
+    joints.
+    """
     time: float
     """The robot's time, in [s]."""
 
@@ -31,7 +33,8 @@ class Photo(NamedTuple):
 class FreshPictures:
     """The last picture of a camera, and whether the camera has moved since.
 
-    The camera's carrier is given as an array of any length, in [m] or [rad].
+    Motion is that of the wheels and joints that carry the camera; their positions are an array of any length,
+    in [m] or [rad].
     """
 
     def __init__(self) -> None:
@@ -42,7 +45,7 @@ class FreshPictures:
 
     @property
     def last(self) -> ByteArray | None:
-        """The last picture, (height, width) grey; None before the first."""
+        """The last picture (height, width), grey, 0 to 255; None before the first."""
         return self._last
 
     @property
@@ -51,10 +54,10 @@ class FreshPictures:
         return self._last is not None and not self._moved
 
     def note(self, carrier: FloatArray) -> None:
-        """Record in each period the position of the camera.
+        """Record, once a period, the positions of the wheels and joints that carry the camera.
 
         Args:
-            carrier: (k,) coordinates of what carries the camera, in [m] or [rad]; k must not change.
+            carrier: (k,) travel of the wheels in [m] and joints in [rad] or [m]; k must not change.
         """
         self._moved = self._is_away(carrier)
 
@@ -62,12 +65,13 @@ class FreshPictures:
         """Return `image`, and keep it as the last picture; raise if it only repeats the picture before.
 
         Args:
-            image: (h, w), grey.
-            carrier: (k,) coordinates of what carries the camera, in [m] or [rad], as for `note`.
-            noisy: True if no two pictures of one place are the same.
+            image: (h, w), grey, 0 to 255.
+            carrier: (k,) travel of the wheels in [m] and joints in [rad] or [m], as for `note`.
+            noisy: True if no two pictures taken at one pose are the same.
 
         Raises:
-            StaleReading: it equals the last one to the last bit, although the camera has moved since.
+            StaleReading: the picture equals the last one to the last bit, although the camera has moved
+                since.
         """
         same = self._last is not None and np.array_equal(image, self._last)
         if same and (self._moved if noisy else self._is_away(carrier)):

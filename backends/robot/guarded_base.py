@@ -107,7 +107,9 @@ class GuardedBase(HolonomicBase):
         return self._map_guard if self._on_map else self._scan_guard
 
     def _change_frame(self) -> None:
-        """Begin again where the base is, if its pose has become known or unknown since the last command."""
+        """Set the current pose as the start if the pose on the map has become known or unknown since the last
+        command.
+        """
         if self._is_located() == self._on_map:
             return
         self._on_map, self._starts = not self._on_map, True
@@ -155,7 +157,11 @@ class GuardedBase(HolonomicBase):
         self._guard.may_stand_at(pose)
 
     def keep_off(self, points: FloatArray) -> None:
-        """Keep off (n, 2) points on the map in [m] from now on, where the base ran into an obstacle."""
+        """Keep the base off points from now on where it ran into an obstacle.
+
+        Args:
+            points: (n, 2) on the map, in [m].
+        """
         self._felt = points
 
     def keep_off_people(self, people: People) -> None:
@@ -165,7 +171,13 @@ class GuardedBase(HolonomicBase):
     def _yielding(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
         """Return the part of a command that ends before every person's path.
 
-        `direction` of travel in [rad] against the heading, as in `_allowed`.
+        Args:
+            speed: speed in the direction of travel, in [m/s].
+            turn_rate: turn rate to the left, in [rad/s].
+            direction: direction of travel in the base frame, in [rad], counter-clockwise from straight ahead.
+
+        Returns:
+            Speed in [m/s] and turn rate in [rad/s].
         """
         if self._people is None or speed == 0.0:
             return speed, turn_rate
@@ -176,7 +188,16 @@ class GuardedBase(HolonomicBase):
         return share * speed, share * turn_rate
 
     def _seeing(self, speed: float, turn_rate: float) -> tuple[float, float]:
-        """Return a command, or a part of it that comes to rest while the lidar repeats an old scan."""
+        """Return a command, or while the lidar repeats an old scan, the part of it by which the base comes to
+        rest.
+
+        Args:
+            speed: speed in the direction of travel, in [m/s].
+            turn_rate: turn rate to the left, in [rad/s].
+
+        Returns:
+            Speed in [m/s] and turn rate in [rad/s].
+        """
         if not self._is_blind():
             self._blind_speed = math.inf
             return speed, turn_rate
@@ -196,9 +217,10 @@ class GuardedBase(HolonomicBase):
         return self._felt
 
     def taken(self) -> tuple[DriveCommand, HoldingObstacle | None]:
-        """Return the base's command since the last call, and the obstacle that held it back.
+        """Return the base's command since the last call, and the obstacle that held it back; None if none
+        did.
 
-        The command is zero if there was none: it ends with its period.
+        The command is zero if none was given, because a command ends with its period.
         """
         taken = self._command, self._held
         self.share_for_people, self._share, self._people = self._share, 1.0, None
@@ -216,14 +238,23 @@ class GuardedBase(HolonomicBase):
             self._starts = False
 
     def _around(self, pose: Pose2) -> FloatArray:
-        """Return points (n, 2) of the scan and of felt obstacles, in the base frame at map_T_base, in [m]."""
+        """Return the points (n, 2) of the scan and of felt obstacles in the base frame, in [m].
+
+        Args:
+            pose: map_T_base.
+        """
         scan = self._scan()
         is_felt = self._on_map and len(self._felt) > 0
         return np.vstack([scan, pose.inverse().apply(self._felt)]) if is_felt else scan
 
     def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
-        """Limit the speed to the base's acceleration, because the caller does not know that the base was held
-        back.
+        """Return a command whose speed grows by no more than the base accelerates.
+
+        It is needed because the caller does not know that the base was held back in the last period.
+
+        Args:
+            speed: speed in the direction of travel, in [m/s].
+            turn_rate: turn rate to the left, in [rad/s].
         """
         most = self._slowed_to + self._braking * self._period
         if abs(speed) <= most:
@@ -232,10 +263,18 @@ class GuardedBase(HolonomicBase):
         return math.copysign(most, speed), turn_rate * (most / abs(speed) if self._slows_turns else 1.0)
 
     def _allowed(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
-        """Return the part of a speed in [m/s] and of a turn rate in [rad/s] that is free.
+        """Return the part of a command that is free of obstacles until the base could stop.
 
-        `direction` of travel in [rad] against the heading: the base is guarded as one that heads there, with
-        its footprint turned back by as much.
+        The base is guarded as one that heads in the direction of travel, with its footprint turned back by as
+        much.
+
+        Args:
+            speed: speed in the direction of travel, in [m/s].
+            turn_rate: turn rate to the left, in [rad/s].
+            direction: direction of travel in the base frame, in [rad], counter-clockwise from straight ahead.
+
+        Returns:
+            Speed in [m/s] and turn rate in [rad/s].
         """
         self._begin()
         pose = self._pose()
@@ -255,13 +294,21 @@ class GuardedBase(HolonomicBase):
 
     @property
     def _slows_turns(self) -> bool:
-        """True if a slower command turns slower too, on the same arc."""
+        """True if a slower command turns more slowly, too, so that the base stays on the same arc."""
         return self._is_car or not self._shape.is_disc
 
     def _touched(
         self, pose: Pose2, scan: FloatArray, speed: float, turn_rate: float, direction: float
     ) -> HoldingObstacle | None:
-        """Return the obstacle that the base would touch until it could stop; None if its way is free."""
+        """Return the obstacle that the base would touch until it could stop; None if its way is free.
+
+        Args:
+            pose: pose on the map that heads in the direction of travel.
+            scan: (n, 2) points in the frame of that pose, in [m].
+            speed: speed in the direction of travel, in [m/s].
+            turn_rate: turn rate to the left, in [rad/s].
+            direction: direction of travel in the base frame, in [rad], counter-clockwise from straight ahead.
+        """
         way = self._way_to_stop(speed)
         if isinstance(self._guard, FootprintGuard):
             view = None if self._unseen is None else self._unseen.view
@@ -274,7 +321,7 @@ class GuardedBase(HolonomicBase):
         return held
 
     def _free_turn(self, pose: Pose2, scan: FloatArray, turn_rate: float, direction: float) -> float:
-        """Return the part of a turn in place that is free, in [rad/s]."""
+        """Return the part of a turn in place, in [rad/s], that is free; arguments as for `_touched`."""
         if self._is_car:
             return 0.0
         if self._shape.is_disc:

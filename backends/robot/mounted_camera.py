@@ -28,7 +28,7 @@ class CameraMount(NamedTuple):
     carrier: str
     """Link that carries the camera: the hand, or the camera's own link."""
     carrier_T_frame: Transform
-    """Pose (4, 4) of the camera's frame of the URDF in the frame of the carrier."""
+    """Pose (4, 4) of the camera's frame of the URDF in the frame of the link `carrier`."""
 
 
 class MountedCamera(NamedTuple):
@@ -36,13 +36,13 @@ class MountedCamera(NamedTuple):
 
     model: CameraModel
     carrier_T_camera: Transform
-    """Pose (4, 4) of the optical frame (z forward, x right, y down) in the frame of the carrier."""
+    """Pose (4, 4) of the optical frame (z forward, x right, y down) in the frame of the link `carrier`."""
     carrier: str = HAND_LINK
     """Link that carries the camera: the hand, or the camera's own link."""
 
     @property
     def hand_T_camera(self) -> Transform:
-        """Pose (4, 4) of the optical frame in the hand frame.
+        """Pose (4, 4) of the optical frame (z forward, x right, y down) in the hand frame.
 
         Raises:
             NotOnHand: the hand does not carry the camera.
@@ -101,7 +101,7 @@ def known_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
 
 
 def correction(found: CalibratedCamera) -> Transform:
-    """Return the pose (4, 4) of the calibrated camera in the camera's frame of the URDF."""
+    """Return the pose (4, 4) of the calibrated optical frame in the camera's frame of the URDF."""
     return transform(
         [value / 1e3 for value in found.xyz_mm],
         [math.radians(value) for value in found.rpy_deg],

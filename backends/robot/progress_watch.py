@@ -17,7 +17,7 @@ ROUGH_SIGMA_M = 0.1  # of a position: corrections of a less certain pose are not
 
 
 class ProgressWatch:
-    """Compares commands with the estimated motion, once a period.
+    """Watch that compares commands with the estimated motion, once a period.
 
     Attributes:
         blocked: evidence that the base is blocked ahead or backwards, from the last period; None without.
@@ -38,8 +38,8 @@ class ProgressWatch:
 
         Args:
             command: command of the base in the period.
-            travel: travel of the wheels before the period.
-            before: estimated pose before the period, `Localization.odometry_pose`.
+            travel: travel of the wheels before the period, in [m].
+            before: estimated pose before the period, as in `Localization.odometry_pose`.
         """
         rolled, way = self._localization.travel, command.direction
         left, right = rolled.left - travel.left, rolled.right - travel.right

@@ -81,12 +81,12 @@ class Robot:
         """
         self.backend, self.spec = backend, spec
         self.own_start = start if is_start_exact else None
-        """Pose that the start has by definition if a map is missing; None with a map."""
+        """2D pose in the map frame that the start has by definition if a map is missing; None with a map."""
         self.period, self.time = backend.period, 0.0
         self._known: dict[type[Capability], Capability] = {}
         sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
         self.lidar = None if sensor is None else Lidar(sensor, spec)
-        """Its first lidar, with scans that are read by the robot's file; None without one."""
+        """The robot's first lidar, with scans that are interpreted by the robot's file; None without one."""
         self.other_lidars = tuple(other_lidars(backend, spec, sensor))
         """Further lidars: the base keeps off what they see, too."""
         wheels = self.get(Base)  # type: ignore[type-abstract]
@@ -108,9 +108,13 @@ class Robot:
         self.command = DriveCommand()
         """Command of the base in the last period."""
         self.held: HoldingObstacle | None = None
-        """Obstacle that the base was held back from in the last period, because it would have touched it."""
+        """Obstacle that the base would have touched in the last period, for which it was held back; None
+        without one.
+        """
         self.failed_from: Pose2 | None = None
-        """map_T_base where the first of several Fails in a row began; None after any other end."""
+        """map_T_base at the first of several primitives in a row that ended with a Fail; None after any other
+        outcome.
+        """
         if spec.localizer in OUTDOOR_LOCALIZERS:
             self.get(Imu)  # type: ignore[type-abstract]
         where = Pose2(0.0, 0.0, 0.0) if start is None else start
@@ -170,7 +174,9 @@ class Robot:
         return found
 
     def base_T_camera(self, camera: Camera) -> Transform:
-        """Return the pose (4, 4) of a camera's optical frame in the base frame, by the measured joints."""
+        """Return the pose (4, 4) of a camera's optical frame (z forward, x right, y down) in the base frame,
+        by the measured joints.
+        """
         return self.base_T(camera.carrier) @ camera.carrier_T_camera
 
     @property
@@ -234,7 +240,7 @@ class Robot:
 
     @property
     def driven(self) -> tuple[float, float]:
-        """Speed ahead in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
+        """Speed ahead in [m/s] and turn rate to the left in [rad/s], as commanded in the last period."""
         return self.command.speed, self.command.turn_rate
 
     @cached_property
@@ -244,7 +250,7 @@ class Robot:
 
     @property
     def pose(self) -> Pose2:
-        """Estimated map_T_base."""
+        """Estimated 2D pose map_T_base."""
         return self.localization.pose
 
     @cached_property
@@ -253,9 +259,10 @@ class Robot:
         return float(base_T_frame(self.spec.urdf_text(), self.spec.lidar_link)[2, 3])
 
     def surroundings(self) -> FloatArray:
-        """Return the obstacles (n, 2) in this period's scan in the base frame, in [m]; empty without a lidar.
+        """Return the points (n, 2) of obstacles in this period's scans, in the base frame, in [m]; empty
+        without a lidar.
 
-        Lone readings are removed and, outdoors, a lowered hand.
+        Lone short readings are removed and, outdoors, points on a lowered hand.
         """
         if self.lidar is None:
             return NO_STANDS
@@ -265,7 +272,14 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return those of `points` (n, 2) that are not on a lowered hand, all in the base frame, in [m]."""
+        """Return the points that are not on a lowered hand.
+
+        Args:
+            points: (n, 2) in the base frame, in [m].
+
+        Returns:
+            (m, 2) in the base frame, in [m].
+        """
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -312,11 +326,11 @@ class Robot:
         self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
     def picture(self) -> ByteArray:
-        """Return the picture of `view_camera`, (height, width) grey.
+        """Return the picture (height, width) of `view_camera`, grey, 0 to 255.
 
         Raises:
-            StaleReading: it is the last one to the last bit, although arm or wheels have moved since.
-                A camera without noise may give it again where the robot has come back.
+            StaleReading: the picture is the last one to the last bit, although arm or wheels have moved
+                since. A camera without noise may return it again where the robot has come back.
         """
         noisy = self.spec.errors.image_noise_grey > 0.0
         return self._pictures.take(self.view_camera.image(), self._carried_by(), noisy)
@@ -327,13 +341,15 @@ class Robot:
         return Photo(self.picture(), camera.model, self.base_T_camera(camera), self.time)
 
     def _carried_by(self) -> FloatArray:
-        """Return the position of the camera's carrier: travel of the wheels [m], then the arm's command."""
+        """Return the positions (3 + n,) that carry the camera: travel of the wheels (left, right, sideways)
+        in [m], then the commanded joints in [rad] or [m].
+        """
         arm = self.backend.get(Arm)  # type: ignore[type-abstract]
         return np.concatenate([self.localization.travel, arm.command() if arm else np.empty(0)])
 
     @property
     def seen(self) -> ByteArray | None:
-        """Last picture (height, width) that was taken, grey; None before the first."""
+        """Last picture (height, width) that was taken, grey, 0 to 255; None before the first."""
         return self._pictures.last
 
     def state(self) -> dict[str, Any]:
@@ -362,7 +378,9 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Record the mover of this period; return whether it is the only one in this and the last period."""
+        """Record an object that moves the robot in this period; return whether it is the only one in this and
+        the last period.
+        """
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 

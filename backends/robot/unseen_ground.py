@@ -40,7 +40,7 @@ class UnseenGround:
         Args:
             lidar: lidar that sees the ground.
             radius: radius of the footprint, in [m].
-            rolled: returns the pose of the base in a frame without jumps.
+            rolled: returns the 2D pose of the base in a frame in which it does not jump.
             clock: returns the robot's time, in [s].
         """
         self._lidar, self._radius, self._rolled, self._clock = lidar, radius, rolled, clock
@@ -72,9 +72,13 @@ class UnseenGround:
     def held(
         self, pose: Pose2, curvature: float, length: float, direction: float = 0.0
     ) -> HoldingObstacle | None:
-        """Return the unseen ground that an arc of `length` [m] leads to; None if free or driven.
+        """Return the unseen ground that an arc leads to; None if the arc is seen as free, or was driven over.
 
-        `direction` of travel in [rad] against the base's heading; `pose` heads there.
+        Args:
+            pose: pose on the map that heads in the direction of travel.
+            curvature: curvature of the arc, in [1/m], positive to the left.
+            length: length of the arc, in [m], negative backwards.
+            direction: direction of travel in the base frame, in [rad], counter-clockwise from straight ahead.
         """
         scan, here = self._lidar.scan(), self._rolled()
         way_T_sensor = scan.base_T_sensor

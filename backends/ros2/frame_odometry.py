@@ -12,7 +12,7 @@ from .wire.frame_tree import plain
 
 
 class FrameOdometry(OdometryTopic):
-    """Travel of the wheels by the pose of the base in the frame of the odometry."""
+    """Travel of the wheels by the base's poses in the odometry's frame, as published by `tf`."""
 
     KIND = "tf2_msgs/TFMessage"
 

@@ -22,7 +22,7 @@ PREEMPTED = ("", "INVALID_GOAL")
 
 @dataclass
 class _Watched:
-    """A goal whose end has not come."""
+    """A sent goal that has not ended."""
 
     goal: SentGoal
     sent_s: float
@@ -31,11 +31,11 @@ class _Watched:
 
 
 class GoalStream:
-    """Sends goals, each in place of the one before, and says what goes wrong with them.
+    """Sender of goals, each in place of the one before, that reports what goes wrong with them.
 
     Each goal of a trajectory ends with the period for which it was computed: without a next one the
     controller holds its end, as when this program is killed. A goal that is rejected, aborted, cancelled by
-    somebody else, or not answered is trouble; a replaced goal that ends early is not.
+    another node, or not answered is a fault; a replaced goal that ends early is not.
     """
 
     def __init__(
@@ -51,8 +51,8 @@ class GoalStream:
 
         Args:
             sender: end of the action from which goals are sent.
-            name: of the action.
-            kind: its type.
+            name: name of the action.
+            kind: type of the action.
             answer: time in [s] in which a goal has to be accepted.
             clock: gives the time in [s].
             may_miss: True for fingers, which miss their goal when they press on something.

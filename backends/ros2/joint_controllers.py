@@ -13,19 +13,19 @@ from .wire.ros_link import Link
 
 
 class JointController(Protocol):
-    """Takes positions of joints."""
+    """Interface of a controller that takes positions of joints."""
 
     def send(self, names: Sequence[str], positions: Sequence[float], seconds: float) -> None:
         """Send positions.
 
         Args:
-            names: (n) of the joints in ROS.
-            positions: (n) in [rad] or [m].
+            names: names of the n joints in ROS.
+            positions: (n,) in [rad] or [m].
             seconds: time in [s] in which they are to be reached.
         """
 
     def cancel(self) -> None:
-        """Cancel what was sent, where the controller can."""
+        """Cancel the positions that were sent, if the controller can."""
 
 
 class TopicController(JointController):

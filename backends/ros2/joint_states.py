@@ -40,8 +40,8 @@ class JointStates(TopicSensor):
         """Set the joints that are needed, before the first message.
 
         Args:
-            names: of the joints in ROS.
-            signs: 1, or -1 for a joint that counts the other way round in ROS.
+            names: names of the joints in ROS.
+            signs: for each joint 1, or -1 if it counts the other way round in ROS than in the robot's file.
         """
         self._signs = dict(zip(names, signs, strict=True))
         self._positions: dict[str, float] = {}
@@ -56,7 +56,12 @@ class JointStates(TopicSensor):
         self._history: deque[tuple[float, dict[str, float]]] = deque(maxlen=KEPT_STATES)
 
     def limit(self, names: Sequence[str], speeds: FloatArray) -> None:
-        """Set the top speeds (n,) of joints by their names in ROS, in [rad/s] or [m/s]: faster is a jump."""
+        """Set the top speeds of joints; a faster motion between two messages is a jump.
+
+        Args:
+            names: names of the n joints in ROS.
+            speeds: (n,) in [rad/s] or [m/s].
+        """
         self._top_speeds = dict(zip(names, speeds.tolist(), strict=True))
 
     @property
@@ -69,7 +74,7 @@ class JointStates(TopicSensor):
 
     @override
     def check_fresh(self) -> None:
-        """See `LiveSensor`; names the joint that isn't sent any more while others are."""
+        """Raise `StaleSensor` if a needed joint's last reading is too old; the message names the joint."""
         if self._taken_s and not self.is_fresh and not self.trouble and not self.doubt:
             oldest = min(self._taken_s, key=lambda name: self._taken_s[name])
             words = f"no message has the joint {oldest!r} any more"
@@ -78,7 +83,7 @@ class JointStates(TopicSensor):
 
     @property
     def missing(self) -> str:
-        """Joints that no message has named, with what was named instead; "" if all were."""
+        """Joints that no message has named, with the names in the messages, as text; "" if all were named."""
         absent = [name for name in self._signs if name not in self._positions]
         if not absent:
             return ""
@@ -86,18 +91,24 @@ class JointStates(TopicSensor):
         return f"{self.source.topic}: no message has the joint {', '.join(map(repr, absent))}{hint}"
 
     def positions(self, names: Sequence[str]) -> FloatArray:
-        """Return positions (n,) in [rad] or [m]; raises `StaleSensor` without a fresh message."""
+        """Return the positions (n,) of joints by their names in ROS, in [rad] or [m], with the robot file's
+        signs; raise `StaleSensor` without a fresh message.
+        """
         self.check_fresh()
         return np.array([self._positions[name] for name in names])
 
     def positions_at(self, names: Sequence[str], stamp: float) -> FloatArray:
-        """Return positions (n,) in [rad] or [m] nearest to a stamp in [s]; raises `StaleSensor`."""
+        """Return the positions (n,) of joints by their names in ROS, in [rad] or [m], of the message nearest
+        to a stamp in [s]; raise `StaleSensor` without a fresh message.
+        """
         self.check_fresh()
         _, nearest = min(self._history, key=lambda item: abs(item[0] - stamp))
         return np.array([nearest.get(name, self._positions[name]) for name in names])
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
-        """Return efforts (n,) in [Nm] or [N]; NaN for a joint without one."""
+        """Return the efforts (n,) of joints by their names in ROS, in [Nm] or [N], with the robot file's
+        signs; NaN for a joint without one.
+        """
         self.check_fresh()
         return np.array([self._efforts.get(name, math.nan) for name in names])
 

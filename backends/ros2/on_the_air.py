@@ -25,10 +25,10 @@ def await_robot(
     """Wait for the first message of each topic, and for a listener to each command.
 
     Args:
-        topics: of the robot's file.
-        link: connection to them.
-        seconds: time in [s] until all are there.
-        sleep: waits so many seconds.
+        topics: topics of the robot's file.
+        link: connection to these topics.
+        seconds: longest wait in [s] until all topics are there.
+        sleep: waits a number of seconds.
         discovery_s: time in [s] until other nodes that publish commands have been discovered.
 
     Raises:
@@ -63,7 +63,9 @@ def _silent(topics: RosTopics) -> list[TopicSensor]:
 
 
 def _deaf(topics: RosTopics, link: Link) -> list[str]:
-    """Return the topics of commands without a subscriber; joints that no message names count, too."""
+    """Return the topics of commands without a subscriber, as texts; commands to joints that no message names
+    count, too.
+    """
     unknown = [] if topics.states is None or not topics.states.missing else [topics.states.missing]
     return [*unheard(topics, link), *unknown]
 

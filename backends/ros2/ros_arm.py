@@ -36,11 +36,11 @@ class RosArm(CommandedArm, ForceArm):
         """Take over the readings of the joints.
 
         Args:
-            model: of the arm.
-            names: (n) of its joints in ROS.
-            states: their readings.
+            model: model of the arm.
+            names: names of the arm's n joints in ROS.
+            states: readings of the joints.
             wrench: force on the hand; None: by the joints' efforts.
-            period: of the control, in [s].
+            period: control period, in [s].
         """
         self._model, self._names, self._states, self._wrench = model, tuple(names), states, wrench
         self._most = model.velocity * period
@@ -49,8 +49,8 @@ class RosArm(CommandedArm, ForceArm):
     def begin(self) -> None:
         """Take the measured joints as the command, before anything is sent.
 
-        A joint that rests at its limit is often read slightly beyond it: by no more than its motion in one
-        period.
+        A joint that rests at its limit is often read slightly beyond it: it is set to the limit if that is no
+        further than its motion in one period.
 
         Raises:
             NotOnTheAir: a joint is read farther beyond its limits.

@@ -77,7 +77,7 @@ class RosBackend(Backend):
         self._closed, self._begun = False, False
         self._fault: RosFault | None = None
         self.bench = bench
-        """The simulated drivers; None with other ones."""
+        """The simulated drivers of a bench; None with other drivers."""
         self._drivers: OtherEnd | None = bench or drivers
         self.simulated = self._drivers is not None
         self._link: Link
@@ -107,7 +107,7 @@ class RosBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> RosBackend:
-        """See `Backend`; the world is as it is."""
+        """Build the backend; the world is not used, because it is real."""
         return cls(robot)
 
     @classmethod
@@ -192,13 +192,13 @@ class RosBackend(Backend):
         self._pass_period(send=False)
 
     def stop(self) -> None:
-        """See `Backend`."""
+        """Stop all motion; arm and gripper hold."""
         self._topics.halt()
         if self._begun and not self._closed:
             self._topics.send()
 
     def close(self) -> None:
-        """See `Backend`; the base receives the command to stop."""
+        """Command zero speed to the base, and release all resources; a second call does nothing."""
         if self._closed:
             return
         if self._begun:
@@ -274,7 +274,7 @@ class RosBackend(Backend):
             raise RosFault(f"nobody listens to {', '.join(deaf)} any more")
 
     def _stop_for_good(self, error: BaseException) -> None:
-        """Send the base zero, and refuse every further step."""
+        """Command zero speed to the base, and refuse every further step with `error`."""
         words = str(error) if isinstance(error, RosFault) else f"{type(error).__name__}: {error}"
         self._fault = error if isinstance(error, RosFault) else RosFault(words)
         with suppress(Exception):

@@ -26,7 +26,7 @@ class OdometryTopic(TopicSensor):
     KIND = "nav_msgs/Odometry"
     STATE: ClassVar[Kinds] = {"travel": WheelTravel, "_last": tuple[float, Pose2] | None}
     travel = WheelTravel(0.0, 0.0)
-    """Travel since the first message."""
+    """Travel of the wheels since the first message, in [m]."""
     jumped = ""
     """Distance by which the odometry jumped, as text; "" if it did not."""
 
@@ -37,7 +37,7 @@ class OdometryTopic(TopicSensor):
 
     @property
     def pose(self) -> Pose2 | None:
-        """Return the last pose, in the frame of the odometry; None before the first message."""
+        """Return the last 2D pose of the base in the frame of the odometry; None before the first message."""
         return None if self._last is None else self._last[1]
 
     @override
@@ -59,7 +59,12 @@ class OdometryTopic(TopicSensor):
             self._last = stamp, now
 
     def _moved(self, step: Pose2, seconds: float) -> None:
-        """Add a step of the base, in the frame of the pose before, to the travel of its sides."""
+        """Add a step of the base to the travel of its sides; note a jump.
+
+        Args:
+            step: 2D pose of the base in the base frame at the message before.
+            seconds: time between both messages, in [s].
+        """
         drive = self._drive
         limits = self._limits
         most = limits.jump_factor * drive.top_speed_m_s * seconds + limits.jump_m
@@ -95,7 +100,7 @@ class _TopicWheels:
         return self._odometry.travel
 
     def taken(self) -> DriveCommand:
-        """Return the command of this period, and drop it: a command lives one period."""
+        """Return the command of this period, and drop it, because a command is valid for one period."""
         command, self._command = self._command, DriveCommand()
         return command
 
@@ -117,7 +122,7 @@ class RosHolonomicBase(_TopicWheels, HolonomicBase):
 
 
 def pose_of(pose: Any) -> Pose2:
-    """Return the pose on the floor, in [m] and [rad], of a `geometry_msgs/Pose`."""
+    """Return the 2D pose of a `geometry_msgs/Pose` on the floor: x, y in [m] and yaw in [rad]."""
     x, y, z, w = _quaternion(pose.orientation)
     heading = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return Pose2(float(pose.position.x), float(pose.position.y), heading)

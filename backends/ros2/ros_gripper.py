@@ -36,11 +36,11 @@ class RosGripper(CommandedGripper):
         """Take over the readings of the fingers.
 
         Args:
-            spec: the gripper, from the robot's file.
-            topic: its topic.
+            spec: the gripper's section of the robot's file.
+            topic: topic of the gripper's controller.
             states: readings of the joints.
-            names: of the fingers' joints in ROS.
-            period: of the control, in [s].
+            names: names of the fingers' joints in ROS.
+            period: control period, in [s].
         """
         self._spec, self._states, self._names, self._period = spec, states, tuple(names), period
         opening = spec.opening_mm / 1e3
@@ -79,7 +79,9 @@ class RosGripper(CommandedGripper):
             self._command = min(self._width, self._spec.opening_mm / 1e3)
 
     def taken(self) -> list[float] | None:
-        """Return the position of each joint to be sent in this period; None if they are held."""
+        """Return the position of each finger's joint to be sent in this period, in [rad] or [m]; None if the
+        fingers hold.
+        """
         if self._command == self._sent:
             return None
         self._sent, self._still_s = self._command, 0.0
@@ -91,7 +93,7 @@ class RosGripper(CommandedGripper):
         return max(self._period, way / (self._spec.speed_mm_s / 1e3))
 
     def position(self, width: float) -> float:
-        """Return the position of each joint, in [rad] or [m], at a width in [m]."""
+        """Return the position of each finger's joint, in [rad] or [m], at an opening in [m]."""
         return self._zero + self._per_m * width
 
     def _presses(self) -> bool:

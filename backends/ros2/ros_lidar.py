@@ -20,19 +20,24 @@ MAX_ANGLE_DIFFERENCE_DEG = 0.5
 
 
 class RosLidar(TopicSensor, RangeSensor):
-    """Scans as the driver sends them; turned round where it counts clockwise."""
+    """Lidar that returns scans as the driver sends them; a scan that counts clockwise is reversed."""
 
     KIND = "sensor_msgs/LaserScan"
 
     def fit(self, spec: RangeSpec, base_T_sensor: Transform) -> None:
-        """Set the lidar of the robot's file, and its pose (4, 4) on the base, before the first scan."""
+        """Set the lidar's section of the robot's file, and its pose, before the first scan.
+
+        Args:
+            spec: section of the robot's file.
+            base_T_sensor: (4, 4) pose of the sensor's frame in the base frame.
+        """
         yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
         self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
         self._spec, self._angles = spec, spec.angles()
 
     @override
     def scan(self) -> Scan:
-        """See `RangeSensor`; raises `StaleSensor`."""
+        """Return the last raw scan; raise `StaleSensor` if it is too old."""
         self.check_fresh()
         return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
 

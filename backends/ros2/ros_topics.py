@@ -65,7 +65,7 @@ class RosTopics:
         """
         self._robot, self._spec, self._link = robot, spec, link
         self.sensors: list[TopicSensor] = []
-        """All that is heard."""
+        """All subscribed readings."""
         self.commands: dict[str, str] = {}
         """Type of the message of each topic that is published."""
         self.streams: list[GoalStream] = []
@@ -162,7 +162,9 @@ class RosTopics:
             self._fingers.send(self._spec.gripper.joints, fingers, self.gripper.seconds())
 
     def _send_arm(self, positions: Mapping[str, float]) -> None:
-        """Send each controller the positions of its joints, by their names in the robot's file."""
+        """Send each controller the positions of its joints, in [rad] or [m] by their names in the robot's
+        file.
+        """
         seconds = self._robot.period_s + self._spec.arm.latency_ms / 1e3
         for joints, controller in self._controllers.items():
             names = [self._spec.name_of(joint) for joint in joints]

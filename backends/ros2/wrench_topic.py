@@ -14,12 +14,14 @@ from .wire.topic_sensor import TopicSensor
 
 
 class WrenchTopic(TopicSensor):
-    """Force of the surroundings on the hand, without the weight of the hand: the mean of a period."""
+    """Force of the surroundings on the hand, without the hand's weight; the mean of a period's messages."""
 
     KIND = "geometry_msgs/WrenchStamped"
 
     def force(self) -> FloatArray:
-        """Return the force (3,) in [N], in the hand frame; raises `StaleSensor` without a fresh message."""
+        """Return the force (3,) of the surroundings on the hand, in [N], in the hand frame; raise
+        `StaleSensor` without a fresh message.
+        """
         self.check_fresh()
         force: FloatArray = self._mean.copy()
         return force

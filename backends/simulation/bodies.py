@@ -18,6 +18,8 @@ class Bodies:
                 self._by_class |= domain.imported(domain_.physics)
 
     def of(self, what: object, default: Any) -> Any:
-        """Return the class for a thing or props, or for the nearest class that it is derived from."""
+        """Return the class in physics that represents a thing or props, or else `default`; classes of its
+        base classes count, too.
+        """
         found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)
         return next(found, default)

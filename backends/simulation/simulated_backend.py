@@ -128,7 +128,7 @@ class SimulatedBackend(Backend):
             sensor.advance(self._periods)
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
-        """See `Backend`; asked many times a period."""
+        """Return the capability of a kind, from a cache, because it is requested many times in a period."""
         if kind not in self._by_kind:
             self._by_kind[kind] = super().get(kind)
         return self._by_kind[kind]  # type: ignore[return-value]

@@ -12,7 +12,7 @@ HEAD_BYTES = 65536
 
 
 class _Found(Exception):
-    """The unit was read, or the asset has ended."""
+    """The search for the unit can end, because it was read, or the `<asset>` element has ended."""
 
 
 def collada_unit_m(path: Path) -> float:

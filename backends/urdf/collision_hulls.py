@@ -19,27 +19,27 @@ class HullMesh(NamedTuple):
     """A convex hull as a mesh, its scale applied."""
 
     points: FloatArray
-    """Corners (n, 3) in [m]."""
+    """Corners (n, 3) in the mesh's frame, in [m]."""
     faces: IntArray
-    """Triangles (m, 3) of them, outward by the right-hand rule."""
+    """Triangles (m, 3) as indices of `points`, counter-clockwise as seen from outside."""
 
     def obj(self) -> str:
-        """Return it as a Wavefront OBJ file."""
+        """Return the hull as a Wavefront OBJ file."""
         corners = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in self.points.tolist())
         return corners + "".join(f"f {a} {b} {c}\n" for a, b, c in (self.faces + 1).tolist())
 
 
 REACHES_DOWN_M = 0.003
-"""Bodies that reach to this height above the floor would drag on it: the base gives a little."""
+"""Height above the floor, in [m], below which a body would drag on the floor when the base sinks a little."""
 FLOOR_CLEARANCE_M = 0.01
-"""Height above the floor below which they are cut off."""
+"""Height above the floor, in [m], to which the lower parts of such bodies are lifted."""
 
 
 class HullUrdf(NamedTuple):
     """A URDF whose collision meshes are hulls."""
 
     text: str
-    """Each collision mesh has a hull's name as its `filename`, and no scale."""
+    """The URDF, in which each collision mesh has a hull's name as its `filename`, and no scale."""
     hulls: Mapping[str, HullMesh]
     """Convex hulls, by the mesh name that the URDF uses."""
     cut: Sequence[str]
@@ -53,8 +53,9 @@ def with_hulls(urdf_text: str, floor_T_links: Mapping[str, Transform] | None = N
 
     Args:
         urdf_text: URDF of the robot.
-        floor_T_links: (4, 4) of each link that must not touch the floor (z = 0), by name; parts of their
-            hulls that reach down to it are cut off. Hulls of a base with its wheels and casters reach it.
+        floor_T_links: pose (4, 4) above the floor (z = 0) of each link that must not touch it, by name;
+            points of their hulls that reach down to the floor are lifted. Hulls of a base drawn with its
+            wheels and casters reach it.
 
     Raises:
         ValueError: a mesh cannot be read, or encloses no volume.
@@ -88,7 +89,13 @@ class _Hulls:
         return self._names[file, scale]
 
     def off_the_floor(self, name: str, floor_T_mesh: Transform, link: str) -> str:
-        """Return the name of the same hull, or of another one that doesn't reach down to the floor."""
+        """Return the name of the hull, or of a copy that doesn't reach down to the floor.
+
+        Args:
+            name: name of the hull.
+            floor_T_mesh: (4, 4) pose of the mesh's frame above the floor (z = 0).
+            link: link that has the hull.
+        """
         shorter = _off_the_floor(self.hulls[name], floor_T_mesh)
         if shorter is None:
             return name
@@ -102,7 +109,12 @@ class _Hulls:
 
 
 def _off_the_floor(hull: HullMesh, floor_T_mesh: Transform) -> HullMesh | None:
-    """Return the hull with its points near the floor lifted; None if all points are higher, or all lower."""
+    """Return the hull with its points near the floor lifted; None if all points are higher, or all lower.
+
+    Args:
+        hull: hull in the mesh's frame.
+        floor_T_mesh: (4, 4) pose of the mesh's frame above the floor (z = 0).
+    """
     up, height = floor_T_mesh[2, :3], float(floor_T_mesh[2, 3])
     heights = hull.points @ up + height
     if heights.min() > REACHES_DOWN_M or heights.max() <= FLOOR_CLEARANCE_M:

@@ -16,7 +16,7 @@ class NoWheels(InputError):
 
 
 class DrivenWheels(NamedTuple):
-    """Joints that drive, and links of these names that roll. All wheels of a side turn together."""
+    """Names of the driven wheels' joints, also those of their links. All wheels of a side turn together."""
 
     left: tuple[str, ...]
     """`left_wheel`, or several: `left_front_wheel`, `left_rear_wheel`."""

@@ -38,7 +38,7 @@ def package_folders(name: str) -> Iterator[Path]:
     where packages of pip put their data.
 
     Args:
-        name: of the package.
+        name: name of the package.
     """
     if not PACKAGE_NAME.fullmatch(name):
         return

@@ -33,7 +33,7 @@ class UrdfError(ValueError):
 
     def __init__(self, wrong: str, key: KeyPath | None = None) -> None:
         self.key = key
-        """Key of the robot's file that causes the error; None: the entry of the URDF itself."""
+        """Key of the robot's file that causes the error; None: the key that names the URDF."""
         super().__init__(wrong)
 
 
@@ -57,17 +57,17 @@ class PartSpec(FileModel):
     urdf: UrdfPlace
     """A path from the robot's file, or `package://NAME/PATH` in a package of Python or ROS."""
     srdf: UrdfPlace | None = None
-    """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    """MoveIt's SRDF file for the part: which of its links may touch each other (`disable_collisions`)."""
     without: tuple[str, ...] = ()
-    """Joints that are removed with everything that they carry: the fingers of a maker's hand, say."""
+    """Joints that are removed with all links behind them: the fingers of a maker's hand, say."""
     onto: str
-    """The link that carries its root link."""
+    """The link to which the part's root link is fixed."""
     xyz_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Position of the root link in the frame of the link `onto`."""
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw of the root link in the frame of the link `onto`."""
     prefix: str = ""
-    """Prefix of the names of its links and joints, needed where two parts share a name."""
+    """Prefix of the names of the part's links and joints, needed where two parts share a name."""
 
     def part(self, text: str) -> Part:
         """Return the part that these keys describe, with the URDF's text."""
@@ -76,13 +76,13 @@ class PartSpec(FileModel):
 
 
 class ReadPart(NamedTuple):
-    """A URDF, found sound."""
+    """A URDF that was read and found free of faults that prevent its use."""
 
     file: str
     text: str
-    """Its meshes named by absolute paths."""
+    """Text of the URDF, in which meshes are named by absolute paths."""
     places: Mapping[tuple[str, str], tuple[int, int]]
-    """Line and column, by ("link" or "joint", name)."""
+    """Line and column of each element in its file, by ("link" or "joint", name)."""
     doubts: Sequence[Finding]
     """Faults that do not prevent its use."""
 
@@ -93,7 +93,7 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
     Args:
         urdf: as in a robot's file.
         folder: folder of the robot's file.
-        without: joints that are removed with everything that they carry.
+        without: joints that are removed with all links behind them.
 
     Raises:
         FileError: the URDF, or a mesh of a link, is faulty.

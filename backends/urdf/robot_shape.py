@@ -25,7 +25,7 @@ class MissingShape(InputError):
 
 
 class TrayShape(NamedTuple):
-    """The tray: a box, level, its sides along those of the base. In the base frame, in [m]."""
+    """The tray: a level box, its sides along those of the base; dimensions in the base frame, in [m]."""
 
     middle: tuple[float, float]
     """x and y of the tray's middle."""
@@ -41,10 +41,10 @@ class TrayShape(NamedTuple):
 
 
 class FingerShape(NamedTuple):
-    """A finger: a box along the frame `hand`. In that frame, in [m]."""
+    """A finger: a box along the x axis of the frame `hand`; dimensions in that frame, in [m]."""
 
     tip: float
-    """x of the finger tips."""
+    """x of the finger's tip."""
     length: float
     """Length along x."""
     thickness: float

@@ -40,11 +40,11 @@ class RobotUrdf:
     text: str
     """The URDF; meshes named by absolute paths, links and joints as the robot's file maps them."""
     places: Mapping[tuple[str, str], SourcePlace]
-    """Source place, by ("link" or "joint", name)."""
+    """Place of each element in its maker's file, by ("link" or "joint", name)."""
     allowed: frozenset[Pair] = frozenset()
     """Pairs of links that may touch each other, by SRDF files and by the robot's file."""
     disabled: int = 0
-    """Number of these pairs that come from SRDF files."""
+    """Number of the pairs in `allowed` that come from SRDF files."""
     doubts: Sequence[Finding] = field(default_factory=tuple)
     """Faults in the URDFs that do not prevent their use."""
 
@@ -69,8 +69,8 @@ def robot_urdf(
     """Put a robot together as its file says.
 
     Args:
-        specs: its own URDF, then its parts.
-        folder: of the robot's file.
+        specs: the robot's own URDF, then its further parts.
+        folder: folder of the robot's file.
         roles: roles of links, each with the name of the link in the URDFs.
         joints: joints that the file names: key path, name in the URDFs, and the expected name.
         allowed: pairs of links that may touch, by the robot's file.

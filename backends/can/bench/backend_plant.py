@@ -26,8 +26,8 @@ class BackendPlant(Plant):
     """Plant that turns the motors' demands into commands of a simulated backend, and its readings into
     encoders.
 
-    Joints report torques (6077h): those that carry the arm's weight and the force that the backend reads
-    at the hand. The gripper's drive reports its greatest torque while the fingers press.
+    Joints report torques (6077h): those that carry the arm's weight and counteract the force that the backend
+    reads at the hand. The gripper's drive reports its greatest torque while the fingers press.
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes, inner: Backend) -> None:
@@ -41,7 +41,9 @@ class BackendPlant(Plant):
         self._driven: dict[int, float] = {}
 
     def place(self, drives: Mapping[int, DriveNode]) -> None:
-        """Set the drives to the positions that the robot holds."""
+        """Set the drives, by their node IDs, to the positions that arm and gripper of the simulated robot
+        hold.
+        """
         command = self._arm.command() if self._arm else ()
         for axis, angle in zip(self._axes.joints, command, strict=False):
             drives[axis.spec.node].stand_at(float(angle) * axis.units.scale + axis.units.zero)
@@ -72,7 +74,12 @@ class BackendPlant(Plant):
         return axis.units.position(drives[axis.spec.node].driven)
 
     def _roll(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """Drive the base by the turns of its wheels in this period."""
+        """Command the base by the turns of its wheels in this period.
+
+        Args:
+            drives: simulated drives by node ID.
+            seconds: duration of the period, in [s].
+        """
         if self._base is None:
             return
         drive = self._robot.drive
@@ -110,7 +117,13 @@ class BackendPlant(Plant):
             drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, reading)
 
     def _torques(self, model: ArmModel, arm: Arm, q: FloatArray) -> FloatArray:
-        """Return the torques of the joints (n,), as shares of the rated ones."""
+        """Return the efforts (n,) of the joints' drives as shares of the rated ones, without unit.
+
+        Args:
+            model: model of the arm.
+            arm: simulated arm, which returns the force on the hand.
+            q: (n,) joints in [rad] or [m].
+        """
         return np.asarray(efforts_of_force(model, q, arm.hand_force()) / self._rated)
 
 

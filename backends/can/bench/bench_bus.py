@@ -11,18 +11,18 @@ class BenchBus(can.BusABC):
     """A virtual bus whose interface can go down, fill up, or hold frames back, as real ones do."""
 
     def __init__(self, bus: can.BusABC) -> None:
-        """Take over an open bus; closed by `shutdown`."""
+        """Take over an open bus, which `shutdown` closes."""
         self._inner = bus
         self.channel_info = bus.channel_info
         super().__init__(channel=bus.channel_info)
         self.down = False
-        """Neither sends nor receives, and says so."""
+        """True if the interface is down, so that it neither sends nor receives, and reports that."""
         self.full = False
-        """Its queue takes nothing more, and says so."""
+        """True if the interface's queue takes no more frames; sending reports that."""
         self.holds = False
-        """Frames stay in its queue, as with a cable that is off."""
+        """True if sent frames stay in the interface's queue, as with an unplugged cable."""
         self.held: list[can.Message] = []
-        """Its queue."""
+        """Frames in the interface's queue."""
         self.injected: list[can.Message] = []
         """Error frames of the controller that are received next."""
         self.condition = can.BusState.ACTIVE

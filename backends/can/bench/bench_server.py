@@ -15,10 +15,10 @@ Look = Callable[[Bench], object]
 
 
 class BenchServer:
-    """Serves a bench in real time.
+    """Real-time server of a bench to a program in another process.
 
-    While SYNCs come, each is a period. Without them time passes by the clock, so that drives notice a
-    silent master as real drives do.
+    Each received SYNC is a period. Without SYNCs time passes by the clock, so that drives notice a silent
+    master as real drives do.
     """
 
     def __init__(
@@ -32,14 +32,14 @@ class BenchServer:
 
         Args:
             bench: on a bus of its own, not on one in this process.
-            period: of the robot's control, in [s].
+            period: control period of the robot, in [s].
             clock: gives the time in [s].
-            look: called after each period.
+            look: function that is called with the bench after each period; None: no function.
         """
         self._bench, self._period, self._clock, self._look = bench, period, clock, look
         self._seen = bench.time
         self._passed = clock()
-        """Up to when time has passed on the bench."""
+        """Time of `clock` up to which the bench has advanced, in [s]."""
         self._alone = False
         """True while no SYNCs come."""
         # A simulated robot knows whole periods only.

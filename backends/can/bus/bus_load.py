@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 MAX_CYCLIC_LOAD = 0.7
-"""Share of the bus that cyclic frames may take; the rest is for SDOs, emergencies, repeated frames."""
+"""Largest share of the bus, 0 to 1, for cyclic frames; the rest is for SDOs, emergencies, repeated frames."""
 
 # ISO 11898-1, a data frame with an 11-bit identifier: 34 bits before the data's end that may be stuffed
 # (start, identifier, control field, check sum), and 13 that are not (delimiters, acknowledgement, end of
@@ -16,8 +16,10 @@ _STUFFED, _PLAIN = 34, 13
 
 
 def frame_bits(length: int) -> int:
-    """Return the largest number of bits of a data frame with `length` bytes on the wire, the space behind it
-    included.
+    """Return the largest number of bits of a data frame on the wire, the space behind it included.
+
+    Args:
+        length: length of the frame's data, in [bytes].
     """
     stuffed = _STUFFED + 8 * length
     return stuffed + _PLAIN + (stuffed - 1) // 4
@@ -30,7 +32,7 @@ class CyclicFrame(NamedTuple):
     """Sender and kind of the frame, as shown to the user."""
     cob_id: int
     length: int
-    """Length of its data in [bytes]."""
+    """Length of the frame's data, in [bytes]."""
     period_s: float
 
     @property
@@ -54,7 +56,7 @@ class BusLoad:
         return cls(tuple(sorted(frames, key=lambda frame: frame.cob_id)), bitrate)
 
     def share_of(self, frame: CyclicFrame) -> float:
-        """Share of the bus that one of the frames takes."""
+        """Return the share of the bus that one of the frames takes, from 0 to 1."""
         return frame.bits / frame.period_s / self.bitrate
 
     @property

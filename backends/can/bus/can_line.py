@@ -34,7 +34,7 @@ class CanLine(canopen.Network):
         """Connect to a bus.
 
         Args:
-            bus: open; closed by `close`.
+            bus: open bus, which `close` closes.
             serve: lets simulated nodes on the same bus answer at once; None: nodes answer by themselves.
             heard: called with each frame that is sent or received, of any kind.
         """

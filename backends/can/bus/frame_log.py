@@ -33,7 +33,7 @@ class _Noted(NamedTuple):
 
 
 class _Line:
-    """The file that python-can's writer writes into: it holds the last line."""
+    """File-like object for python-can's writer that holds the last line."""
 
     def __init__(self) -> None:
         self.text = ""

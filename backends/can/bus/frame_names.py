@@ -25,7 +25,7 @@ class PdoNames(FileModel):
 
     node: int
     what: str
-    """Seen from the node: TPDO1 it sends, RPDO1 it takes."""
+    """Name of the PDO as seen from the node: the node sends TPDO1 and receives RPDO1."""
     fields: tuple[PdoField, ...]
 
 

@@ -43,7 +43,7 @@ class FrameDescription(NamedTuple):
 
 
 class FrameWords:
-    """Describes frames by the names of a bus; frames of nodes without a name are described by their
+    """Translator of frames into words, by the names on a bus; nodes without a name are called by their
     numbers.
     """
 

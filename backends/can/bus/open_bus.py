@@ -19,7 +19,7 @@ class EchoFreeBus(can.BusABC):
     """Bus that drops the echoes of its own frames: python-can's `udp_multicast` can't switch them off."""
 
     def __init__(self, bus: can.BusABC) -> None:
-        """Take over an open bus; closed by `shutdown`."""
+        """Take over an open bus, which `shutdown` closes."""
         self._inner = bus
         self._sent: deque[tuple[int, bytes]] = deque(maxlen=_UNDER_WAY)
         self.channel_info = bus.channel_info
@@ -37,7 +37,9 @@ class EchoFreeBus(can.BusABC):
         return frame, True
 
     def _is_own(self, frame: can.Message) -> bool:
-        """Return whether a frame is an own one come back; own frames sent before it count as lost."""
+        """Return whether a received frame is the echo of an own one; own frames that were sent before that
+        one count as lost.
+        """
         own = (frame.arbitration_id, bytes(frame.data))
         if own not in self._sent:
             return False

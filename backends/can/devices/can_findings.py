@@ -45,7 +45,7 @@ def _interface(spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    """Find axes whose load would fall at a stop."""
+    """Yield the axes whose load would fall at a stop: place in the section `can`, and the finding."""
     for place, axis in placed_axes(spec):
         if axis.gravity and not axis.brake and axis.stop != "hold":
             words = f"an axis under gravity without a brake would fall with stop: {axis.stop}"
@@ -56,7 +56,7 @@ def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    """Find a bus that can't carry its cyclic frames."""
+    """Yield a finding if the bus can't carry its cyclic frames."""
     load = bus_load(spec, robot.period_s)
     if load.too_much:
         words = (

@@ -82,7 +82,7 @@ def _unaccepted(dictionary: ObjectDictionary, axis: AxisSpec, name: str) -> Iter
 
 
 def _described(dictionary: ObjectDictionary, index: int) -> bool:
-    """Return True if the object is described; of an array, its first entry."""
+    """Return True if the object is described; if it is an array, True if its first entry is described."""
     if index not in dictionary:
         return False
     found = dictionary[index]

@@ -27,7 +27,7 @@ _ANSWER_WITHIN = 0.5  # share of a period
 class Axes(Mapping[str, Axis]):
     """Drives that stop together: a fault of one stops all, each with its own kind of stop.
 
-    A mapping from the names of the axes (`left wheel`, `joint 1`, `gripper`) to them.
+    It is a mapping from the names of the axes (`left wheel`, `joint 1`, `gripper`) to the axes.
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec) -> None:

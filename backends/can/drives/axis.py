@@ -41,8 +41,8 @@ _CREEP = 0.01  # of top speed: no way is planned slower
 
 
 class Axis(canopen.RemoteNode):
-    """A CiA 402 drive in one mode of operation; speeds and positions are those of the driven part, in SI
-    units.
+    """A CiA 402 drive in one mode of operation; speeds and positions are those of the driven part. Units are
+    [m] for a rim or the fingers' opening, [rad] or [m] for a joint.
     """
 
     def __init__(
@@ -77,9 +77,9 @@ class Axis(canopen.RemoteNode):
         if not max([most, *map(abs, ends)]) < 2**31:
             raise TooManyCounts(self.name, max([most, *map(abs, ends)]))
         self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
-        """True if its commands are positions, False if speeds."""
+        """True if the axis' commands are positions, False if they are speeds."""
         self.left_out = left_out(spec)
-        """Objects that it is used without."""
+        """Objects that the drive lacks, with which the axis does without."""
         self.layout = layout(mode, self.left_out)
         self.expected = ExpectedMotion(mode, limits)
         """Motion expected from the commands."""
@@ -93,10 +93,10 @@ class Axis(canopen.RemoteNode):
         """Range in which the drive counts, as it reports it."""
         self._jumps = PositionJumps(limits, units.scale, period)
         self._taken = 0
-        """The SYNC whose position was the last that could be."""
+        """Number of the SYNC whose answer had the last possible position."""
         self._jump, self._jump_way = 0, 0.0
         self._reported_travel = 0.0
-        """Travel since then by the reported velocities [counts]."""
+        """Travel since that SYNC by the reported velocities, in [counts]."""
         self.odd = 0
         """Number of impossible positions in a row."""
         self.ignored = 0
@@ -105,9 +105,9 @@ class Axis(canopen.RemoteNode):
             (index for answer in self.layout.answers for index in answer.objects), 0
         )
         self.travel = 0.0
-        """Travel since it was built, in [m] or [rad]."""
+        """Travel since the object was created, in [m] or [rad]."""
         self.contradiction = 0.0
-        """Difference between this travel and that by the reported velocities [m] or [rad]."""
+        """Travel by the positions less that by the reported velocities, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
             map_objects(pdo, planned.objects, planned.transmission)
         for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
@@ -186,7 +186,7 @@ class Axis(canopen.RemoteNode):
         self._target = target
 
     def stand(self, position: float) -> None:
-        """Hold `position`, where the enabled drive is at rest."""
+        """Hold a position in [m] or [rad] at which the enabled drive is at rest."""
         self._target = position if self.positioned else 0.0
         self._sent = self.units.counts(position) if self.positioned else None
         self.expected.stand_at(position)
@@ -333,7 +333,9 @@ class Axis(canopen.RemoteNode):
         return self.units.position(0 if self._counts is None else self._counts)
 
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
-        """Set the counts, velocity and torque that were read by SDO before the first SYNC."""
+        """Set the counts, the velocity in [counts/s] and the torque in thousandths of the rated one, read by
+        SDO before the first SYNC.
+        """
         self._counts, self._taken, self._reported_travel, self.odd = counts, self._asked, 0.0, 0
         self._jumps.forget()
         self._reported |= {0x606C: velocity, 0x6077: torque}
@@ -352,7 +354,9 @@ class Axis(canopen.RemoteNode):
 
     @property
     def torque(self) -> float:
-        """Share of the rated torque, positive where the position grows; 0 if the drive reports none."""
+        """Share of the rated torque, positive in the direction in which the position grows; 0 if the drive
+        reports none.
+        """
         return math.copysign(1.0, self.units.scale) * self._reported.get(0x6077, 0) / 1000.0
 
     @property

@@ -37,18 +37,18 @@ class AxisCheck:
         self._off_for = 0.0
         self._rolled, self._due = axis.travel, 0.0
         self._drift: deque[float] = deque(maxlen=max(1, round(_LOOKS_BACK / axis.period)))
-        """Excess travel of a wheel over its expected one, for each of the last periods."""
+        """Travel of a wheel less its expected travel, in [m], for each of the last periods."""
         self._contradictions: deque[float] = deque([axis.contradiction], maxlen=self._drift.maxlen)
-        """Contradictions between position and velocity in the last periods."""
+        """The axis' `contradiction` in the last periods, in [m] or [rad]."""
 
     def check(self) -> None:
         """Check the axis after a period.
 
         Raises:
-            SilentDrive: it hasn't answered for too long.
-            LostAnswers: too many answers were lost.
-            DriveNotReady: it is in another state or mode.
-            OffDemand: it doesn't follow its commands.
+            SilentDrive: the drive hasn't answered for too long.
+            LostAnswers: too many of the drive's answers were lost.
+            DriveNotReady: the drive is in another state or mode.
+            OffDemand: the drive doesn't follow its commands.
         """
         axis = self._axis
         axis.advance()
@@ -97,9 +97,13 @@ class AxisCheck:
             )
 
     def _contradiction(self, off: float) -> str:
-        """Return, as text, by how much position and velocity contradict each other.
+        """Return, as text, by how much the drive's position and its velocity contradict each other.
 
-        "" if the contradiction does not explain a deviation `off`, in [m] or [rad].
+        Args:
+            off: size of the axis' deviation from its expected motion, in [m] or [rad].
+
+        Returns:
+            The text; "" if the contradiction is too small to explain the deviation.
         """
         between = max(self._contradictions) - min(self._contradictions)
         if between < _EXPLAINS * off:

@@ -17,19 +17,21 @@ FULL_TORQUE = 1000
 
 
 class AxisLimits(NamedTuple):
-    """Limits in [m] and [m/s] for a rim or the fingers' opening, or in [rad] and [rad/s] for a joint."""
+    """Limits of an axis, in [m] for a rim, a sliding joint or the fingers' opening, in [rad] for a turning
+    joint.
+    """
 
     speed: float
-    """Highest commanded speed."""
+    """Highest commanded speed, in [m/s] or [rad/s]."""
     acceleration: float
-    """Acceleration of the drive's ramps."""
+    """Acceleration of the drive's ramps, in [m/s²] or [rad/s²]."""
     braking: float
-    """Deceleration of a quick stop."""
+    """Deceleration of a quick stop, in [m/s²] or [rad/s²]."""
     lower: float
-    """Lowest position; minus infinity: turns without end."""
+    """Lowest position, in [m] or [rad]; minus infinity: the axis turns without end."""
     upper: float
     window: float
-    """Largest following error; infinity: the axis may be blocked."""
+    """Largest following error, in [m] or [rad]; infinity: the axis may be blocked."""
     torque: int
     """Maximum torque, in thousandths of the rated torque."""
 
@@ -47,14 +49,14 @@ def rim_acceleration(robot: RobotFile) -> float:
 
 
 def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
-    """Return the limits of a wheel's rim."""
+    """Return the limits of a wheel's rim, in [m], [m/s] and [m/s²]."""
     speed, rate = rim_speed(robot), rim_acceleration(robot)
     window = spec.following_mm / 1e3
     return AxisLimits(speed, rate, _QUICKER * rate, -math.inf, math.inf, window, FULL_TORQUE)
 
 
 def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
-    """Return the limits of the arm's joint with that index."""
+    """Return the limits of the arm's joint with an index, in [rad], or [m] for a sliding one."""
     assert robot.arm is not None
     speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
     rate = float(robot.joint_accelerations()[joint])
@@ -67,7 +69,7 @@ def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint:
 
 
 def gripper_limits(robot: RobotFile, spec: GripperDriveSpec) -> AxisLimits:
-    """Return the limits of the fingers' opening."""
+    """Return the limits of the fingers' opening, in [m], [m/s] and [m/s²]."""
     assert robot.gripper is not None
     speed, opening = robot.gripper.speed_mm_s / 1e3, robot.gripper.opening_mm / 1e3
     torque = round(10.0 * spec.top_torque_percent)

@@ -10,9 +10,9 @@ class AxisUnits:
     """Conversion between a drive's counts and [m] or [rad]; counts never leave `backends/can`."""
 
     scale: float
-    """Counts for a metre or a radian, signed."""
+    """Counts for a metre or a radian; negative if the drive counts down where the axis' position grows."""
     zero: int = 0
-    """Counts at zero."""
+    """Counts of the drive where the axis' position is 0."""
 
     def counts(self, position: float) -> int:
         """Return a position in [m] or [rad] as counts."""
@@ -40,5 +40,11 @@ class AxisUnits:
 
 
 def unwrapped(counts: int, before: int, size: int = 2**32) -> int:
-    """Return the change of a counter that starts over after `size` counts."""
+    """Return the change of a counter since an earlier reading, by less than half a round either way.
+
+    Args:
+        counts: reading now.
+        before: earlier reading.
+        size: number of counts after which the counter starts over.
+    """
     return (counts - before + size // 2) % size - size // 2

@@ -41,9 +41,9 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
 
     Raises:
         SilentDrive: a drive doesn't answer.
-        WrongDrive: a node is not such a drive.
-        EncoderWraps: its counts start over inside the travel of its axis.
-        ReadBackDiffers: with every setting that reads back differently.
+        WrongDrive: a node is not a drive that the robot's file needs.
+        EncoderWraps: a drive's counts start over inside the travel of its axis.
+        ReadBackDiffers: settings read back differently; the error names all of them.
     """
     axes = list(axes)
     for axis in axes:
@@ -95,7 +95,9 @@ def _check_kind(axis: Axis) -> None:
 
 
 def _check_range(axis: Axis) -> None:
-    """Learn where the counts of a drive start over; raises `WrongDrive` if inside the travel."""
+    """Read the range in which a drive counts; raise `EncoderWraps` if the counts start over inside the
+    travel.
+    """
     if RANGE_LIMIT in axis.object_dictionary:
         ends = (_read(axis, ObjectValue(RANGE_LIMIT, value, 0)) for value in (1, 2))
         axis.counted = narrowed(INTEGER32_RANGE, *ends)
@@ -125,7 +127,7 @@ def _save_pdos(axis: Axis) -> None:
 
 
 def _read(axis: Axis, setting: ObjectValue) -> int | str:
-    """Return the value of an object, or why it can't be read."""
+    """Return the value of an object, or the reason, as text, why it can't be read."""
     try:
         return axis.read(setting.index, setting.subindex)
     except SdoAbortedError as abort:

@@ -28,7 +28,13 @@ _NEXT = {
 
 
 def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
-    """Enable all axes at rest, then start them on the network; if one isn't ready, none stays enabled."""
+    """Enable all axes at rest, then start them on the network; if one isn't ready, none stays enabled.
+
+    Args:
+        axes: axes on a network, set up.
+        simulated: True for simulated drives, which need no waiting by the wall clock.
+        beat: sends this program's heartbeat if it is due.
+    """
     try:
         _enable(axes, simulated, beat)
         for axis in axes:

@@ -12,7 +12,7 @@ from .profile import approach, ramp
 
 @dataclass
 class ExpectedMotion:
-    """Ramps as the drive plans them; a cyclic set-point is valid one period later."""
+    """Motion of an axis by the ramps that its drive plans; a cyclic set-point is valid one period later."""
 
     mode: int
     limits: AxisLimits
@@ -25,10 +25,10 @@ class ExpectedMotion:
     speed: float = 0.0
     """Speed in the last period [m/s] or [rad/s]."""
     _next: float = 0.0
-    """Cyclic set-point that becomes valid with the next SYNC."""
+    """Cyclic set-point that becomes valid with the next SYNC, in [m] or [rad], or [m/s] for a wheel."""
 
     def stand_at(self, position: float) -> None:
-        """Set the axis to rest at `position`."""
+        """Set the axis to rest at a position in [m] or [rad]."""
         self.position, self.velocity = position, 0.0
         self._next = 0.0 if self.mode == CYCLIC_VELOCITY else position
 
@@ -36,9 +36,9 @@ class ExpectedMotion:
         """Advance by one period.
 
         Args:
-            target: speed of a wheel, otherwise a position.
-            top: speed of the motion to a position.
-            period: control period [s].
+            target: speed of a wheel in [m/s], otherwise a position in [m] or [rad].
+            top: speed of the motion to a position, in [m/s] or [rad/s].
+            period: control period, in [s].
         """
         before, rate = self.position, self.limits.acceleration
         if self.mode == PROFILE_POSITION:

@@ -15,20 +15,20 @@ _LIKE = 0.02  # share by which a jump may differ from the range of an encoder
 
 
 class PositionJumps:
-    """Compare the travel between two positions with the reported and commanded speeds around it, in counts.
+    """Plausibility test of each travel between two positions, by the reported and commanded speeds around it.
 
-    The travel must be between no motion and twice that of the fastest of these speeds, because periods
-    differ in length. An encoder that wraps jumps against its motion, even by less than the following error
-    window.
+    A travel in [counts] must be between no motion and twice that of the fastest of these speeds, because
+    periods differ in length. An encoder that wraps jumps against its motion, even by less than the following
+    error window.
     """
 
     def __init__(self, limits: AxisLimits, scale: float, period: float) -> None:
         """Begin at rest.
 
         Args:
-            limits: of the axis.
-            scale: counts for a metre or a radian.
-            period: of control, in [s].
+            limits: limits of the axis.
+            scale: counts for a metre or a radian, of either sign.
+            period: control period, in [s].
         """
         free = _FREE * (limits.upper - limits.lower)
         noise = _NOISE * limits.window if math.isfinite(limits.window) else free
@@ -41,7 +41,13 @@ class PositionJumps:
         self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:
-        """Return by how many counts a travel is longer than possible, signed; 0 for a possible travel."""
+        """Return by how many counts a travel exceeds the possible ones, with the sign of the excess; 0 for a
+        possible travel.
+
+        Args:
+            moved: travel in [counts], signed.
+            periods: number of periods in which it happened.
+        """
         reach = 2.0 * self._period * (periods + 1)
         lowest = min(0.0, *self._speeds) * reach - self._noise
         highest = max(0.0, *self._speeds) * reach + self._noise
@@ -53,7 +59,13 @@ class PositionJumps:
 
 
 def encoder_bits(jump: float, uncertainty: float) -> int | None:
-    """Return the bits of an encoder whose wrap is a jump of this size, in counts; None: no such encoder."""
+    """Return the number of bits of an encoder whose wrap is a jump of this size; None if no usual encoder has
+    such a wrap.
+
+    Args:
+        jump: in [counts], of either sign.
+        uncertainty: largest error of the jump, in [counts].
+    """
     if abs(jump) < 1.0:
         return None
     bits = round(math.log2(abs(jump)))

@@ -8,8 +8,8 @@ _CYCLE = 1e-3  # of a drive's own control loop [s]
 
 
 def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[float, float]:
-    """Return travel and final velocity of a ramp at constant acceleration, in [m] and [m/s] or [rad] and
-    [rad/s].
+    """Return the signed travel and the final velocity of a ramp at constant acceleration, in [m] and [m/s] or
+    [rad] and [rad/s].
 
     Args:
         velocity: velocity at first, in [m/s] or [rad/s].
@@ -30,14 +30,15 @@ def approach(
     """Return the motion with a trapezoidal velocity profile to a point, from any initial velocity.
 
     Args:
-        way: signed distance to the point, in [m] or [rad].
+        way: position of the point less that of the axis, in [m] or [rad].
         velocity: velocity at first, in [m/s] or [rad/s].
         top: largest speed, in [m/s] or [rad/s].
         rates: acceleration and deceleration, in [m/s²] or [rad/s²].
         seconds: duration, in [s].
 
     Returns:
-        The remaining distance, and the velocity at the end.
+        The remaining distance to the point, signed like `way`, in [m] or [rad], and the velocity at the end,
+        in [m/s] or [rad/s].
     """
     for _ in range(round(seconds / _CYCLE)):
         if way == 0.0 and velocity == 0.0:

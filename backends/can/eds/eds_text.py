@@ -43,7 +43,7 @@ NUMBER_KEYS = (
     "NodeID",
     "Baudrate",
 )
-"""Keys whose values are numbers; an empty one counts as missing."""
+"""Keys whose values are numbers; an empty value counts as a missing key."""
 VALUE_KEYS = ("DefaultValue", "ParameterValue", "LowLimit", "HighLimit")
 OTHER_KEYS = ("ParameterName", "AccessType", "VendorName", "ProductName", "OrderCode", "StorageLocation")
 TEXT_TYPES = (0x09, 0x0A, 0x0B, 0x0F)

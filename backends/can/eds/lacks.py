@@ -16,7 +16,7 @@ class Lack(NamedTuple):
     then: str
     """Consequence of using a drive without these objects."""
     positioned: bool = False
-    """True if only drives under position control need them."""
+    """True if only drives under position control need these objects."""
 
 
 DEVICE_LACKS: Mapping[Without, Lack] = {

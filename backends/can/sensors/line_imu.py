@@ -22,12 +22,12 @@ class LineImu(LineSensor, Imu):
     KIND = "IMU"
 
     def __init__(self, source: LineSource, clock: Clock = time.monotonic) -> None:
-        """Open its port; raises `NoSensor`."""
+        """Open the sensor's port; raise `NoSensor` if it can't be opened."""
         super().__init__("the inertial unit", source, clock)
         self._mean = np.zeros(6)
 
     def rates(self) -> FloatArray:
-        """Return the angular velocities (3,) in [rad/s], in the IMU's axes; see `Imu`.
+        """Return the mean angular velocities (3,) about the base's axes x, y and z, in [rad/s].
 
         Raises:
             StaleSensor: no fresh reading has arrived.
@@ -36,7 +36,7 @@ class LineImu(LineSensor, Imu):
         return self._mean[:3].copy()
 
     def accelerations(self) -> FloatArray:
-        """Return the accelerations (3,) in [m/s²], in the IMU's axes; see `Imu`.
+        """Return the mean accelerations (3,) along the base's x, y and z, in [m/s²]; +9.81 along z at rest.
 
         Raises:
             StaleSensor: no fresh reading has arrived.

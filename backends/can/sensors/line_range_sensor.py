@@ -26,12 +26,12 @@ class LineRangeSensor(LineSensor, RangeSensor):
     def __init__(
         self, source: LineSource, spec: RangeSpec, base_T_sensor: Transform, clock: Clock = time.monotonic
     ) -> None:
-        """Open its port.
+        """Open the sensor's port.
 
         Args:
             source: port of the sensor.
             spec: how many beams a scan has, and between which angles.
-            base_T_sensor: (4, 4) pose of the sensor.
+            base_T_sensor: (4, 4) pose of the sensor's frame in the base frame.
             clock: gives the time in [s].
 
         Raises:
@@ -45,7 +45,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
         self._ranges = np.full(spec.beams, np.inf)
 
     def scan(self) -> Scan:
-        """Return the last scan of the line's device.
+        """Return the last scan that arrived, its ranges beyond the lidar's reach set to infinity.
 
         Raises:
             StaleSensor: no new scan has arrived in time.

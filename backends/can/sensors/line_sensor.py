@@ -19,21 +19,23 @@ class LineSensor(LiveSensor):
     """Sensor that sends lines of one kind; lines that are damaged or out of order are dropped and counted."""
 
     KIND: str
-    """First word of its lines."""
+    """First word of the sensor's lines, such as `RANGE`."""
 
     def __init__(self, name: str, source: LineSource, clock: Clock = time.monotonic) -> None:
-        """Open its port; raises `NoSensor`."""
+        """Open the sensor's port; raise `NoSensor` if it can't be opened."""
         super().__init__(name, source.stale_ms / 1e3, clock)
         self._port = LinePort(name, source.port, source.baud)
         self._stamp: int | None = None
 
     @abstractmethod
     def _taken(self, lines: list[FloatArray]) -> None:
-        """Take in the values of the period's lines, at least one."""
+        """Take in the values (n,) of each line of the period, at least one line, in the units of the line
+        protocol.
+        """
 
     @abstractmethod
     def _sound(self, values: FloatArray) -> bool:
-        """Return True if the values can be a reading."""
+        """Return True if the values (n,) of a line can be a reading, by their number and size."""
 
     def _take_in(self) -> None:
         if self.trouble:

@@ -34,7 +34,7 @@ class Position(NamedTuple):
     """Position of a satellite receiver: an NMEA sentence GGA."""
 
     utc: float
-    """Time of day, in [s]."""
+    """Time of day (UTC), in [s]."""
     lat: float
     """Latitude, north positive, in [deg]."""
     lon: float
@@ -53,16 +53,17 @@ class Accuracy(NamedTuple):
     """Accuracy of a fix, an NMEA sentence GST."""
 
     utc: float
-    """Time of day to which it belongs [s]."""
+    """Time of day (UTC) to which the accuracy belongs, in [s]."""
     sigma: float
-    """Sigma per axis [m]."""
+    """Sigma of the position on each axis, in [m]."""
 
 
 def read_sentence(line: bytes) -> Position | Accuracy | None:
-    """Read a sentence; None for another kind, or without a position: the receiver sees no sky.
+    """Return a parsed sentence; None for another kind of sentence, or for one without a position (no
+    satellites).
 
     Raises:
-        ValueError: it is damaged, or has another form than in NMEA 0183.
+        ValueError: the sentence is damaged, or has another form than in NMEA 0183.
     """
     body = body_of(line).decode("ascii")
     match body[2:5]:

@@ -11,7 +11,7 @@ from .sensor_lines import sensor_line
 
 
 class RangeServer:
-    """Listen on a local port and send each scan, by the line protocol, to connected clients."""
+    """Server that listens on a local port and sends each scan, by the line protocol, to connected clients."""
 
     def __init__(self, sensor: RangeSensor, port: int) -> None:
         """Begin to listen; raises OSError."""
@@ -19,7 +19,7 @@ class RangeServer:
         self._listening = socket.create_server(("127.0.0.1", port), backlog=1)
         self._listening.setblocking(False)
         self.port = self._listening.getsockname()[1]
-        """Port on which it listens; the system chose it if 0 was given."""
+        """Port on which the server listens; the system chose it if 0 was given."""
         self._heard: list[socket.socket] = []
 
     def send(self, time: float) -> None:

@@ -37,7 +37,7 @@ class SensorLine(NamedTuple):
     stamp: int
     """The sensor's time in [ms]."""
     values: FloatArray
-    """(n,); infinity where a field is empty."""
+    """Values (n,) of the line, in the units of the line protocol; infinity where a field is empty."""
 
 
 def checksum(body: bytes) -> int:
@@ -49,9 +49,10 @@ def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
     """Return a line as a sensor sends it, with checksum and line end.
 
     Args:
-        kind: name of the kind of line.
-        stamp: the sensor's clock, as an integer.
-        values: (n,) in the units of the kind; infinity is sent as an empty field.
+        kind: RANGE or IMU.
+        stamp: time of the sensor's clock, in [ms].
+        values: (n,) ranges in [m], or rates in [rad/s] and accelerations in [m/s²]; infinity is sent as an
+            empty field.
     """
     fields = ",".join("" if value == math.inf else f"{value:.4f}" for value in values)
     body = f"{kind},{stamp},{fields}".encode()

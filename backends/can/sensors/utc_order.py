@@ -11,30 +11,30 @@ _DRIFT = 1e-4  # by which this machine's clock may run slower or faster than UTC
 
 
 class UtcOrder:
-    """Compare times of day with this machine's clock: no time counts twice, and no old one counts.
+    """Check of times of day against this machine's clock; no time counts twice, and no old one counts.
 
     The delay of the receiver behind the clock is unknown; but it does not grow by more than the clocks'
-    drift. Times that are early count once four more confirm them, as after a sleep of the machine. A late
-    one never counts: a receiver whose clock was set back is believed after a restart of the program.
+    drift. Times that are early count once four more confirm them, as after a sleep of the machine. A late one
+    never counts: a receiver whose clock was set back is believed after a restart of the program.
     """
 
     def __init__(self, late: float) -> None:
         """Begin without a time; `late` is how much later than usual a time may arrive, in [s]."""
         self._late = late
         self._last: tuple[float, float] | None = None
-        """UTC and clock of the last time that counted [s]."""
+        """Time of day and time of this machine's clock of the last reading that counted, in [s]."""
         self._behind = 0.0
-        """Least delay of UTC behind the clock [s]."""
+        """Least delay of the time of day behind this machine's clock, in [s]."""
         self._sooner: deque[float] = deque(maxlen=_BEARS_OUT + 1)
         """Time by which each of the last counted times arrived earlier than the delay allows, in [s]."""
         self._ahead: list[tuple[float, float]] = []
-        """Last times that did not count because they were early, and advance with the clock."""
+        """Last times that did not count because they were early, but advance with the machine's clock."""
 
     def is_new(self, utc: float, now: float) -> bool:
         """Return True if a received time of day counts; then it is kept as the last one.
 
         Args:
-            utc: time of day [s].
+            utc: received time of day, in [s].
             now: time of this machine's clock [s].
         """
         if self._last is None:
@@ -57,9 +57,13 @@ class UtcOrder:
         return True
 
     def _come_sooner(self, by: float) -> None:
-        """Reduce the least delay by the time in [s] that all of the last sentences came earlier than it.
+        """Reduce the least known delay by the smallest lead of the last sentences, once enough of them came
+        early.
 
-        A single one may be wrong.
+        A single early sentence may be wrong.
+
+        Args:
+            by: time by which this sentence came earlier than the least delay, in [s]; negative if later.
         """
         self._sooner.append(by)
         least = min(self._sooner)

@@ -64,7 +64,7 @@ class VideoCamera(LiveSensor, PlacedCamera):
             self._thread.start()
 
     def image(self) -> ByteArray:
-        """Return the newest picture (h, w), grey, from 0 to 255; see `Camera`.
+        """Return the newest picture (h, w), grey, from 0 to 255, with the lens's distortion.
 
         Raises:
             StaleSensor: no fresh picture has arrived.

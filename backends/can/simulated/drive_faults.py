@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 @dataclass
 class DriveFaults:
-    """Faults of a simulated drive, none at first; a bench sets them."""
+    """Faults of a simulated drive, none at first; a bench sets them. Counts are those of its encoder."""
 
     silent: bool = False
-    """True if it sends no PDOs any more, though it still listens."""
+    """True if the drive sends no PDOs any more, though it still receives frames."""
     no_heartbeat: bool = False
     gain: float = 1.0
     """Ratio of the motor's motion to its demand: 0 stuck, -1 reversed, 2 twice as far; the drive does not
@@ -20,19 +20,19 @@ class DriveFaults:
     late: int = 0
     """Periods by which the motor is behind its demand."""
     frozen: bool = False
-    """True if it keeps reporting an old position and velocity."""
+    """True if the drive keeps reporting an old position and velocity."""
     jump: int = 0
     """Offset of the reported position [counts]."""
     jumps_in_turn: bool = False
     """True if the offset is applied every second time only."""
     wraps: int = 0
-    """Counts after which its encoder starts over, in secret: 0 never."""
+    """Counts after which the drive's encoder starts over although its EDS doesn't say so; 0: never."""
     drops: float = 0.0
-    """Share of its answers that get lost."""
+    """Share of the drive's answers that get lost, 0 to 1."""
     short: bool = False
-    """True if its answers are a byte too short."""
+    """True if the drive's answers are a byte too short."""
     keeps: dict[tuple[int, int], int] = field(default_factory=dict)
-    """Values that objects keep whatever is written, by index and sub-index."""
+    """Values that objects keep whatever is written to them, by index and sub-index."""
 
     _behind: deque[float] = field(default_factory=deque)
     _dropped: float = 0.0
@@ -44,7 +44,9 @@ class DriveFaults:
         return self.gain == 1.0 and self.late == 0
 
     def astray(self, way: float) -> float:
-        """Return the motor's distance from its demand [counts], which moves by `way` in a period."""
+        """Return the motor's position less its demand, in [counts], after the demand has moved by `way`
+        [counts] in a period.
+        """
         if not self.notices:
             self._behind.append(way * self.gain)
             self._astray += (self._behind.popleft() if len(self._behind) > self.late else 0.0) - way

@@ -41,7 +41,7 @@ class DriveLife:
         self._state = OFF
         self._controlword = 0
         self.quick_stop_option = 2
-        """605Ah."""
+        """Quick stop option code, object 605Ah."""
         self._machine = Machine(
             model=self,
             states=DRIVE_STATES,
@@ -95,7 +95,10 @@ class DriveLife:
 
 
 def _trigger(controlword: int) -> str:
-    """CiA 402-2, table of commands: bit 0 switch on, 1 voltage, 2 no quick stop, 3 enable operation."""
+    """Return the name of the transition that a controlword triggers, by the table of commands in CiA 402-2.
+
+    Bits: 0 switch on, 1 enable voltage, 2 no quick stop, 3 enable operation.
+    """
     if not controlword & 0x02:
         return "_disable"
     if not controlword & 0x04:

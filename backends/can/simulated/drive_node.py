@@ -60,7 +60,7 @@ class DriveNode(canopen.LocalNode):
         self.objects = DriveObjects(node, dictionary)
         super().__init__(node, self.objects.dictionary)
         self.number = node
-        """Its node ID."""
+        """Node ID of the drive."""
         self.beats = DriveNmt(node, self)
         self.nmt = self.beats
         self._write_callbacks = [self.nmt.on_write, self._written]
@@ -68,15 +68,15 @@ class DriveNode(canopen.LocalNode):
         self.wrong = DriveFaults()
         """Faults of the drive."""
         self.position = 0.0
-        """True position of its motor [counts]; homing doesn't change it."""
+        """True position of the motor, in [counts]; homing doesn't change it."""
         self.torque = 0
-        """Torque of its motor, in thousandths of the rated torque."""
+        """Torque of the motor, in thousandths of the rated torque."""
         self.driven = 0.0
-        """Set-point of its motor [counts]."""
+        """Set-point of the motor, in [counts]."""
         self.velocity = 0.0
-        """Velocity of its motor [counts/s]."""
+        """Velocity of the motor, in [counts/s]."""
         self.pressed = False
-        """True if its E-stop input removes the torque."""
+        """True if the drive's E-stop input is pressed, which removes the torque."""
         self._power_on()
 
     def _power_on(self) -> None:
@@ -89,9 +89,9 @@ class DriveNode(canopen.LocalNode):
         self._reported = 0, 0
         self._off_for = 0.0
         self._heard: float | None = None
-        """Seconds since the heartbeat that it waits for; None before the first."""
+        """Time since the last heartbeat of the watched node, in [s]; None before the first."""
         self._commanded: float | None = None
-        """Time since its last RPDO [s]; None before the first."""
+        """Time since the drive's last RPDO, in [s]; None before the first."""
         self._waiting: list[tuple[int, int, int]] = []
 
     def associate_network(self, network: canopen.Network) -> None:
@@ -111,7 +111,7 @@ class DriveNode(canopen.LocalNode):
         self.nmt.state = "PRE-OPERATIONAL"
 
     def stand_at(self, position: float) -> None:
-        """Set the motor to rest at a position [counts], before the drive is enabled."""
+        """Set the motor to rest at a position in [counts], before the drive is enabled."""
         self.position = self.driven = self.demand.position = position
 
     def fail(self, code: int) -> None:
@@ -221,7 +221,13 @@ class DriveNode(canopen.LocalNode):
         self.driven = self.demand.position + self.wrong.astray(self.demand.position - before)
 
     def moved(self, position: float, seconds: float, torque: int) -> None:
-        """Set the position of the motor in [counts], reached in a time in [s]."""
+        """Set the position of the motor, and the torque that the drive reports.
+
+        Args:
+            position: position reached, in [counts].
+            seconds: time in which it was reached, in [s].
+            torque: in thousandths of the rated torque, positive in the direction in which the counts grow.
+        """
         self.velocity = (position - self.position) / seconds
         self.position, self.torque = position, torque
         off = abs(self.demand.position - position) > self.objects(0x6065)
@@ -256,7 +262,12 @@ class DriveNode(canopen.LocalNode):
                 self._lost(RPDO_LATE)
 
     def _lost(self, code: int) -> None:
-        """React to a missing master as 6007h and 1029h:1 state."""
+        """React to a missing master as the objects 6007h (abort connection) and 1029h:1 (error behaviour)
+        state.
+
+        Args:
+            code: error code (603Fh) of the emergency message.
+        """
         self.emcy.send(code, register=0x11)
         match self.objects(0x6007):
             case 1:

@@ -15,8 +15,12 @@ class Plant(ABC):
 
     @abstractmethod
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """Advance by `seconds` [s] with each motor driven to `drive.driven`; give each drive its new
-        position.
+        """Advance by a time in [s], each motor driven to `drive.driven`; give each drive its new position by
+        `moved`.
+
+        Args:
+            drives: drives by node ID.
+            seconds: duration, in [s].
         """
 
 

@@ -35,21 +35,21 @@ class SimulatedDrives:
         Args:
             nodes: node IDs.
             period: duration that a SYNC represents, in [s].
-            plant: load that they turn; None: only their motors.
-            bus: taken over; None: a new virtual bus.
+            plant: load that the drives turn; None: only their motors.
+            bus: bus that is taken over; None: a new virtual bus.
             dictionaries: objects of drives by node ID; others have those of our own EDS.
         """
         self._period, self._plant = period, plant or IdealMotors()
         self._channel = f"drives {id(self):#x}"
         self.line = CanLine(bus or VirtualBus(self._channel))
-        """Their end of the bus."""
+        """The drives' end of the bus."""
         described = dictionaries or {}
         self.nodes = {node: DriveNode(node, described.get(node)) for node in nodes}
         """The drives by their node IDs."""
         self.time = 0.0
-        """Simulated, in [s]."""
+        """Simulated time, in [s]."""
         self.onlookers: list[Callable[[], None]] = []
-        """Called at the beginning of each period."""
+        """Functions that are called at the beginning of each period."""
         for number, drive in self.nodes.items():
             self.line[number] = drive
         self.line.subscribe(SYNC_COB_ID, self._on_sync)

@@ -15,7 +15,7 @@ from .watch import Watch
 BUSIEST, WINDOW = 0.7, 0.1
 """Largest share of the bus that may be in use, and the time in [s] over which it is averaged."""
 MAX_MALFORMED_PER_S = 10
-"""Malformed frames a second."""
+"""Number of malformed frames in a second that is a fault."""
 _FRAME, _STUFFING = 47, 8  # bits around the data; every how manieth bit is stuffed on the whole
 _STUFFABLE = 34
 
@@ -29,7 +29,7 @@ class TrafficWatch(Watch):
         """Watch a bus.
 
         Args:
-            bitrate: of the bus, in [bit/s].
+            bitrate: bit rate of the bus, in [bit/s].
             malformed: returns the number of malformed frames so far.
             last_malformed: returns the last one as text.
         """

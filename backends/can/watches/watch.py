@@ -8,7 +8,7 @@ import can
 
 
 def plain(frame: can.Message) -> bool:
-    """Return True if CANopen nodes send frames of that kind."""
+    """Return True if a frame is of the kind that CANopen nodes send: with data and an 11-bit identifier."""
     return not (frame.is_error_frame or frame.is_extended_id or frame.is_remote_frame or frame.is_fd)
 
 
@@ -16,13 +16,13 @@ class Watch(ABC):
     """Watch that receives every frame and is checked once a period."""
 
     def begin(self, now: float) -> None:
-        """Begin to watch the drives, which are enabled."""
+        """Begin to watch the drives, which are enabled, at a time in [s]."""
         return
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """Take in a frame that was received or sent."""
+        """Take in a frame that was received, or sent if `sent` is True, at a time in [s]."""
         return
 
     @abstractmethod
     def check(self, now: float) -> None:
-        """Raise a `CanFault` if something is wrong."""
+        """Raise a `CanFault` if the watch has found a fault, at a time in [s]."""

@@ -47,7 +47,9 @@ _FOLLOWS = 0.1  # of the way to where it belongs that a joint that is held makes
 
 
 class MujocoBody(RobotBody):
-    """See `RobotBody`. Joints have the rotor inertia of real drives, which steadies their motion."""
+    """Robot of links and joints in MuJoCo. Joints have the rotor inertia of real drives, which steadies their
+    motion.
+    """
 
     COUPLES_MIMICS = True
 
@@ -101,9 +103,9 @@ class MujocoBody(RobotBody):
         self.put(base)
 
     def _furnish(self, robot: Any, arm: Collection[str], followers: Collection[str]) -> None:
-        """Give joints their drives, the arm's two each, and links the friction that they all have.
+        """Give each joint a drive, the arm's joints a second one, and links their default friction.
 
-        Joints that mimic another have no drive: a linkage moves them.
+        The drives of joints that mimic another are never commanded: a linkage moves these joints.
         """
         for linkage in robot.equalities:
             linkage.solref, linkage.solimp = CONTACT_COMPLIANCE, LINKAGE_IMPEDANCE
@@ -196,7 +198,13 @@ class MujocoBody(RobotBody):
         self._engine.displaced()
 
     def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
-        """See `RobotBody`; MuJoCo's contacts give as `CONTACT_COMPLIANCE` says, and stick by themselves."""
+        """Set the contact surface of links; contacts give way as `CONTACT_COMPLIANCE` says, and stick without
+        anchors.
+
+        Args:
+            links: names of the links.
+            surface: contact properties.
+        """
         spec = self._engine.world.spec
         for link, geometry in [
             (name, geom) for name in links for geom in spec.body(ROBOT_PREFIX + name).geoms
@@ -242,7 +250,7 @@ class MujocoBody(RobotBody):
 
 
 def _add_drive(robot: Any, name: str, joint: str) -> None:
-    """Add a drive that does nothing yet; see `MujocoJoints`."""
+    """Add a drive to a joint of the `MjSpec`; it applies no effort before `MujocoJoints` commands it."""
     drive = robot.add_actuator(name=name, target=joint)
     drive.trntype = mujoco().mjtTrn.mjTRN_JOINT
     drive.dyntype = mujoco().mjtDyn.mjDYN_INTEGRATOR

@@ -26,7 +26,8 @@ class MujocoJoints(JointGroup):
     """Joints with MuJoCo's drives, whose set-points move in each step of the solver; see `JointGroup`.
 
     A drive is as stiff as possible: without load it reaches the commanded speed after one step. Compliant
-    joints have two drives: a stiff one limited to `BREAKAWAY`, and a spring.
+    joints have two drives: a stiff one with little effort, and one whose effort grows with the distance from
+    the set-point, like a spring's.
     """
 
     def __init__(self, engine: MujocoEngine, names: Sequence[str]) -> None:
@@ -59,11 +60,10 @@ class MujocoJoints(JointGroup):
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Follow set-points like springs, see `JointGroup.give`; an offset that would be corrected too fast
-        is reduced.
+        """Follow set-points like springs that yield at an obstacle; limit the speed of catching up.
 
         Args:
-            off: (n,) distance of the set-points from the current joints, in [rad] or [m].
+            off: (n,) set-points less current joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
             fastest: (n,) maximum speeds of catching up, in [rad/s] or [m/s].
@@ -99,9 +99,9 @@ class MujocoJoints(JointGroup):
         chassis in the air.
 
         Args:
-            stiffness: of the springs, whose rest is at zero, in [Nm/rad].
-            damping: (n,) in [Nms/rad].
-            torques: (n,) in [Nm].
+            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad].
+            damping: (n,) coefficients of the dampers, in [Nms/rad].
+            torques: (n,) constant torques, in [Nm].
         """
         self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND_TORQUE_NM), torques)
         self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))
@@ -111,7 +111,13 @@ class MujocoJoints(JointGroup):
         self._engine.data.qfrc_applied[self._speed] = torques
 
     def _alone(self, pull: float | FloatArray, most: FloatArray, torques: float | FloatArray = 0.0) -> None:
-        """Drive the joints by the stiff drives alone."""
+        """Drive the joints by the stiff drives alone, and switch the yielding ones off.
+
+        Args:
+            pull: stiffness towards the set-points, in [Nm/rad] or [N/m].
+            most: (n,) largest efforts, in [Nm] or [N].
+            torques: (n,) constant efforts, in [Nm] or [N].
+        """
         self._stiff.serve(pull, self._gain, most, torques)
         if self._giving is not None:
             self._giving.serve(0.0, 0.0, np.full(len(most), _OFF))
@@ -133,7 +139,15 @@ class _Drives:
         most: FloatArray,
         torques: float | FloatArray = 0.0,
     ) -> None:
-        """Apply `torques`, plus `pull` times the set-points' lead, less `damping` times the speeds."""
+        """Set the effort of the drives: `torques` + `pull` (set-point - joint) - `damping` (speed), up to
+        `most`.
+
+        Args:
+            pull: stiffness towards the set-points, in [Nm/rad] or [N/m].
+            damping: in [Nms/rad] or [Ns/m].
+            most: (n,) largest efforts, in [Nm] or [N].
+            torques: (n,) constant efforts, in [Nm] or [N].
+        """
         model, mine = self._engine.model, self._numbers
         model.actuator_gainprm[mine, 0] = pull
         bias = model.actuator_biasprm
@@ -145,7 +159,7 @@ class _Drives:
         limits[mine, 1] = most
 
     def set_out(self, positions: FloatArray, rates: FloatArray) -> None:
-        """Start the set-points at `positions` (n,), to move at `rates` (n,)."""
+        """Start set-points at positions (n,) in [rad] or [m], to move at rates (n,) in [rad/s] or [m/s]."""
         data = self._engine.data
         data.act[self._goals] = positions
         data.ctrl[self._numbers] = rates

@@ -21,11 +21,11 @@ def read_robot(urdf: SoundUrdf, visuals: bool = False) -> Any:
     """Return the `MjSpec` of a robot, all its links being bodies.
 
     Args:
-        urdf: of the robot.
+        urdf: URDF of the robot.
         visuals: whether the result contains visual shapes as well.
 
     Raises:
-        ValueError: MuJoCo can't read it.
+        ValueError: MuJoCo can't read the URDF.
     """
     spec = mujoco().MjSpec.from_string(_without_a_world(urdf.text))
     spec.compiler.fusestatic, spec.compiler.discardvisual = False, not visuals
@@ -41,7 +41,9 @@ def read_robot(urdf: SoundUrdf, visuals: bool = False) -> Any:
 
 
 def _triangles(file: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners (3 n,) in [m] and triangles (3 m,) of a mesh file that coal reads."""
+    """Return a mesh file's corners (3 n,), x, y, z of each in [m], and triangles (3 m,), three corner numbers
+    each.
+    """
     mesh: Any = read_mesh(file)
     triangles = (mesh.tri_indices(number) for number in range(mesh.num_tris))
     faces = np.array([[triangle[0], triangle[1], triangle[2]] for triangle in triangles], dtype=np.int32)

@@ -20,7 +20,9 @@ CATCHES_UP_S = 0.005
 
 
 class MujocoPlanarDrive(PlanarDrive):
-    """Three velocity servos of MuJoCo at the base's frame, on the floor."""
+    """Three velocity servos of MuJoCo at the base's frame, which push ahead, to the left, and about the
+    vertical.
+    """
 
     def __init__(self, engine: MujocoEngine, mass: float, inertia: float, prefix: str) -> None:
         """Drive a base of a mass in [kg] and an inertia in [kg m²] about the vertical."""

@@ -20,13 +20,15 @@ class PartLook:
 
     link: str
     kind: int
-    """`mjtGeom`."""
+    """Kind of the shape, one of MuJoCo's `mjtGeom`."""
     size: FloatArray
     position: FloatArray
     quaternion: FloatArray
     rgba: SingleArray
     mesh: tuple[SingleArray, Int32Array] | None
-    """Corners (n, 3) in [m], and triangles (m, 3) of them."""
+    """Corners (n, 3) in the shape's frame, in [m], and triangles (m, 3) of their numbers; None for other
+    kinds.
+    """
 
 
 def robot_looks(read: Read) -> list[PartLook]:

@@ -17,7 +17,11 @@ _FAR = 1e10  # [m], beyond any real range: MuJoCo ignores what is farther
 
 
 class _Field(NamedTuple):
-    """Height field of rough ground, its frame level, for `ground_ahead`."""
+    """Height field of rough ground on the world's axes.
+
+    Fields: `corner` (2,) with the least x and y in [m], `cell` distance of neighbouring heights in [m],
+    `heights` (rows, columns) in [m] with a row for each y, `top` the largest height in [m].
+    """
 
     corner: FloatArray
     cell: float
@@ -59,15 +63,16 @@ class LidarBeams:
         self._fields = {int(item): _Field.of(model, int(item)) for item in self._others[self._grounds]}
 
     def free_shares(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return how much of each way from a point is free of all but the robot; see `Engine.free_shares`.
+        """Return the free share of the lines from one point to others, without the robot.
 
         Args:
             data: MuJoCo's data, with the current poses.
-            start: (3,) common start of the ways in the world, in [m].
-            ends: (n, 3) ends of the ways in the world, in [m].
+            start: (3,) common start of the lines in the world, in [m].
+            ends: (n, 3) ends of the lines in the world, in [m].
 
         Returns:
-            (n,) share of each way, from 0 to 1; infinity where all of it is free.
+            (n,) distance from the start to the first body divided by the line's length, 0 to 1; infinity if
+            all of a line is free.
         """
         middles = data.geom_xpos[self._others]
         low, high = np.minimum(ends.min(axis=0), start), np.maximum(ends.max(axis=0), start)
@@ -89,7 +94,7 @@ class LidarBeams:
         return shares
 
     def _asked(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return the free lengths computed by MuJoCo itself."""
+        """Return the same shares (n,) as `free_shares`, computed by MuJoCo itself."""
         ways = np.ascontiguousarray(ends - start)
         met, share = np.full(len(ways), -1, np.int32), np.zeros(len(ways))
         groups = np.ones(6, np.uint8)

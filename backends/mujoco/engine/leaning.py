@@ -14,7 +14,8 @@ _NO_ISLAND = -2
 
 
 class Leaning:
-    """Keeps things awake that lean on the robot, because sleeping ones would not fall when it drives off.
+    """Watch that keeps things awake that lean on the robot, because sleeping ones would not fall when it
+    drives off.
 
     Other things sleep when they come to rest; a robot never sleeps.
     """
@@ -22,14 +23,16 @@ class Leaning:
     def __init__(self) -> None:
         """Begin without a model."""
         self._robot: int | None = None
-        """Kinematic tree of the robot."""
+        """Number of the robot's kinematic tree in the model; None without a robot."""
         self.trees = np.zeros(0, np.bool_)
-        """(trees,) True for things that touch the robot, directly or through others."""
+        """Mask (trees,) of the kinematic trees of things that touch the robot, directly or through others."""
         self._seen = b""
-        """Islands at the last call of `look`."""
+        """Contact islands of the trees at the last call of `look`, as bytes."""
 
     def compiled(self, model: Any, link: int | None) -> None:
-        """Adopt a model with more trees than before; `link` is one of a robot's."""
+        """Adopt a model with more kinematic trees than before; `link` is MuJoCo's number of one of the
+        robot's links.
+        """
         leaned, self.trees = self.trees, np.zeros(int(model.ntree), np.bool_)
         self._robot = None if link is None else int(model.body_treeid[link])
         if self._robot is not None:

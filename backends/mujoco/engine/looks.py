@@ -22,7 +22,7 @@ class BoxLook(NamedTuple):
 
 
 class TileLook(NamedTuple):
-    """Appearance of rough ground; see `Engine.add_tile`."""
+    """Appearance of a square of rough ground."""
 
     corner: FloatArray
     cell: float
@@ -31,7 +31,7 @@ class TileLook(NamedTuple):
 
 @dataclass
 class Looks:
-    """Appearance by the numbers of the bodies. It only grows, and does not affect the engine."""
+    """Appearance of all bodies, by the engine's numbers. It only grows, and does not affect the engine."""
 
     level: bool = False
     """True if there is a level floor."""
@@ -40,7 +40,9 @@ class Looks:
     sheets: list[Sheet] = field(default_factory=list)
     things: dict[int, ThingForm] = field(default_factory=dict)
     shown: dict[int, ByteArray] = field(default_factory=dict)
-    """Pictures that things show instead of those that they were made with."""
+    """Grey pictures (h, w) that things show instead of those that they were made with, by the engine's
+    numbers.
+    """
 
     @property
     def count(self) -> int:

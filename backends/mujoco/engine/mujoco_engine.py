@@ -45,7 +45,7 @@ class MujocoEngine(Engine):
     CONTACTS_CARRY = 0.5  # contacts act on speeds, not on positions: an object in a turning hand drifts
 
     def __init__(self, period: float) -> None:
-        """Start the engine; see `Engine`."""
+        """Start the engine with an empty world; the control period is in [s]."""
         super().__init__(period)
         mujoco()
         self._grown = GrowingModel(self.chunk / self.substeps, self._number)
@@ -54,7 +54,7 @@ class MujocoEngine(Engine):
         self.looks = Looks()
         """Appearance of all bodies."""
         self.pins = Pins()
-        """Rigid connections where contacts alone don't hold."""
+        """Pinned connection of the hand and a thing, where contacts alone don't hold it."""
         self._slipping = Slipping(self.pins, self.CONTACTS_CARRY, self.chunk)
         self._links: dict[int, tuple[int, int]] = {}
         self._bodies: dict[tuple[int, int], int] = {}
@@ -196,7 +196,7 @@ class MujocoEngine(Engine):
         spec.mass, spec.inertia = mass, inertia
 
     def pose(self, body: int) -> Transform:
-        """Return world_T_body (4, 4) of a thing; see `Engine.pose`."""
+        """Return world_T_body (4, 4) of a thing's middle of mass."""
         index, data = self.thing_at(body).body, self.links()
         result = np.zeros((4, 4))
         result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0
@@ -289,7 +289,7 @@ class MujocoEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """See `Engine`: a restored run continues to the last bit."""
+        """Return MuJoCo's state and the pinned connection; a restored run continues to the last bit."""
         pinned = to_plain(self.pinned, Pinned | None)
         leans = self._leaning.trees.astype(np.int64)
         return {**saved(self.model, self.data), "pinned": pinned, "leans": leans}

@@ -20,11 +20,11 @@ class ThingNumbers(NamedTuple):
 
     body: int
     position: int
-    """Index of its first coordinate."""
+    """Index of the thing's first coordinate in `qpos`."""
     velocity: int
     geometries: tuple[int, ...]
     coordinates: int
-    """Number of its coordinates: 1 on a joint of the world."""
+    """Number of the thing's coordinates in `qpos`: 7 for a free body, 1 on a joint of the world."""
 
 
 class Numbering:
@@ -64,7 +64,7 @@ class Numbering:
         self._where: IntArray = np.minimum(first[:, None] + np.arange(FREE_COORDINATES), last[:, None])
 
     def moved(self, changed: BoolArray) -> frozenset[int]:
-        """Return the things with a changed coordinate; `changed` is a mask (n,) of all coordinates."""
+        """Return the things with a changed coordinate, given a mask (n,) of all coordinates in `qpos`."""
         return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())
 
 

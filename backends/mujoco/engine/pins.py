@@ -28,7 +28,13 @@ class Pins:
         self._there, self._first = False, 0
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
-        """Add the constraints to a model, inactive; `other` is any other body."""
+        """Add the constraints, inactive, to the `MjSpec` of a world.
+
+        Args:
+            spec: the `MjSpec`.
+            hand: name of the hand's body.
+            other: name of any other body, in place of the later held one.
+        """
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         self._first = len(spec.equalities)
         assert all(equality.type == kinds.mjEQ_JOINT for equality in spec.equalities)
@@ -42,7 +48,7 @@ class Pins:
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
-        """Return the mean load of a point, in [N]."""
+        """Return the mean load of the points that hold the thing, in [N]."""
         forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
         return (
             sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MAX_PIN_POINTS, 3))
@@ -50,7 +56,9 @@ class Pins:
         )
 
     def force(self, data: Any) -> FloatArray:
-        """Return the force (3,) of the held thing on the hand, in the world, in [N]."""
+        """Return the force (3,) of the held thing on the hand, in the world frame, in [N]; zero if nothing is
+        held.
+        """
         if not self._there or not self.closed(data):
             return np.zeros(3)
         rows = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS]
@@ -62,7 +70,15 @@ class Pins:
             data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
-        """Hold two of MuJoCo's bodies together."""
+        """Hold two of MuJoCo's bodies together at the points of `wanted`.
+
+        Args:
+            model: MuJoCo's model.
+            data: MuJoCo's data.
+            wanted: points in the frames of both bodies.
+            hand: MuJoCo's number of the hand's body.
+            other: MuJoCo's number of the held thing's body.
+        """
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
         for item, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):

@@ -25,7 +25,7 @@ class Pressing:
         self._found: dict[int, frozenset[Touching]] = {}
 
     def touching(self, data: Any, body: int) -> frozenset[Touching]:
-        """See `Engine.touching`: the same object as long as nothing has changed."""
+        """Return the touching pairs of a body; the same object as long as nothing has changed."""
         if data.nefc == 0:
             return _NOTHING
         contact = data.contact
@@ -46,7 +46,7 @@ class Pressing:
         return {body: frozenset(group) for body, group in found.items()}
 
     def contacts(self, data: Any, body: int) -> list[ContactPoint]:
-        """Return the contact points of one body, with normals and forces in the world's frame."""
+        """Return the contact points of one body, with normals and forces in the world frame, in [N]."""
         contact, forces = data.contact, data.efc_force
         found = []
         for touching, index, row, sign in self._points(data, body):
@@ -57,8 +57,10 @@ class Pressing:
         return found
 
     def _points(self, data: Any, body: int) -> Iterator[tuple[Touching, int, int, float]]:
-        """Yield the contacts of a body: touching pair, number, first row of forces, and sign of the contact
-        frame.
+        """Yield the contacts of a body.
+
+        Each is the touching pair, the number of MuJoCo's contact, the first row of its forces, and the sign
+        with which the contact frame's normal points towards the body.
         """
         contact, forces, owners = data.contact, data.efc_force, self._owners
         rows = contact.efc_address.tolist()

@@ -26,14 +26,17 @@ class Slipping:
         Args:
             pins: equalities that hold the thing.
             contacts_carry: share of the pads' friction that contacts have.
-            period: control period, in [s]; a thing that slid less than `STAYS` allows in it is held again.
+            period: control period, in [s]; a thing that slid more slowly than `STICKING_SPEED_M_S` in it is
+                held again.
         """
         self._pins, self._carry, self._stays = pins, contacts_carry, STICKING_SPEED_M_S * period
         self.pinned: Pinned | None = None
         """Rigid connection, slipping or not."""
 
     def hold(self, model: Any, data: Any, pinned: Pinned, hand: int, other: int) -> None:
-        """Hold two of MuJoCo's bodies together."""
+        """Hold two of MuJoCo's bodies together: those with the numbers `hand` and `other`, at the points of
+        `pinned`.
+        """
         self.pinned = pinned
         self._pins.close(model, data, pinned, hand, other)
 
@@ -61,7 +64,9 @@ class Slipping:
 
 
 def _points(data: Any, pinned: Pinned, hand: int, other: int) -> FloatArray:
-    """Return the hand's points in the frame of the held thing, (n, 3) in [m]."""
+    """Return the points of `pinned.points`, which are fixed in the hand, in the frame of the held thing, (n,
+    3) in [m].
+    """
     world_T_hand = _pose(data.xipos[hand], data.ximat[hand])
     other_T_hand = inverse(_pose(data.xpos[other], data.xmat[other])) @ world_T_hand
     return np.asarray(np.array(pinned.points) @ other_T_hand[:3, :3].T + other_T_hand[:3, 3])

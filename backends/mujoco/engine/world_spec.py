@@ -77,7 +77,14 @@ class WorldSpec:
         self.solid(self.spec.worldbody, self._floor, friction, type=kind, size=(0.0, 0.0, 1.0))
 
     def box(self, number: int, box: Box, friction: float, moves: bool) -> None:
-        """Add a box that nothing moves; a box that is moved later is a body of its own."""
+        """Add an immovable box; one that is moved later (`moves`) is a body of its own.
+
+        Args:
+            number: number of the box, which is its name.
+            box: pose in the world and size, in [m].
+            friction: coefficient of friction, without unit.
+            moves: True for a box that `Engine.set_pose` moves.
+        """
         kind, half = mujoco().mjtGeom.mjGEOM_BOX, [size / 2 for size in box.size]
         body, placed = self.spec.worldbody, where(box.pose)
         if moves:
@@ -87,7 +94,7 @@ class WorldSpec:
     def tile(
         self, number: int, corner: FloatArray, cell: float, heights: FloatArray, friction: float
     ) -> None:
-        """Add a square of rough ground; see `Engine.add_tile`.
+        """Add a square of rough ground as a height field.
 
         Args:
             number: number of the tile, which is part of its name.
@@ -177,11 +184,12 @@ class WorldSpec:
             wheel.type, wheel.size = kinds.mjGEOM_ELLIPSOID, (radius, radius, half_width)
 
     def scrub(self, wheel: Any, along_axle: float) -> None:
-        """Let a wheel slide along its axle on the floor, with a share of its friction across the axle.
+        """Let a wheel slide along its axle on the floor, with a friction that is a share (`along_axle`) of
+        that across the axle.
 
         MuJoCo aligns the first tangent of a capsule's contacts with its axis, and a pair can have two
-        frictions. The capsule is as thick as the wheel, and touches the floor at two points as far apart
-        as the wheel is wide.
+        frictions. The capsule is as thick as the wheel, and touches the floor at two points as far apart as
+        the wheel is wide.
         """
         radius, _, half_width = wheel.size  # of one that bulges
         wheel.type, wheel.size = mujoco().mjtGeom.mjGEOM_CAPSULE, (radius, half_width, 0.0)
@@ -205,7 +213,7 @@ class WorldSpec:
 
 
 def where(pose: Transform) -> dict[str, Any]:
-    """Return a pose (4, 4) as MuJoCo wants it."""
+    """Return a pose (4, 4) as MuJoCo's arguments: `pos` (3,) in [m], and `quat` (4,) w, x, y, z."""
     return {"pos": pose[:3, 3], "quat": quaternion(pose)}
 
 
@@ -215,19 +223,32 @@ def quaternion(pose: Transform) -> FloatArray:
 
 
 def box_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float]:
-    """Return the inertia of a box of a size (3,) in [m] around its middle, in [kg m²]."""
+    """Return the moments of inertia of a box about the axes x, y, z through its middle, in [kg m²].
+
+    Args:
+        mass: mass of the box, in [kg].
+        size: (3,) lengths along x, y and z, in [m].
+    """
     x, y, z = (length**2 for length in size)
     return mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y)
 
 
 def rod_inertia(mass: float, size: Sequence[float]) -> tuple[float, float, float]:
-    """Return the inertia of a cylinder along z, as `box_inertia`."""
+    """Return the moments of inertia of a cylinder along z about the axes x, y, z through its middle, in [kg
+    m²].
+
+    Args:
+        mass: mass of the cylinder, in [kg].
+        size: (3,) diameter, diameter and length, in [m].
+    """
     across = mass / 12 * (0.75 * size[0] ** 2 + size[2] ** 2)
     return across, across, mass / 8 * size[0] ** 2
 
 
 def _corners(wedge: Wedge) -> FloatArray:
-    """Return the corners (8, 3) of a wedge, in [m]."""
+    """Return the corners (8, 3) of a wedge around the thing's middle, in [m]: four at the bottom, then four
+    at the top.
+    """
     y, z, narrow = wedge.thickness / 2, wedge.height / 2, wedge.thickness / 2 - wedge.chamfer
     outline = ((wedge.base, -y), (wedge.base, y), (wedge.end, narrow), (wedge.end, -narrow))
     return np.array([(x, across, up) for up in (-z, z) for x, across in outline])

@@ -48,7 +48,12 @@ def grass_picture() -> ByteArray:
 
 
 def _clouds(rng: np.random.Generator, size: float) -> FloatArray:
-    """Return smooth periodic noise (n, n) with sigma 0.25."""
+    """Return smooth periodic noise (n, n) without unit, with sigma 0.25.
+
+    Args:
+        rng: source of the noise.
+        size: sigma of the smoothing, in [px].
+    """
     noise = np.fft.rfft2(rng.standard_normal((_PIXELS, _PIXELS)))
     down, across = np.fft.fftfreq(_PIXELS)[:, None], np.fft.rfftfreq(_PIXELS)[None]
     smooth = np.fft.irfft2(noise * np.exp(-2.0 * (np.pi * size) ** 2 * (down**2 + across**2)))

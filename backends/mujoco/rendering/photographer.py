@@ -48,13 +48,13 @@ class Photographer:
         return np.ascontiguousarray(self._rows[::-1])
 
     def take_with_depth(self, world_T_camera: Transform, K: FloatArray) -> tuple[ByteArray, FloatArray]:
-        """Return a picture (h, w, 3) in RGB as `take` does, and the depth (h, w) of each pixel.
+        """Return a picture (h, w, 3) in RGB, 0 to 255, and the depth (h, w) of each pixel.
 
         Depth is in [m] along the optical axis; infinite where nothing is.
 
         Args:
-            world_T_camera: (4, 4) pose of the camera, z forwards.
-            K: (3, 3) camera matrix, in [px].
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
         """
         mj, whole = mujoco(), self._render(world_T_camera, K)
         self._context.readDepthMap = mj.mjtDepthMap.mjDEPTH_ZEROFAR
@@ -66,7 +66,12 @@ class Photographer:
         return np.ascontiguousarray(self._rows[::-1]), depth
 
     def _render(self, world_T_camera: Transform, K: FloatArray) -> Any:
-        """Draw the picture, and return its rectangle."""
+        """Draw the picture into OpenGL's buffer, and return its rectangle as MuJoCo's `MjrRect`.
+
+        Args:
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px].
+        """
         mj, stage = mujoco(), self._stage
         self._gl.make_current()
         for texture in stage.repaint():

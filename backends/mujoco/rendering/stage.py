@@ -19,7 +19,7 @@ LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
 
 
 class PictureStage:
-    """Model for pictures, which follows the engine's model; bodies have the same names in both.
+    """Model for pictures, which follows the engine's model; a body has the same name in both.
 
     Rendering cannot change a run, because the engine's own model has neither pictures nor lamps.
     """
@@ -38,7 +38,12 @@ class PictureStage:
         self._drawn = np.zeros(0)
 
     def follow(self, engine_data: Any, middle: FloatArray) -> bool:
-        """Copy all poses from the engine, light about `middle` (3,) in [m]; return True if any changed."""
+        """Copy all poses from the engine, and aim the lamp; return True if anything moved visibly.
+
+        Args:
+            engine_data: MuJoCo's data of the engine.
+            middle: (3,) point in the world at which the lamp is aimed, in [m].
+        """
         data = self.data
         data.mocap_pos[self._mine] = engine_data.xpos[self._theirs]
         data.mocap_quat[self._mine] = engine_data.xquat[self._theirs]

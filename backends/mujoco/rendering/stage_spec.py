@@ -39,7 +39,7 @@ class StageSpec:
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style) -> None:
         self.spec: Any = mujoco().MjSpec()
         self.moving: list[str] = []
-        """Names of bodies."""
+        """Names of the bodies that are placed for each picture."""
         self._style, self._materials = style, dict[Material, str]()
         self._light()
         if looks.level:
@@ -193,7 +193,16 @@ class StageSpec:
         placed: dict[str, Any],
         is_round: bool = False,
     ) -> None:
-        """Add a box or cylinder with a picture on it, and its material of that name."""
+        """Add a box or cylinder that shows parts of a picture, and the material of that name.
+
+        Args:
+            body: body of the `MjSpec`.
+            name: name of the shape and of its material.
+            size: (3,) lengths along x, y and z, in [m].
+            uvs: four corners (u, v), 0 to 1, of each face in the picture; faces -x, +x, -y, +y, +z, -z.
+            placed: pose of the shape, see `where`.
+            is_round: True for a cylinder along z.
+        """
         mesh = form_mesh(size, uvs, is_round)
         corners = 4 * np.arange(len(mesh.corners))[:, None]
         triangles = np.concatenate([corners + half for half in np.array(((0, 1, 2), (0, 2, 3)))])

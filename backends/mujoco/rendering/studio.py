@@ -29,12 +29,12 @@ class Studio:
         self._last: tuple[Transform, FloatArray, ByteArray] | None = None
 
     def take(self, world_T_camera: Transform, K: FloatArray, middle: FloatArray) -> ByteArray:
-        """Return a picture (height, width, 3) in RGB; the last one if nothing moved. See `Photographer`.
+        """Return a picture (height, width, 3) in RGB, 0 to 255; the last one if nothing moved.
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
-            K: (3, 3) camera matrix, in [px].
-            middle: (3,) point in the world around which the light falls, in [m].
+            K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
+            middle: (3,) point in the world at which the lamp is aimed, in [m].
 
         Raises:
             NoPictures: OpenGL is not available.
@@ -50,11 +50,13 @@ class Studio:
         return picture
 
     def take_with_depth(self, world_T_camera: Transform, K: FloatArray) -> tuple[ByteArray, FloatArray]:
-        """Return a picture (h, w, 3) in RGB and the depth (h, w) of its pixels, in [m]; see `Photographer`.
+        """Return a picture (h, w, 3) in RGB, 0 to 255, and the depth (h, w) of its pixels.
+
+        Depth is in [m] along the optical axis; infinite where nothing is.
 
         Args:
-            world_T_camera: (4, 4) pose of the camera, z forwards.
-            K: (3, 3) camera matrix, in [px].
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
 
         Raises:
             NoPictures: OpenGL is not available.

@@ -11,17 +11,17 @@ class Style(NamedTuple):
     coloured: bool
     """True for colours, False for the greys of a camera."""
     even: float
-    """Light from everywhere: 1 shows all as bright as it is painted."""
+    """Brightness of the light from everywhere: with 1 each surface is as bright as its paint."""
     lamp: float
-    """Brightness of one lamp, including its shadows."""
+    """Brightness of the lamp, which casts the shadows."""
     shadow_px: int
-    """Size of the map of its shadows; 0: none."""
+    """Width and height of the lamp's shadow map, in [px]; 0: no shadows."""
     lit_m: float
     """Radius of the region with shadows, in [m]."""
     samples: int
-    """Samples per pixel, which smooth edges; 0 means one."""
+    """Samples per pixel, which smooth edges; 0 means one sample."""
     beam: tuple[float, float, float] = (0.25, -0.2, -0.947)
-    """Direction of the lamp: of length 1, in the world."""
+    """Direction (3,) in which the lamp shines, a unit vector in the world."""
 
 
 FILM_STYLE = Style(coloured=True, even=0.46, lamp=0.42, shadow_px=1024, lit_m=3.0, samples=0)

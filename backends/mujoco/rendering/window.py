@@ -23,10 +23,16 @@ _PATIENCE = 10.0  # [s] that the viewer gets to end
 
 
 class Window:
-    """Shows a stage in real time; dragging things in it moves nothing. Closing it does not end the run."""
+    """View of a stage in real time; dragging things in it moves nothing. Closing it does not end the run."""
 
     def __init__(self, engine: MujocoEngine, body: MujocoBody, world_T_base: Transform) -> None:
-        """Open the window; see `check_display`."""
+        """Open the window; call `check_display` first.
+
+        Args:
+            engine: engine whose world is shown.
+            body: the robot in it.
+            world_T_base: (4, 4) pose of the base, which the view follows.
+        """
         self._engine, self._robot = engine, body.looks()
         self._due = time.monotonic()
         self._open(world_T_base)
@@ -50,7 +56,7 @@ class Window:
 
         Args:
             world_T_base: (4, 4) pose of the base, which the view follows.
-            period: in [s].
+            period: control period, in [s].
         """
         if not self._handle.is_running():
             return

@@ -24,11 +24,12 @@ CONSTRAINT_FORCE_N = 500.0  # with which a constraint holds at each point [N]
 
 
 class Grip:
-    """Holds a thing at points of the pads while both fingers press on it.
+    """Grip that holds a thing at points of the pads while both fingers press on it.
 
     With `friction` as soft fingers do (Howe and Cutkosky 1996): these points and the engine's own contacts
     together carry Coulomb's share of the fingers' force, along the pads and about their normal, and slip
-    beyond it; how much the contacts have of it is the engine's. With `constraint` nothing slips.
+    beyond it; the engine decides how much of it its contacts carry (`Engine.CONTACTS_CARRY`). With
+    `constraint` nothing slips.
     """
 
     def __init__(self, spec: GripperSpec, finger: FingerShape, engine: Engine, body: RobotBody) -> None:
@@ -44,7 +45,7 @@ class Grip:
 
     @property
     def holds(self) -> int | None:
-        """The body that is held."""
+        """Engine's number of the held body; None without one."""
         pinned = self._engine.pinned
         return None if pinned is None else pinned.other
 
@@ -66,7 +67,7 @@ class Grip:
             self._engine.pin(None)
 
     def _there(self, other: int) -> FloatArray:
-        """Return the pads' points (n, 3) in the frame of the other body."""
+        """Return the pads' points (n, 3) in the frame of the other body's middle of mass, in [m]."""
         other_T_hand = inverse(self._engine.pose(other)) @ self._body.middle_of_mass("hand")
         return np.asarray((np.c_[self._points, np.ones(len(self._points))] @ other_T_hand.T)[:, :3])
 

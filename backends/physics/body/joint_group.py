@@ -14,7 +14,11 @@ MIN_TORQUE_RATIO = 0.03  # share of its torque that such a drive always has to g
 
 
 class JointGroup(ABC):
-    """Some joints of the robot in a physics engine. A command holds until the next one."""
+    """Some joints of the robot in a physics engine. A command holds until the next one.
+
+    Arrays (n,) are in the order in which the joints were selected; units are [rad] for turning joints, [m]
+    for sliding ones.
+    """
 
     @abstractmethod
     def states(self) -> tuple[FloatArray, FloatArray]:
@@ -30,25 +34,25 @@ class JointGroup(ABC):
         """
 
     def follow(self, off: FloatArray, rates: FloatArray, most: FloatArray, catches_up: float) -> None:
-        """Follow set-points for the next chunk by torques of at most `most`.
+        """Follow set-points until the drives act next, by efforts of at most `most`.
 
         Args:
-            off: (n,) distance of the set-points ahead of the joints, in [rad] or [m].
+            off: (n,) set-points less current joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             most: (n,) largest efforts, in [Nm] or [N].
-            catches_up: time constant in which the distance decreases, in [s].
+            catches_up: time constant in which `off` decreases, in [s].
         """
         self.turn(rates + off / catches_up, most)
 
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Follow as `follow` does, but yield like springs at an obstacle.
+        """Follow set-points until the drives act next, but yield like springs at an obstacle.
 
-        The torque is limited by a joint's distance from its set-point; it is full at `FULL_TORQUE_ERROR_RAD`.
+        The effort is limited by a joint's distance from its set-point; it is full at `FULL_TORQUE_ERROR_RAD`.
 
         Args:
-            off: (n,) distance of the set-points from the current joints, in [rad] or [m].
+            off: (n,) set-points less current joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
             fastest: (n,) maximum speeds of catching up, in [rad/s] or [m/s].
@@ -69,22 +73,24 @@ class JointGroup(ABC):
         Args:
             positions: (n,) in [rad] or [m].
             most: (n,) largest efforts, in [Nm] or [N].
-            share: share of the distance that is made good in one step of the solver.
-            rates: (n,) in [rad/s] or [m/s], at which an engine without chunks moves the set-points: they
-                arrive when the period ends.
+            share: share of the remaining distance, 0 to 1, that is corrected in one step of the solver.
+            rates: (n,) rates in [rad/s] or [m/s], by which an engine whose drives act once a period moves the
+                set-points: they arrive when the period ends.
         """
 
     def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
-        """Put springs, dampers and torques on the joints for the next chunk.
+        """Put springs, dampers and torques on the joints until the drives act next.
 
         Args:
-            stiffness: of the springs, whose rest is at zero, in [Nm/rad].
-            damping: (n,) in [Nms/rad].
-            torques: (n,) in [Nm].
+            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad].
+            damping: (n,) coefficients of the dampers, in [Nms/rad].
+            torques: (n,) constant torques, in [Nm].
         """
         angles, speeds = self.states()
         self.push(torques - stiffness * angles - damping * speeds)
 
     @abstractmethod
     def push(self, torques: FloatArray) -> None:
-        """Apply torques (n,), in [Nm], until the drives act next, in addition to the drives' own torques."""
+        """Apply torques (n,), in [Nm] or [N], until the drives act next, in addition to the drives' own
+        torques.
+        """

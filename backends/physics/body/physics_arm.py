@@ -47,7 +47,7 @@ class PhysicsArm(SimulatedArm):
             robot: robot file.
             model: arm model.
             body: the robot in an engine.
-            felt: returns the true force on the hand, (3,) in [N] in its frame.
+            felt: returns the true force of the surroundings on the hand, (3,) in [N], in the hand frame.
             ahead: time from now for whose posture the torques are computed, in [s].
             seed: seed of its errors.
         """
@@ -64,7 +64,7 @@ class PhysicsArm(SimulatedArm):
             body.reset(name, factor * float(stands) + offset)
         self._felt, self._ahead = felt, ahead
         self.load: tuple[float, FloatArray] = (0.0, np.zeros(3))
-        """Mass in [kg] of what is held, and its middle of mass in the base frame, (3,) in [m]."""
+        """Mass of the held object in [kg], and its middle of mass (3,) in the base frame, in [m]."""
 
     @override
     def true_joints(self) -> FloatArray:
@@ -78,7 +78,12 @@ class PhysicsArm(SimulatedArm):
         self._begin(period, loaded=self.load[0] > 0.0)
 
     def act(self, share: float, period: float) -> None:
-        """Command the drives for the next chunk, when `share` of the `period` in [s] has passed."""
+        """Command the drives until they act next.
+
+        Args:
+            share: share of the period, 0 to 1, that has passed then.
+            period: control period, in [s].
+        """
         way = self._command - self._from
         angles = self._drives.states()[0]
         rate = way / period
@@ -89,9 +94,16 @@ class PhysicsArm(SimulatedArm):
         self._drives.push(torques + self._load_torque(soon))
 
     def _lead(self, soon: FloatArray, angles: FloatArray, rates: FloatArray) -> FloatArray:
-        """Command the followers of the arm's joints by their own drives.
+        """Command the followers (joints that mimic the arm's) by their own drives.
 
-        Return the torques (n,) in [Nm] that carry the remaining weight.
+        Args:
+            soon: (n,) joints for whose posture the weight is computed, in [rad] or [m].
+            angles: (n,) current joints, in [rad] or [m].
+            rates: (n,) rates of the joints' set-points, in [rad/s] or [m/s].
+
+        Returns:
+            (n,) efforts in [Nm] or [N] with which the arm's joints carry the weight that the followers do
+            not.
         """
         torques, of_followers = self._model.own_gravity_torques(soon)
         for follower, torque in zip(self._following, of_followers, strict=True):
@@ -108,7 +120,9 @@ class PhysicsArm(SimulatedArm):
         self._from = self._command.copy()
 
     def _load_torque(self, angles: FloatArray) -> FloatArray | float:
-        """Return the torques (n,) in [Nm] that carry the load."""
+        """Return the efforts (n,) in [Nm] or [N] that carry the held object at joints (n,) in [rad] or [m]; 0
+        without one.
+        """
         mass, middle = self.load
         return self._model.load_torque(angles, middle, mass) if mass > 0.0 else 0.0
 

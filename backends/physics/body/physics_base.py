@@ -20,7 +20,11 @@ class PhysicsBase(CommandedBase):
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
         """Take the driven wheels over; other links must slide on the floor.
 
-        `chunk` in [s] is how often the drives act.
+        Args:
+            robot: robot file.
+            body: the robot in an engine.
+            chunk: time between two actions of the drives, in [s].
+            seed: seed of the wheels' errors.
         """
         super().__init__(robot)
         errors = robot.errors
@@ -28,7 +32,7 @@ class PhysicsBase(CommandedBase):
         wheels = body.wheels
         self._lefts = len(wheels.left)
         self._right = np.repeat([False, True], [len(wheels.left), len(wheels.right)])
-        """(n,): which of the wheels are on the right side."""
+        """Mask (n,) of the wheels that are on the right side."""
         self._scale = 1.0 + errors.wheel_radius_percent / 100 * np.where(self._right, right, left)
         self._tread_scale = 1.0 + errors.tread_percent / 100 * float(tread)
         self.drives = WheelDrives(body, chunk, wheels.all)
@@ -43,12 +47,12 @@ class PhysicsBase(CommandedBase):
         self.drives.speeds = rims * self._scale / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the standing base by an angle in [rad] on its tyres: no encoder sees it."""
+        """Turn the standing base on its tyres by an angle to the left, in [rad], that no encoder measures."""
         rim = turn * self._drive.tread_m / 2 / self._drive.wheel_radius_m
         self.drives.give(np.where(self._right, rim, -rim))
 
     def act(self) -> None:
-        """Command the drives for the next chunk of the period."""
+        """Command the drives until they act next, which may be several times a period."""
         self.drives.follow()
 
     def read(self) -> None:

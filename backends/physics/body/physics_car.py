@@ -30,7 +30,14 @@ class PhysicsCar(CommandedBase):
     STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, ground: GroundSpec) -> None:
-        """Take wheels and steering over; `chunk` in [s] is how often the drives act."""
+        """Take wheels and steering over.
+
+        Args:
+            robot: robot file.
+            body: the robot in an engine.
+            chunk: time between two actions of the drives, in [s].
+            ground: the ground's roughness and softness.
+        """
         super().__init__(robot)
         wheels = (*REAR, *FRONT)
         self._steering = body.joints(STEERING_JOINTS)
@@ -56,7 +63,7 @@ class PhysicsCar(CommandedBase):
         """Do nothing: a car's wheels do not yield when its arm swings. `turn` is not used, in [rad]."""
 
     def act(self) -> None:
-        """Command the drives for the next chunk of the period."""
+        """Command the drives until they act next, which may be several times a period."""
         self.drives.follow()
         wanted = [
             math.atan2(self._bend * ahead, 1.0 - self._bend * left)

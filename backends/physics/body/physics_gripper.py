@@ -62,7 +62,7 @@ class PhysicsGripper(SimulatedGripper):
         self._now = period
 
     def act(self, share: float) -> None:
-        """Command the drive for a chunk at whose end `share` of the period has passed."""
+        """Command the drive until it acts next, when `share` of the period (0 to 1) will have passed."""
         way = max(-self._step, min(self._step, self._command - self._target))
         goal = (self._target + share * way) / 2
         rate = way / (2 * self._period)

@@ -15,14 +15,23 @@ from .robot_body import RobotBody
 from .wheel_drives import WheelDrives
 
 ROLLER_FRICTION = 0.6
-"""Coulomb's, between rollers and floor: nothing pushes the base with more than this share of its weight."""
+"""Coulomb's coefficient between rollers and floor: nothing pushes the base with more than this share of its
+weight.
+"""
 
 
 class PhysicsHolonomicBase(CommandedHolonomicBase):
     """Base that slides without friction, pushed by a planar drive as its wheels would push it."""
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
-        """Take the wheels over; `chunk` in [s] is how often the drives act."""
+        """Take the wheels over.
+
+        Args:
+            robot: robot file.
+            body: the robot in an engine.
+            chunk: time between two actions of the drives, in [s].
+            seed: seed of the wheels' errors.
+        """
         super().__init__(robot)
         wheels = body.wheels.all
         self._sides = np.repeat([-1.0, 1.0], [len(body.wheels.left), len(body.wheels.right)])
@@ -49,11 +58,13 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self.drives.speeds = (speed + half * self._sides) / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the standing base by an angle in [rad] on its tyres: no encoder sees it."""
+        """Turn the standing base by an angle to the left, in [rad], in the next period; no encoder measures
+        it.
+        """
         self._given += turn
 
     def act(self) -> None:
-        """Command the drives for the next chunk of the period."""
+        """Command the drives until they act next, which may be several times a period."""
         self.drives.follow()
 
     def read(self) -> None:

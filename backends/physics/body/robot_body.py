@@ -24,7 +24,7 @@ class NoPlanarDrive(InputError):
 
 
 class PlanarDrive(ABC):
-    """Pushes the base along the floor and turns it, as wheels that drive in any direction do."""
+    """Drive that pushes the base along the floor and turns it, as wheels that drive in any direction do."""
 
     @abstractmethod
     def limit(self, force: float, torque: float) -> None:
@@ -32,7 +32,9 @@ class PlanarDrive(ABC):
 
     @abstractmethod
     def drive(self, twist: FloatArray) -> None:
-        """Bring the base to speeds (3,) ahead and to the left in [m/s], and to a turn rate in [rad/s]."""
+        """Bring the base to a twist (3,): speed ahead and speed to the left in [m/s], turn rate to the left
+        in [rad/s].
+        """
 
 
 class RobotBody(ABC):
@@ -53,11 +55,11 @@ class RobotBody(ABC):
     link_index: dict[str, int]
     link_names: dict[int, str]
     repairs: Sequence[Repair]
-    """Differences from the URDF."""
+    """Differences of the robot's masses and inertia from its URDF."""
 
     @abstractmethod
     def put(self, base: Pose2, height: float = 0.0) -> None:
-        """Put the base at another pose, on the floor or at a `height` above it in [m]."""
+        """Put the base at another pose world_T_base, on the floor or at a `height` above it in [m]."""
 
     @abstractmethod
     def standing_pose(self) -> Transform:
@@ -73,7 +75,9 @@ class RobotBody(ABC):
 
     @abstractmethod
     def middle_of_mass(self, link: str) -> Transform:
-        """Return the true pose (4, 4) in the world of the frame at a link's middle of mass."""
+        """Return world_T_middle (4, 4), the true pose of a link's middle of mass, with the axes of the
+        engine's inertial frame.
+        """
 
     @abstractmethod
     def mass(self, link: str) -> float:

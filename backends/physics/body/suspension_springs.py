@@ -44,12 +44,14 @@ class SuspensionSprings:
 
     @property
     def lean(self) -> tuple[float, float]:
-        """Roll and pitch of the base on its suspension, in [rad]."""
+        """Roll and pitch of the base on its suspension, in [rad], positive as in a URDF (right side down,
+        front down).
+        """
         roll, pitch = self._joints.states()[0]
         return float(roll), float(pitch)
 
     def act(self) -> None:
-        """Apply the forces of the springs for the next chunk of the period."""
+        """Apply the forces of the springs until the drives act next."""
         self._joints.spring(self._stiffness, self._damping, -self._trim)
 
 
@@ -59,8 +61,8 @@ def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, FloatArray]
     The arm is left in another posture.
 
     Returns:
-        Torque in [N] for each metre between the hand and the centre, and torque about roll and pitch (2,) in
-        [Nm] with the hand over the centre.
+        Torque for each metre between the hand and the centre, in [Nm/m], and torque about roll and pitch (2,)
+        in [Nm] with the hand over the centre.
     """
     rng = keyed(0, "suspension's postures")
     reaches, moments = [], []
@@ -82,8 +84,8 @@ def _load(body: RobotBody, pivot: float) -> tuple[FloatArray, float, FloatArray]
     """Return the load of the sprung masses in their current posture.
 
     Returns:
-        Torque about roll and pitch (2,) in [Nm], its growth with the tilt in [Nm/rad], and moments of inertia
-        (2,) in [kg m²].
+        Torques (2,) about the base's x axis (roll) and y axis (pitch) in [Nm], their growth with the tilt in
+        [Nm/rad], and moments of inertia (2,) about both axes in [kg m²].
     """
     base_T_world: Transform = inverse(body.base_pose())
     moment, topples, inertia = np.zeros(2), 0.0, np.zeros(2)

@@ -37,7 +37,7 @@ class ContactReader:
         self._read.clear()
 
     def gripped(self) -> int | None:
-        """Body of the thing that both fingers touch from its two sides."""
+        """Return the engine's number of a thing that both fingers touch from two sides; None without one."""
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]
@@ -52,7 +52,8 @@ class ContactReader:
         return min(both & set(self._world.bodies.values()), default=None)
 
     def force(self, held: int | None) -> FloatArray:
-        """Return the force (3,) of the surroundings on the hand and its object, in the world's axes, in [N].
+        """Return the force (3,) of the surroundings on the hand and the held object, in the world frame, in
+        [N].
 
         Args:
             held: body of the held object; None: the hand is empty.
@@ -73,7 +74,9 @@ class ContactReader:
         return total
 
     def _force_of_fixed(self) -> FloatArray:
-        """Return the force (3,) on the hand by a held body on a joint of the world, in the world, in [N]."""
+        """Return the force (3,) on the hand, in the world frame, in [N], while it holds a body on a joint of
+        the world.
+        """
         total = self._engine.pin_force()
         for point in self._engine.contacts(self._body.id):
             if point.link in self._hand and point.other != self._body.id:
@@ -84,8 +87,8 @@ class ContactReader:
         """Return the names of the touching pairs: a link, "base" or the held object, and the other body.
 
         Args:
-            held: body in the hand.
-            riding: bodies on the robot.
+            held: engine's number of the held object; None: the hand is empty.
+            riding: engine's numbers of the bodies that lie on the robot.
         """
         its = self._touching(held) if held is not None else ()
         asked = self._touching(self._body.id), its, held, riding

@@ -24,33 +24,39 @@ class WheelDrives:
     STATE: ClassVar = {"speeds": FloatArray, "_goal": FloatArray, "_first": FloatArray, "_given": FloatArray}
 
     def __init__(self, body: RobotBody, chunk: float, names: Sequence[str]) -> None:
-        """Take the wheels at these joints over, each `chunk` in [s]; they rub on the floor as tyres do."""
+        """Take over the wheels at these joints; they rub on the floor as tyres do.
+
+        Args:
+            body: the robot in an engine.
+            chunk: time between two actions of the drives, in [s].
+            names: names of the wheels' joints.
+        """
         self._chunk, self._joints = chunk, body.joints(names)
         self._most = np.array([body.effort[name] for name in names])
         body.cover(names, TYRE_SURFACE)
         self.speeds = np.zeros(len(names))
-        """(n,), wanted in this period, in [rad/s]."""
+        """Wanted speeds (n,) of the wheels in this period, in [rad/s]."""
         self._first = self._goal = self._angles()
         self._given = np.zeros(len(names))
 
     def give(self, rolled: FloatArray) -> None:
-        """Move the rims on the floor by angles (n,) in [rad] that no encoder sees."""
+        """Turn the wheels by angles (n,) in [rad], positive forwards, that no encoder measures."""
         self._given = self._given + rolled
         self._goal = self._goal + rolled
 
     def follow(self) -> None:
-        """Command the next chunk of the period."""
+        """Command the drives until they act next."""
         angles = self._angles()
         lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
         self._goal = angles + lag + self.speeds * self._chunk
         self._joints.follow(lag, self.speeds, self._most, CATCHES_UP)
 
     def turned(self, scale: FloatArray | float = 1.0) -> FloatArray:
-        """Return the angles (n,) by which the wheels have turned, in whole steps of the encoders, in [rad].
+        """Return the angles (n,) by which the wheels have turned since `rezero`, in [rad], rounded to the
+        encoders' steps.
 
         Args:
-            scale: (n,) or one for all: true size of the wheels over the size that the encoders assume,
-                without unit.
+            scale: (n,) or one for all: true radius of the wheels divided by the radius in the robot's file.
         """
         turned = (self._angles() - self._given - self._first) / scale
         return np.asarray(

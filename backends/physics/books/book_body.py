@@ -32,10 +32,12 @@ class BookBody(ThingBody):
     _printed = False
 
     def pieces(self) -> tuple[Piece, ...]:
-        """See `ThingBody`: where edges away from the spine are cut off, a box with a blunt wedge before it.
+        """Return the book's shapes around its middle; where edges are cut off, a box with a blunt wedge
+        before it.
 
-        Fingers then hold the box, whose contacts an engine knows to be flat, while of a hull it may find one
-        point at a time, about which a gripped book would turn and on which it would hook.
+        The cut edges are those away from the spine. Fingers then hold the box, whose contacts an engine knows
+        to be flat, while of a hull it may find one point at a time, about which a gripped book would turn and
+        on which it would hook.
         """
         depth, thickness, height = self.thing.size
         if self.thing.shelf is not None:
@@ -73,8 +75,10 @@ class BookBody(ThingBody):
         return self.thing.shelf is not None
 
     def look(self, eye: FloatArray) -> None:
-        """Show the print if the camera, at `eye` (3,) in the world in [m], is near now, otherwise a plain
-        box.
+        """Show the print if a camera is near, otherwise a plain box.
+
+        Args:
+            eye: (3,) position of the camera in the world, in [m].
         """
         printed = self._is_near(eye)
         if printed != self._printed:
@@ -86,7 +90,12 @@ class BookBody(ThingBody):
 
 
 def _uvs(face: int, width: int) -> list[tuple[float, float]]:
-    """Return a side's corners in the picture, which is `width` [px] wide."""
+    """Return the corners (u, v), 0 to 1, of a side in the book's picture.
+
+    Args:
+        face: number of the side: -x (the spine), +x, -y, +y, +z, -z.
+        width: width of the picture, in [px].
+    """
     spine = (width - 2 * _STRIP) / width
     if face == 0:
         # Seen from before the spine, +y is left, and up is up; the picture's first row is the head.
@@ -97,7 +106,7 @@ def _uvs(face: int, width: int) -> list[tuple[float, float]]:
 
 
 def _picture(book: SimulatedBook) -> ByteArray:
-    """Return the spine, then strips for cover and pages."""
+    """Return the book's grey picture (h, w): the spine, then strips for cover and pages."""
     spine = spine_levels(book.spec)[1][0]
     cover = np.full((spine.shape[0], _STRIP), round(_COVER * book.spec.grey), np.uint8)
     return np.hstack((spine, cover, np.full((spine.shape[0], _STRIP), _PAGES, np.uint8)))

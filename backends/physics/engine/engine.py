@@ -25,7 +25,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Pinned:
-    """Two bodies held together at points, given (n, 3) in [m] in the frames of their middles of mass."""
+    """Two bodies held together at points (n, 3) in [m], in the frames of both bodies' middles of mass."""
 
     body: int
     link: int
@@ -38,7 +38,7 @@ class Pinned:
 
 
 class Touching(NamedTuple):
-    """Contact with force between a link of a body and another body."""
+    """Touching pair of a link of the body whose contacts are read, and a link of another body."""
 
     link: int
     other: int
@@ -46,26 +46,27 @@ class Touching(NamedTuple):
 
 
 class ContactPoint(NamedTuple):
-    """A point where a body presses against another one."""
+    """A point where the body whose contacts are read presses against another one."""
 
     link: int
     """Link of the body."""
     other: int
     other_link: int
     normal: Point
-    """Normal from the other body towards this one, in the world."""
+    """Unit normal from the other body towards this one, in the world frame."""
     force: Point
-    """Force of the other body on this one, in the world, in [N]."""
+    """Force of the other body on this one, in the world frame, in [N]."""
 
 
 class Engine(ABC):
     """A physics engine with its clock, its bodies and its saved states. Bodies have numbers."""
 
     CHUNK: ClassVar[float]
-    """Time between two readings of the encoders by the drives, in [s], if less than a control period. An
-    engine whose own drives follow set-points in each of its steps has none: infinity."""
+    """Time between two actions of the drives (a chunk), in [s], if it is less than a control period; infinity
+    for an engine whose own drives follow set-points in each of its steps.
+    """
     CONTACTS_CARRY: ClassVar[float]
-    """Share of the friction of the fingers' pads that contacts have.
+    """Share of the friction of the fingers' pads, 0 to 1, that contacts have.
 
     If a held thing would creep although contacts carry it, the points of `Grip` have the remaining share.
     """
@@ -85,12 +86,14 @@ class Engine(ABC):
         """Return the current rigid connection, or None."""
 
     def parts(self) -> Sequence[int]:
-        """Return the solver's steps of a chunk, after each of which contacts are read."""
+        """Return the numbers of the solver's steps in each part of a chunk; contacts are read after each
+        part.
+        """
         return (self.substeps,)
 
     @abstractmethod
     def step(self, steps: int | None = None) -> None:
-        """Let `chunk` seconds pass, or one of its `parts`."""
+        """Let a chunk pass, or the given number of the solver's steps, which is one of `parts`."""
 
     @abstractmethod
     def close(self) -> None:
@@ -106,9 +109,14 @@ class Engine(ABC):
     def add_box(
         self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
-        """Add a box that nothing moves; return its body. Only a box that `moves` may be put elsewhere.
+        """Add an immovable box; return its body.
 
-        `material` is for pictures for people.
+        Args:
+            box: pose in the world and size, in [m].
+            friction: Coulomb's coefficient of friction, without unit.
+            grey: grey of its sides in the robot's cameras, 0 to 255.
+            moves: True for a box that `set_pose` may put elsewhere.
+            material: appearance in pictures for people.
         """
 
     @abstractmethod
@@ -117,8 +125,9 @@ class Engine(ABC):
 
         Args:
             corner: (2,) corner of the square with the least x and y in the world, in [m].
-            cell: distance of neighbouring heights, in [m].
-            heights: (n, n) in [m], a row for each y.
+            cell: distance of neighbouring heights along x and y, in [m].
+            heights: (n, n) heights of the ground in [m], a row for each y and a column for each x, both
+                ascending.
             friction: Coulomb's coefficient of friction, without unit.
         """
 
@@ -132,7 +141,7 @@ class Engine(ABC):
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
-        """Change the grey picture (h, w), parts of which are shown on a thing's faces."""
+        """Change the grey picture (h, w), 0 to 255, of a thing, parts of which are shown on its faces."""
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:
@@ -140,7 +149,7 @@ class Engine(ABC):
 
     @abstractmethod
     def pose(self, body: int) -> Transform:
-        """Return the pose (4, 4) of a body's middle of mass in the world."""
+        """Return world_T_body (4, 4) of a body's middle of mass."""
 
     def moved(self) -> Collection[int] | None:
         """Return the things that may have moved since the last call; None: any of them."""
@@ -155,8 +164,8 @@ class Engine(ABC):
         """Apply a constant force at the centre of mass of one thing from now on; None ends it.
 
         Args:
-            body: number of the thing.
-            force: (3,) in the world's axes, in [N].
+            body: number of the thing; None: no thing any more.
+            force: (3,) in the world frame, in [N].
         """
 
     @abstractmethod
@@ -168,7 +177,7 @@ class Engine(ABC):
         """Make `wanted` the only rigid connection; None releases the current one."""
 
     def pin_force(self) -> FloatArray:
-        """Return the force (3,) of the rigid connection on its first body, in the world, in [N]."""
+        """Return the force (3,) of the rigid connection on its first body, in the world frame, in [N]."""
         return np.zeros(3)
 
     # Bodies of the world
@@ -183,14 +192,15 @@ class Engine(ABC):
 
     @abstractmethod
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return how much of each way from a point is free of all but the robot.
+        """Return the free share of the lines from one point to others, without the robot.
 
         Args:
-            start: (3,) common start of the ways in the world, in [m].
-            ends: (n, 3) ends of the ways in the world, in [m].
+            start: (3,) common start of the lines in the world, in [m].
+            ends: (n, 3) ends of the lines in the world, in [m].
 
         Returns:
-            (n,) share of each way, from 0 to 1; infinity where all of it is free.
+            (n,) distance from the start to the first body divided by the line's length, 0 to 1; infinity if
+            all of a line is free.
         """
 
     # States

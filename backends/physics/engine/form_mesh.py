@@ -16,22 +16,22 @@ UPPER, LOWER = 4, 5  # numbers of the faces +z and -z
 
 
 class FormMesh(NamedTuple):
-    """Quadrilaterals, counter-clockwise from outside."""
+    """Mesh of n quadrilaterals, their corners counter-clockwise as seen from outside."""
 
     corners: FloatArray
-    """(n, 4, 3) in [m], around the middle."""
+    """Corners (n, 4, 3) in [m], around the middle of the form."""
     normals: FloatArray
-    """(n, 3), outwards."""
+    """Unit normals (n, 3) of the quadrilaterals, outwards."""
     uvs: FloatArray
-    """(n, 4, 2): places of the corners in the picture, u to the right, v up."""
+    """Places (n, 4, 2) of the corners in the picture: u to the right, v up, from 0 to 1."""
 
 
 def form_mesh(size: Sequence[float], uvs: Sequence[Uvs], is_round: bool) -> FormMesh:
     """Return the surface of a thing.
 
     Args:
-        size: (3,) of the box around it, in [m].
-        uvs: four corners of each face in the picture, in the order of `ThingForm.uvs`.
+        size: (3,) lengths of the box around it along x, y and z, in [m].
+        uvs: four corners (u, v), 0 to 1, of each face in the picture; faces -x, +x, -y, +y, +z, -z.
         is_round: True for a cylinder along z.
     """
     half = np.array(size) / 2
@@ -60,6 +60,11 @@ def form_mesh(size: Sequence[float], uvs: Sequence[Uvs], is_round: bool) -> Form
 
 
 def _on_end(points: FloatArray, uvs: Uvs) -> FloatArray:
-    """Return the places (n, 4, 2) in the picture of points (n, 4, 3) on an end, from -1 to 1."""
+    """Return the places (n, 4, 2), u and v, in the picture of points (n, 4, 3) on a cylinder's end.
+
+    Args:
+        points: (n, 4, 3); x and y from -1 to 1 across the end.
+        uvs: corners of the end's face in the picture.
+    """
     low, high = np.array(uvs[0]), np.array(uvs[2])
     return np.asarray(low + (points[..., :2] + 1.0) / 2 * (high - low))

@@ -19,11 +19,13 @@ class ContactSurface(NamedTuple):
     sticks: bool = False
     """True if a touched body keeps its place on it while friction holds."""
     along_axle: float | None = None
-    """Share of the friction that acts along the link's y axis, a wheel's axle."""
+    """Friction along the axle, the link's y axis, as a share of that across the axle; None leaves it
+    unchanged.
+    """
     against: float = 1.0
     """Coefficient of the surface that it mostly touches, for engines with one coefficient for a pair."""
     sinks: float = 0.0
-    """Compliance of the ground under it, in [m/N], in addition to its own."""
+    """Compliance of the ground under the link, in [m/N], in addition to the link's own."""
 
     @property
     def point_stiffness(self) -> float | None:

@@ -12,7 +12,7 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.numerics.arrays import ByteArray
 
 Uvs = Sequence[tuple[float, float]]
-"""Corners of a face in the picture: u to the right, v up, both from 0 to 1."""
+"""Four corners (u, v) of a face in the picture: u to the right, v up, both from 0 to 1."""
 BOX_FACES = np.array(
     (
         ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
@@ -24,10 +24,11 @@ BOX_FACES = np.array(
     ),
     dtype=float,
 )
-"""(6, 4, 3): corners of the sides of a box that is 2 wide, counter-clockwise from outside; sides in the
-order of `ThingForm.uvs`."""
+"""Corners (6, 4, 3) of a box's sides, x, y, z each -1 or 1, counter-clockwise as seen from outside; sides in
+the order -x, +x, -y, +y, +z, -z.
+"""
 BOX_NORMALS = np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)), dtype=float)
-"""(6, 3), outwards."""
+"""Outward unit normals (6, 3) of a box's sides, in the order of `BOX_FACES`."""
 
 
 class Cuboid(NamedTuple):
@@ -36,7 +37,7 @@ class Cuboid(NamedTuple):
     size: tuple[float, float, float]
     """Size along x, y and z, in [m]."""
     ahead: float = 0.0
-    """Offset of its middle along x, in [m]."""
+    """Offset of the box's middle from the thing's middle along x, in [m]."""
 
 
 class Rod(NamedTuple):
@@ -49,7 +50,9 @@ class Rod(NamedTuple):
 
 
 class Wedge(NamedTuple):
-    """A prism whose face at x = `base` narrows along y by `chamfer` on each side up to x = `end`, in [m]."""
+    """A prism around the thing's middle, in [m]; from x = `base` to x = `end` it narrows along y by `chamfer`
+    on each side.
+    """
 
     base: float
     end: float
@@ -98,9 +101,9 @@ class ThingForm(NamedTuple):
     """A rigid body with its pose and its appearance."""
 
     middle: Transform
-    """World pose (4, 4) of its middle, which is its centre of mass."""
+    """Pose world_T_middle (4, 4) of its middle, which is its centre of mass."""
     size: tuple[float, float, float]
-    """Size of its bounding box, in [m]."""
+    """Size of its bounding box along x, y and z, in [m]."""
     mass: float
     """Mass, in [kg]."""
     pieces: tuple[Piece, ...]
@@ -119,10 +122,14 @@ class ThingForm(NamedTuple):
     material: Material = PALE_WOOD
     """Material of the unprinted faces, in pictures for people."""
     printed: Callable[[], ByteArray] | None = None
-    """Picture that its faces show to a near camera, laid out as `uvs` says; None for `picture`."""
+    """Function that returns the grey picture (h, w) for a near camera, laid out as `uvs` says; None to show
+    `picture` always.
+    """
     is_round: bool = False
     """True if it looks like a cylinder along z; only its ends can be printed."""
     portrait: Callable[[], ByteArray | None] | None = None
-    """Coloured picture for people; None if nothing is printed."""
+    """Function that returns the picture (h, w, 3) in RGB for people, laid out as `uvs` says; its result is
+    None if nothing is printed.
+    """
     hung: OnJoint | None = None
-    """Joint that it moves with; None: it moves freely."""
+    """Joint of the world on which the thing moves; None: it moves freely."""

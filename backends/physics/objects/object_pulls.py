@@ -13,7 +13,7 @@ from handcart.backends.simulation.world.thing import Rest
 
 
 class ObjectPulls(PropsBody):
-    """Person who pulls at the object in the hand, and carries it away once it is taken."""
+    """Person who pulls at the held object, and carries it away once the fingers release it."""
 
     @override
     def step(self) -> None:

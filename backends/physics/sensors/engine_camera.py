@@ -58,11 +58,11 @@ class EngineCamera(SimulatedCamera):
 
     @abstractmethod
     def _draw(self, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]) -> ByteArray:
-        """Return the picture of a pinhole camera, (height, width) grey.
+        """Return the picture (height, width), grey, of a pinhole camera, without lens and noise.
 
         Args:
-            world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
-            K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
             size: width and height in [px].
         """
 
@@ -71,10 +71,11 @@ class EngineCamera(SimulatedCamera):
         return self._lens.take(self.ideal(world_T_camera), self._now)
 
     def ideal(self, world_T_camera: Transform) -> ByteArray:
-        """Return the picture (h, w), grey, of a pinhole camera, large enough for the lens.
+        """Return the picture (h, w), grey, of a pinhole camera; it is larger than the camera's, so that it
+        holds all rays of the lens.
 
         Args:
-            world_T_camera: (4, 4) pose of the optical frame.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
         """
         for thing in self._world.things.values():
             thing.look(world_T_camera[:3, 3])

@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class PhysicsImu(SimulatedImu):
-    """Inertial sensors whose accelerometers also feel the base's acceleration, averaged over two periods."""
+    """Inertial sensors whose accelerometers also measure the base's acceleration, a mean of two periods."""
 
     STATE: ClassVar = {**SimulatedImu.STATE, "_place": FloatArray, "_speed": FloatArray, "_sped": FloatArray}
 

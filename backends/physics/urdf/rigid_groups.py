@@ -24,8 +24,8 @@ def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
     still, and links that one moving joint joins.
 
     Args:
-        urdf: of the robot.
-        still: joints that move in the URDF and are held where they are.
+        urdf: text of the robot's URDF.
+        still: joints that move by the URDF, but are held at their positions.
     """
     carrier = _carriers(urdf)
     group = {link: _carried_by(link, carrier, _moving(urdf, still)) for link in links_with_bodies(urdf)}
@@ -38,8 +38,8 @@ def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
 
 
 def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transform]:
-    """Return the poses (4, 4) on the floor of the links that are fixed onto the base and not carried by the
-    floor.
+    """Return the poses floor_T_link (4, 4), by name, of the links that are fixed to the base and don't touch
+    the floor.
 
     Args:
         urdf: text of the robot's URDF.
@@ -64,7 +64,7 @@ def _bottom_at(floor_T_link: Transform, body: Shape) -> float:
 
 
 def _carriers(urdf: str) -> dict[str, tuple[str, str]]:
-    """Return the joint that moves a link and the link that carries it, by the link's name."""
+    """Return, for each link by name, the joint that moves it and the link to which that joint is attached."""
     return {child: (joint, parent) for joint, parent, child in link_joints(urdf)}
 
 
@@ -73,7 +73,7 @@ def _moving(urdf: str, still: Collection[str]) -> set[str]:
 
 
 def _carried_by(link: str, carrier: Mapping[str, tuple[str, str]], moving: Collection[str]) -> str:
-    """Return the link that carries all links which can't move against this one."""
+    """Return the first link of the rigid group of a link; it carries all other links of the group."""
     while link in carrier and carrier[link][0] not in moving:
         link = carrier[link][1]
     return link

@@ -19,7 +19,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 WIDTH_RATIO = 0.4
 """Width of a disc as a share of its radius; a mesh's own width is unreliable, because some include motors."""
 MIN_AXLE_COSINE = 0.9
-"""Least part of an axle along the base's y."""
+"""Least absolute y of a wheel's axle as a unit vector in the base frame; below it, the wheel gets no disc."""
 
 
 def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
@@ -30,7 +30,7 @@ def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
     The discs of both sides are `tread` apart, as far as their meshes reach along the axle.
 
     Args:
-        urdf: of the robot; meshes named by absolute paths.
+        urdf: text of the robot's URDF; meshes named by absolute paths.
         wheels: joints that drive the robot.
         tread: distance between the wheels of the two sides, in [m].
 
@@ -60,9 +60,16 @@ def _axis(joint: Element) -> FloatArray:
 def _disc(
     hulls: list[Hull], base_T_wheel: Transform, axis: FloatArray, tread: float
 ) -> tuple[FloatArray, FloatArray, float] | None:
-    """Return middle (3,) in [m] and axis (3,) of a disc in the wheel's frame, and its radius in [m].
+    """Return a wheel's disc: middle (3,) in [m] and axis (3,) in the wheel's frame, and radius in [m].
 
-    None for a wheel that is not upright.
+    Args:
+        hulls: convex hulls of the wheel's meshes.
+        base_T_wheel: (4, 4) pose of the wheel's frame.
+        axis: (3,) unit vector of the joint's axis in the wheel's frame.
+        tread: distance between the wheels of the two sides, in [m].
+
+    Returns:
+        The disc; None for a wheel that is not upright.
     """
     across = float(base_T_wheel[1, :3] @ axis)
     if abs(across) < MIN_AXLE_COSINE:
@@ -80,7 +87,7 @@ def _posed(hull: Hull, base_T_wheel: Transform) -> Shape:
 
 
 def _corners(hulls: list[Hull]) -> Iterator[FloatArray]:
-    """Corners (n, 3) in the wheel's frame."""
+    """Yield the corners (n, 3) of each hull in the wheel's frame, in [m]."""
     return (hull.points @ hull.pose[:3, :3].T + hull.pose[:3, 3] for hull in hulls)
 
 

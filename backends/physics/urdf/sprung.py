@@ -56,7 +56,15 @@ def _scaled(inertial: Element, share: float) -> Element:
 
 
 def _join(robot: Element, name: str, links: tuple[str, str], up: float, axis: str | None) -> None:
-    """Join two links, the second one `up` in [m] over the first; without an axis it is fixed there."""
+    """Join two links by a continuous joint about `axis`, or by a fixed joint if that is None.
+
+    Args:
+        robot: the URDF's root element.
+        name: name of the joint.
+        links: parent and child.
+        up: height of the child's origin above the parent's, in [m].
+        axis: axis of the joint as in a URDF, such as "1 0 0".
+    """
     joint = SubElement(robot, "joint", name=name, type="fixed" if axis is None else "continuous")
     SubElement(joint, "parent", link=links[0])
     SubElement(joint, "child", link=links[1])

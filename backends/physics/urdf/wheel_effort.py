@@ -15,8 +15,8 @@ def slipping_torque(mass: float, radius: float, wheels: int) -> float:
     """Return the torque at which a tyre slips if the driven wheels share the robot's weight, in [Nm].
 
     Args:
-        mass: of the robot, in [kg].
-        radius: of the wheels, in [m].
+        mass: mass of the robot, in [kg].
+        radius: radius of the wheels, in [m].
         wheels: number of driven wheels.
     """
     assert TYRE_SURFACE.friction is not None

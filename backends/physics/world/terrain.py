@@ -57,7 +57,9 @@ class Terrain:
         return float(self.height(np.array(x), np.array(y)))
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
-        """Return the missing tiles around a place, in [m]."""
+        """Return the missing tiles around a place, x and y in the world in [m]; a tile is named by its column
+        and row.
+        """
         side = CELLS_PER_SIDE * CELL_M
         low, high = (
             [math.floor((value + off) / side) for value in (x, y)]
@@ -67,7 +69,7 @@ class Terrain:
         return [tile for tile in near if tile not in self.tiles]
 
     def add(self, tile: tuple[int, int]) -> int:
-        """Create a tile of ground; return its body."""
+        """Create the tile of ground in a column and row; return its body."""
         along = CELL_M * np.arange(CELLS_PER_SIDE + 1)
         corner = np.array(tile) * CELLS_PER_SIDE * CELL_M
         heights = self.height(*np.meshgrid(corner[0] + along, corner[1] + along))  # a row each y

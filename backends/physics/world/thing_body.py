@@ -59,11 +59,13 @@ class ThingBody:
         return (Rod(width / 2, height) if self.thing.is_round else Cuboid(self.thing.size),)
 
     def friction(self) -> float:
-        """Return its coefficient of friction; its product with that of a touched body counts."""
+        """Return its coefficient of friction; the friction of a pair of bodies is the product of both
+        coefficients.
+        """
         return THING_FRICTION
 
     def uvs(self) -> tuple[Uvs, ...]:
-        """Return the places of its faces in its picture; see `ThingForm`."""
+        """Return the corners (u, v), 0 to 1, of its faces in its picture; faces -x, +x, -y, +y, +z, -z."""
         faces = self.thing.faces()
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
@@ -95,8 +97,10 @@ class ThingBody:
         return False
 
     def look(self, eye: FloatArray) -> None:
-        """Show its faces as a camera at `eye` (3,), in the world in [m], should see them; called before each
-        picture.
+        """Show its faces as a camera should see them; called before each picture.
+
+        Args:
+            eye: (3,) position of the camera in the world, in [m].
         """
         self.engine.show(self.id, self.first_picture())
 
@@ -108,8 +112,12 @@ class ThingBody:
 
 
 def _part_of(number: int, printed: bool) -> Uvs:
-    """Return the texture corners of a side in the picture of all sides; the middle of its part if it is
-    plain.
+    """Return the corners (u, v) of a side in the picture of all sides; four times the middle of the side's
+    part if it is plain.
+
+    Args:
+        number: number of the side: -x, +x, -y, +y, +z, -z.
+        printed: True if something is printed on it.
     """
     if not printed:
         return (((number + 0.5) / len(BOX_SIDES), 0.5),) * 4
@@ -118,7 +126,12 @@ def _part_of(number: int, printed: bool) -> Uvs:
 
 
 def _picture(faces: Mapping[Side, ByteArray], grey: int) -> ByteArray:
-    """Return all sides beside each other, each as wide and high as the largest picture of one."""
+    """Return a grey picture (h, 6 h) of all sides beside each other: -x, +x, -y, +y, +z, -z.
+
+    Args:
+        faces: grey pictures (h, w) of the printed sides.
+        grey: grey of the plain sides, 0 to 255.
+    """
     shades = [min(255, round(grey * share)) for share in _SHADE]
     size = min(_MOST, max((max(face.shape) for face in faces.values()), default=_STRIP))
     return np.hstack(

@@ -42,14 +42,20 @@ class WorldBodies:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, engine: Engine, scene: Scene, terrain: Terrain | None = None) -> None:
-        """Build them as the scene has them; `terrain` is there instead of a level floor."""
+        """Build the bodies of the scene.
+
+        Args:
+            engine: engine with an empty world.
+            scene: true state of the world.
+            terrain: rough ground in place of a level floor; None: a level floor.
+        """
         self._engine, self._scene, self._terrain = engine, scene, terrain
         self.names: dict[int, str] = {}
         if terrain is None:
             self.names[engine.add_floor(FLOOR_FRICTION)] = FLOOR_NAME
         self._made: list[tuple[int, int] | str] = []
         self._weighed: list[ThingBody] = []
-        """Those whose mass isn't a matter of their size alone: it may change."""
+        """Bodies of things whose mass may change, because it doesn't follow from their size alone."""
         self._surprises: list[tuple[int, Solid]] = []
         self._passers: list[int] = []
         """Bodies of passers' parts, two for each, in the order of `Passers.parts`."""
@@ -70,9 +76,9 @@ class WorldBodies:
         self.things: dict[str, ThingBody] = {}
         """Bodies of things, by their names."""
         self.bodies: dict[str, int] = {}
-        """Their numbers."""
+        """Engine's numbers of all things' bodies."""
         self.fixed: set[int] = set()
-        """Numbers of those that move with a joint of the world alone."""
+        """Engine's numbers of the bodies that move with a joint of the world alone."""
         for thing in scene.things():
             self.add(thing)
         self._made.clear()
@@ -165,7 +171,9 @@ class WorldBodies:
 
 
 def _upright(part: PasserPart, turn: float) -> Transform:
-    """Return the pose (4, 4) of the middle of a passer's part, turned by an angle in [rad]."""
+    """Return the pose (4, 4) in the world of the middle of a passer's part, turned about z by an angle in
+    [rad].
+    """
     return Pose2(part.x, part.y, turn).lift((part.low + part.high) / 2)
 
 

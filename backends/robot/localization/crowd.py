@@ -29,7 +29,9 @@ NO_DISCS = np.empty((0, 3))
 
 
 class Crowd:
-    """Removes people from scans, and compares two scans at rest by the beams that people do not interrupt."""
+    """Filter of scans that removes people, and compares two scans at rest by the beams that people do not
+    interrupt.
+    """
 
     STATE: ClassVar[Kinds] = {"_ranges": FarArray, "_is_near": bool}
     """Attributes that a checkpoint keeps, with their types."""
@@ -38,7 +40,7 @@ class Crowd:
         """Start without people."""
         self._discs = NO_DISCS
         self._ranges = np.empty(0)
-        """(n,) scan with which the base came to rest, in [m]."""
+        """Ranges (n,) of the scan with which the base came to rest, in [m]."""
         self._is_near = False
 
     @property
@@ -47,7 +49,11 @@ class Crowd:
         return self._is_near
 
     def put(self, discs: FloatArray) -> None:
-        """Leave out the next scan's points on people: (k, 3) x, y on the map and radius, in [m]."""
+        """Set the people whose points are left out of the next scan.
+
+        Args:
+            discs: (k, 3) people as x and y on the map and radius, in [m].
+        """
         self._discs = discs
         self._is_near = self._is_near or len(discs) > 0
 
@@ -64,7 +70,8 @@ class Crowd:
         self._ranges = scan.ranges.copy()
 
     def without(self, points: FloatArray, pose: Pose2) -> FloatArray:
-        """Return the points (m, 2) of a scan that are not on people; all of them if few are left.
+        """Return the points (m, 2) of a scan that are not on people, in the base frame, in [m]; all points if
+        few would be left.
 
         Args:
             points: (n, 2) in the base frame, in [m].
@@ -81,14 +88,15 @@ class Crowd:
 
         People hide walls. The few walls that are still visible may have other errors on the map, so that
         matching this scan to the map shows a motion that did not happen. The check compares this scan with
-        the scan taken when the base came to rest: if they agree better without that motion than with it,
-        the base has not moved. For a small motion the ranges of the same beams are compared.
+        the scan taken when the base came to rest: if they agree better without that motion than with it, the
+        base has not moved. For a small motion the ranges of the same beams are compared.
 
         Args:
             scan: scan of this period.
             pose: believed map_T_base.
             field: likelihood field of the map; None without a map.
-            rolled: motion by the wheels since the base came to rest; the identity if they did not turn.
+            rolled: pose of the base by the wheels in the base frame at rest; the identity if the wheels did
+                not turn.
         """
         if not self._is_near or field is None or self._ranges.shape != scan.ranges.shape:
             return False
@@ -112,8 +120,8 @@ def _beam_ends(scan: Scan, ranges: FloatArray, pose: Pose2, discs: FloatArray) -
     """Return the ends of all beams (n, 2) in the base frame, in [m]; NaN without an echo, or on people.
 
     Args:
-        scan: this period's.
-        ranges: (n,) of the same beams at any time, in [m].
+        scan: scan of this period, with n beams.
+        ranges: (n,) ranges of the same beams, of this scan or an earlier one, in [m].
         pose: map_T_base.
         discs: (k, 3) people as x, y on the map and radius, in [m].
     """

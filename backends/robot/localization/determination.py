@@ -17,7 +17,7 @@ NO_SHIFT = np.zeros(2)
 DETERMINED_SIGMAS = 3.0  # sigmas that have to stay within a tolerance
 _ANGLES = np.linspace(0.0, math.pi, 24, endpoint=False)
 EVEN_DIRECTIONS = np.vstack([np.cos(_ANGLES), np.sin(_ANGLES)])
-"""(2, 24) unit vectors in columns: with a shift, the worst direction is not a principal axis."""
+"""Unit vectors (2, 24) in columns: with a shift, the worst direction is not a principal axis."""
 MIN_DIRECTION_X = 1e-9  # x of a unit vector, below which it points along y
 
 
@@ -25,13 +25,13 @@ class PoseNeed(NamedTuple):
     """Required accuracy of a pose, in position and heading."""
 
     position: float
-    """Limit in [m] along any direction; only along `axis` if `across` is given."""
+    """Limit of the position's error in [m] along any direction; only along `axis` if `across` is given."""
     heading: float
-    """Limit of the heading, in [rad]."""
+    """Limit of the heading's error, in [rad]."""
     across: float | None = None
     """Limit in [m] perpendicular to `axis`; None: `position` holds in all directions."""
     axis: float = 0.0
-    """Direction on the map, in [rad]."""
+    """Direction on the map, in [rad], counter-clockwise from its x axis."""
 
     @property
     def strictest(self) -> float:
@@ -47,11 +47,11 @@ class PoseNeed(NamedTuple):
         """Return the directions along which a position is compared, and the limit of each.
 
         Args:
-            covariance: (2, 2) or (3, 3), of x and y in [m²] first.
+            covariance: (2, 2) or (3, 3) covariance of the pose on the map, of x and y in [m²] first.
 
         Returns:
-            (2, 2) unit vectors in columns, and (2,) limits in [m]. Without `across` they are the principal
-            axes of the covariance, so that the worst direction is one of them.
+            (2, 2) unit vectors on the map in columns, and (2,) limits in [m]. Without `across` they are the
+            principal axes of the covariance, so that the worst direction is one of them.
         """
         if self.across is None:
             return np.linalg.eigh(covariance[:2, :2])[1], np.full(2, self.position)
@@ -65,7 +65,7 @@ class Undetermined(NamedTuple):
     direction: float | None
     """Direction of the position on the map, in [rad] from its x axis, -pi/2 to pi/2; None: the heading."""
     size: float
-    """Distance from the wanted pose along that direction, and 3 sigma, together, in [m] or [rad]."""
+    """Sum of the distance from the wanted pose along that direction, and 3 sigma, in [m] or [rad]."""
     limit: float
     """Required limit, in [m] or [rad]."""
 
@@ -101,11 +101,11 @@ def undetermined(
     """Return the direction in which a pose is determined worst, if it exceeds the need; otherwise None.
 
     Args:
-        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
         need: limit of 3 sigma plus the distance from the wanted pose.
-        off: distance of the pose from the wanted one: x, y in [m] and heading in [rad].
-        shift: (2,) or (1 + n, 2) largest errors of the position on the map beyond the covariance, either
-            way, in [m]: an error that is anywhere up to it, or the sum of n such errors instead, as in
+        off: pose less the wanted one: x, y on the map in [m] and heading in [rad].
+        shift: (2,) or (1 + n, 2) largest errors of the position on the map beyond the covariance, either way,
+            in [m]: an error that is anywhere up to it, or the sum of n such errors instead, as in
             `depth_shifts`. They are the same in all readings at one place, so noise comes on top of them.
     """
     if not np.isfinite(covariance).all():
@@ -127,13 +127,15 @@ def undetermined(
 
 
 def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHIFT) -> tuple[float, float]:
-    """Return how much of a need 3 sigma leave: of the position in its worst direction, in [m], and the
+    """Return the limit of a need less 3 sigma: of the position in its worst direction, in [m], and of the
     heading, in [rad].
 
+    Below 0 the need is not met.
+
     Args:
-        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
         need: required accuracy of the pose.
-        shift: (2,) or (1 + n, 2) in [m], see `undetermined`.
+        shift: (2,) or (1 + n, 2) errors of the position on the map, in [m], see `undetermined`.
     """
     axes, limits = need.axes(covariance)
     if shift.any():
@@ -144,15 +146,15 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
 
 
 def _reach(covariance: FloatArray, axes: FloatArray, shift: FloatArray) -> FloatArray:
-    """Return the limits (k,) of errors that are kept as often as 3 sigma, in [m].
+    """Return the limits (k,) of errors along directions that are kept as often as 3 sigma, in [m].
 
     Matches at one place scatter because walls are at different places in their cells: that part of the
     covariance is in the walls' shifts already.
 
     Args:
-        covariance: (2, 2) or (3, 3), of x and y in [m²] first, with that scatter.
-        axes: (2, k) unit vectors in columns.
-        shift: see `undetermined`.
+        covariance: (2, 2) or (3, 3) covariance of the pose, of x and y in [m²] first, with that scatter.
+        axes: (2, k) unit vectors on the map in columns.
+        shift: (2,) or (1 + n, 2) errors of the position on the map, in [m], see `undetermined`.
     """
     sigmas = sigmas_along(covariance, axes)
     alike, *walls = np.abs(np.atleast_2d(shift) @ axes)
@@ -167,13 +169,13 @@ def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
     """Return the sigmas (k,) of a position along directions, in [m].
 
     Args:
-        covariance: (2, 2) or (3, 3), of x and y in [m²] first.
-        axes: (2, k) unit vectors in columns.
+        covariance: (2, 2) or (3, 3) covariance of the pose, of x and y in [m²] first.
+        axes: (2, k) unit vectors on the map in columns.
     """
     variances: FloatArray = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)
     return np.sqrt(np.maximum(variances, 0.0))
 
 
 def difference(pose: Pose2, goal: Pose2) -> tuple[float, float, float]:
-    """Return a pose less a goal: x, y on the map in [m], and heading in [rad]."""
+    """Return a pose minus a goal: x and y on the map in [m], and heading in [rad], wrapped to half a turn."""
     return pose.x - goal.x, pose.y - goal.y, wrap(pose.theta - goal.theta)

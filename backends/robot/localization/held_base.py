@@ -31,7 +31,9 @@ class HeldBase:
 
     @property
     def is_settled(self) -> bool:
-        """True if the scans show the motion that the wheels report, or the pose was found again since."""
+        """True if the scans show the motion that the wheels report, or the pose was found again since they
+        did not.
+        """
         return self._searched == 0 and not self._check.is_doubtful
 
     @property
@@ -53,7 +55,7 @@ class HeldBase:
         """Compare the wheels' travel in a period with its scan; return whether the pose was corrected.
 
         Args:
-            rolled: travel in the period, in [m].
+            rolled: travel of the wheels in the period, in [m].
             still: periods that the base has been at rest.
         """
         if self._lidar is None:

@@ -19,19 +19,19 @@ from .scan_reading import read_scan
 MAX_BLIND_SHARE = 0.5
 """Share of a scan's beams that may be too close or invalid; beyond it the lidar is blocked or dirty."""
 MIN_ECHOES = 20
-"""Returns in a scan; with fewer it sees next to nothing."""
+"""Minimum number of returns in a scan; with fewer the lidar hardly sees anything."""
 ANY_LIDAR = RangeSpec(beams=3, reach_m=1e6, sigma_mm=10.0)
 
 
 class Lidar(RangeSensor):
-    """Reads the raw scans of a backend's range sensor: primitives, guard and recorders see these."""
+    """Interpreter of a range sensor's raw scans; primitives, guard and recorders use interpreted scans."""
 
     def __init__(self, sensor: RangeSensor, robot: RobotFile, spec: RangeSpec | None = None) -> None:
         """Read a sensor's scans by its section of a robot's file (default: that of the first lidar)."""
         self._sensor, self._footprint = sensor, robot.footprint_shape
         self.sensor_name = sensor.sensor_name
         self.spec = spec or robot.range_sensor or ANY_LIDAR
-        """Its limits; where the file has none, any reading is one."""
+        """The lidar's section of the robot's file; without limits there, any reading counts as a return."""
         self._raw: Scan | None = None
         self._read: Scan | None = None
         self._blind: tuple[Scan, float] | None = None
@@ -39,7 +39,7 @@ class Lidar(RangeSensor):
         self._beams: tuple[Scan, ScanBeams] | None = None
 
     def scan(self) -> Scan:
-        """See `RangeSensor`; `Scan.validity` is set."""
+        """Return this period's scan, in which each beam has its validity."""
         raw = self._sensor.scan()
         if self._read is None or raw is not self._raw:
             self._raw, self._read = raw, self.read(raw)
@@ -51,7 +51,9 @@ class Lidar(RangeSensor):
         return lambda: self.read(later())
 
     def read(self, raw: Scan) -> Scan:
-        """Return a raw scan with the validity of each beam."""
+        """Return a raw scan as an interpreted one, in which each beam has its validity and invalid ranges are
+        infinite.
+        """
         return read_scan(raw, self.spec, self._footprint)
 
     @property
@@ -98,7 +100,9 @@ class Lidar(RangeSensor):
         return f"the lidar gets next to no echoes: {echoes} of {len(scan.ranges)} beams return"
 
     def beams(self) -> ScanBeams:
-        """Return this period's scan by its beams, without blind ones; all callers share the arrays."""
+        """Return this period's scan as beams in the base frame; ranges of blind beams are NaN. All callers
+        share the arrays.
+        """
         scan = self.scan()
         if self._beams is None or self._beams[0] is not scan:
             self._beams = scan, _beams_of(scan, self.spec.reach_m)
@@ -106,7 +110,7 @@ class Lidar(RangeSensor):
 
 
 def beams_of(lidar: Lidar) -> ScanBeams:
-    """Return this period's scan by its beams, without blind ones."""
+    """Return this period's scan as beams in the base frame; ranges of blind beams are NaN."""
     return lidar.beams()
 
 

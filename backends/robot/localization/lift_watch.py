@@ -15,7 +15,7 @@ LOOK_AGAIN = 10  # periods at rest between scans that are compared for a moved b
 
 
 class LiftWatch:
-    """Compares each period's scan with the one before."""
+    """Watch that compares each period's scan with the one before."""
 
     def __init__(self, tread: float) -> None:
         """Begin without scans; `tread` of the wheels in [m]."""

@@ -40,7 +40,7 @@ LOCAL_MAP_KEY = "local map"  # of a state, where the pose on the map is unknown
 
 
 class Localization(ABC):
-    """Estimates map_T_base once a period, and detects that a base at rest was moved."""
+    """Estimator of map_T_base, updated once a period, that also detects that a base at rest was moved."""
 
     STATE: ClassVar[Kinds] = {
         "displacements": int,
@@ -63,7 +63,7 @@ class Localization(ABC):
         self.displacements = 0
         """Number of times that a base at rest was found elsewhere."""
         self.travel = base.wheel_travel()
-        """Travel of the wheels."""
+        """Travel of the wheels by their encoders, in [m]."""
         self.still = 0
         """Number of periods in which the wheels were at rest, apart from deflection."""
         self._stood = self.travel  # travel of the wheels when they last turned
@@ -86,7 +86,7 @@ class Localization(ABC):
 
     @property
     def pose(self) -> Pose2:
-        """Estimated map_T_base."""
+        """Estimated 2D pose map_T_base."""
         return self._wheels.pose
 
     @property
@@ -105,48 +105,55 @@ class Localization(ABC):
         return self.pose
 
     def set_origin(self) -> None:
-        """Start measuring `displacement` here."""
+        """Set the base's current pose as the origin of `displacement`."""
         self._wheels.odometry.set_origin()
 
     @property
     def displacement(self) -> Belief | None:
         """Motion of the base since `set_origin`; None if it is only known as the difference of two poses.
 
-        Ahead and left in [m], and turn in [rad]: mean (3,) and covariance (3, 3).
+        In the base frame at that time, ahead and to the left in [m] and turn to the left in [rad]: mean (3,)
+        and covariance (3, 3).
         """
         return self._wheels.odometry.displacement
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance (3, 3) of the pose: x, y on the map in [m] and heading in [rad]."""
+        """Covariance (3, 3) of the pose: x and y on the map in [m], heading in [rad]."""
         return self._wheels.covariance
 
     @property
     def particles(self) -> FloatArray | None:
-        """Possible poses (3, n) on the map, in [m] and [rad]; None for a filter without particles."""
+        """Possible poses (3, n) in columns, x and y on the map in [m], heading in [rad]; None without
+        particles.
+        """
         return None
 
     @property
     def repeatability(self) -> FloatArray:
         """Covariance (3, 3) of a pose compared with another one measured at the same place.
 
-        Of x, y in [m] and heading in [rad], on the map. The map's error, which both poses share, is
-        excluded. It is never less than the noise of the sensors; along a direction that they do not
+        Rows and columns are x and y on the map in [m] and heading in [rad]. The map's error, which both poses
+        share, is excluded. It is never less than the noise of the sensors; along a direction that they do not
         determine it is as large as `covariance`.
         """
         return self.covariance
 
     @property
     def map_shift(self) -> FloatArray:
-        """Largest errors (1 + n, 2) of the position due to the map's cells, in [m]; see `depth_shifts`.
+        """Largest errors of the position on the map due to the map's cells, either way, in [m].
 
-        Added to `repeatability` where a pose is compared with a place on the map.
+        (2,) if all walls lie at the same depth in their cells; (1 + n, 2) with the errors by walls that face
+        one of n directions below it. They are added to `repeatability` where a pose is compared with a place
+        on the map.
         """
         return np.zeros(2)
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigma of `repeatability`, worst direction in [m] and heading in [rad]; infinite while lost."""
+        """Sigmas by `repeatability` of position (worst direction, in [m]) and heading (in [rad]); infinite
+        while lost.
+        """
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
@@ -176,7 +183,7 @@ class Localization(ABC):
 
     @property
     def added_sigma(self) -> float:
-        """Sigma in [m] that the drive has added to the pose, and that a scan at rest takes away."""
+        """Sigma of the position in [m] that the last drive has added, and that a scan at rest removes."""
         return 0.0
 
     @property
@@ -192,7 +199,7 @@ class Localization(ABC):
     @property
     @abstractmethod
     def source(self) -> str:
-        """Name of the capability that determines the pose."""
+        """Name of the capability, such as `RangeSensor`, that determines the pose."""
 
     @property
     @abstractmethod
@@ -230,7 +237,12 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Check whether the base has moved by `rolled` alone since it came to rest; if not, find its pose."""
+        """Find the pose again if a scan shows that the base was moved at rest, other than by `rolled`.
+
+        Args:
+            rolled: pose of the base by the wheels in the base frame when it came to rest; the identity if the
+                wheels did not turn.
+        """
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -240,7 +252,12 @@ class Localization(ABC):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
-        """Correct the pose by a measured map_T_base, with its sigma in [m] and in [rad]."""
+        """Correct the pose by a measured map_T_base.
+
+        Args:
+            pose: measured map_T_base.
+            sigma: sigma of the position on each axis in [m], and of the heading in [rad].
+        """
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
 
@@ -256,7 +273,12 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Take over map_T_base with its covariance (3, 3), in [m, m, rad]: the pose on the map is known."""
+        """Set map_T_base, which has become known by a search.
+
+        Args:
+            pose: map_T_base.
+            covariance: (3, 3) covariance of x and y on the map in [m], and heading in [rad].
+        """
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -265,18 +287,33 @@ class Localization(ABC):
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Compare scans from now on with a map drawn from scans; `pose` and `covariance` are on that map."""
+        """Compare scans from now on with a map drawn from scans.
+
+        Args:
+            field: likelihood field of the drawn map.
+            pose: pose of the base on the drawn map.
+            covariance: (3, 3) covariance of x and y on that map in [m], and heading in [rad].
+        """
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
-        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect a push."""
+        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect a push.
+
+        Args:
+            displacement: pose of the base in the base frame at `set_origin`.
+            covariance: (3, 3) covariance of the displacement, in [m] and [rad].
+        """
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1
 
     def _watch_scans(self, rolled: WheelTravel) -> None:
-        """Compare this period's scan with earlier ones; the wheels travelled this far, in [m]."""
+        """Compare this period's scan with earlier ones.
+
+        Args:
+            rolled: travel of the wheels in this period, in [m].
+        """
         if self.held_base.update(rolled, self.still):
             self.lift_watch.reset()
             self.crowd = Crowd()
@@ -309,7 +346,9 @@ class Localization(ABC):
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:
-        """Predict the motion from the wheels' travel, in [m]."""
+        """Predict the motion from the travel of the left and right wheels and to the left, each in [m], in
+        this period.
+        """
         self._wheels.predict(left, right, sideways)
 
     def _note_scan(self, rolls: bool) -> None:
@@ -335,7 +374,9 @@ class Localization(ABC):
         self.held_base.reset()
 
     def _fresh_points(self) -> FloatArray:
-        """Return (n, 2) in [m] of this period's scan; none if it stays the same while the wheels roll."""
+        """Return the points (n, 2) of this period's scan without people, in the base frame, in [m]; none if
+        the lidar repeats a scan while the wheels roll.
+        """
         assert self._range_sensor is not None
         scan = self._range_sensor.scan()
         return np.empty((0, 2)) if self._is_stale(scan) else self.crowd.without(scan.points(), self.pose)

@@ -40,10 +40,10 @@ def localization_of(
     """Return the localization named in the robot's file; wheels alone if its sensors are missing.
 
     Args:
-        backend: of the robot, at rest.
+        backend: backend of the robot, which is at rest.
         spec: robot file.
         start: map_T_base as the task states it.
-        grid: map that scans are compared with.
+        grid: map that scans are compared with; None without one.
         lidar: lidar whose scans are compared with the map; None without one.
         is_start_exact: whether the start defines the frame, because a map is missing.
     """

@@ -18,7 +18,7 @@ class Lost(NamedTuple):
     sensor: str
     """Capability that no longer determines the pose."""
     what: str
-    """Name of the quantity that showed it."""
+    """Name of the quantity that showed that the pose is unknown."""
     value: float
     limit: float
     unit: str = ""

@@ -28,7 +28,12 @@ LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
 
 
 def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldNoise:
-    """Return the outdoor errors in SI units; `antenna` is its position in the base frame, in [m]."""
+    """Return the outdoor errors of wheels, gyros and satellite receiver in SI units.
+
+    Args:
+        robot: robot file.
+        antenna: position of the antenna in the base frame, in [m].
+    """
     ground, gps, imu = robot.ground, robot.gps, robot.imu
     noise = REFERENCE_NOISE._replace(
         roughness=math.radians(ground.roughness_deg),
@@ -84,7 +89,13 @@ def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
 
 
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
-    """Return the outdoor localizer of a robot's file, starting at world_T_base `start`."""
+    """Return the outdoor localizer of a robot's file.
+
+    Args:
+        robot: robot file.
+        start: initial world_T_base.
+        antenna: position of the satellite receiver's antenna in the base frame, in [m].
+    """
     noise = field_noise(robot, antenna)
     if math.isinf(noise.start_heading):
         start = Pose2(start.x, start.y, 0.0)

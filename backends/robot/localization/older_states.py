@@ -28,8 +28,8 @@ def local_map_of(echoes: list[float], pose: Pose2) -> LocalMap:
     """Return the local map of a checkpoint.
 
     Args:
-        echoes: x and y of each echo on the map, alternating, in [m].
-        pose: pose of the base on the map.
+        echoes: x and y of each echo on the local map, alternating, in [m].
+        pose: pose of the base on the local map.
 
     Raises:
         NotAState: a coordinate is missing.

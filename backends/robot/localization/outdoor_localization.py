@@ -52,7 +52,7 @@ class OutdoorLocalization(Localization):
         self._felt, self._felt_at = np.zeros(6), self.travel
         self._here: Pose2 | None = None
         self._rolled_to: Pose2 | None = None
-        """The filter's pose, asked many times in a period."""
+        """Cache of the filter's pose map_T_base, which is read many times in a period."""
         self.set_origin()
 
     @property
@@ -64,7 +64,7 @@ class OutdoorLocalization(Localization):
 
     @property
     def odometry_pose(self) -> Pose2:
-        """See `Localization`: by wheels and gyros."""
+        """2D pose of the base by wheels and gyros, without jumps, in a frame of its own."""
         if self._rolled_to is None:
             self._rolled_to = self._filter.odometry.pose
         return self._rolled_to
@@ -75,9 +75,10 @@ class OutdoorLocalization(Localization):
 
     @property
     def displacement(self) -> Belief | None:
-        """Motion of the base since `set_origin`, ahead and left in [m] and turn in [rad].
+        """Motion of the base since `set_origin`, in the base frame at that time; None if unknown.
 
-        Mean (3,) and covariance (3, 3), without errors that are common to all fixes.
+        Ahead and to the left in [m], turn to the left in [rad]: mean (3,) and covariance (3, 3), without
+        errors that are common to all fixes.
         """
         return self._filter.displacement
 
@@ -93,7 +94,7 @@ class OutdoorLocalization(Localization):
 
     @property
     def repeatability(self) -> FloatArray:
-        """Covariance (3, 3) of a pose that is measured again, x, y in [m] and heading in [rad].
+        """Covariance (3, 3) of a pose that is measured again, x and y in the world in [m], heading in [rad].
 
         Before the heading is known, poses are by wheels and gyros alone.
         """
@@ -118,7 +119,9 @@ class OutdoorLocalization(Localization):
 
     @property
     def lost(self) -> Lost | None:
-        """See `Localization`: without gyros the heading gets lost, because wheels don't measure it well."""
+        """Reason why the pose is unknown, since without gyros wheels alone don't measure the heading well;
+        None while known.
+        """
         rolled = self.travel.away(self._felt_at)
         if rolled <= MAX_TRAVEL_WITHOUT_GYRO_M:
             return None

@@ -15,7 +15,7 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
     """Return the sigma of a position along its worst direction in [m], and of the heading in [rad].
 
     Args:
-        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        covariance: (3, 3) covariance of x, y in [m] and heading in [rad].
     """
     (xx, _, _), (xy, yy, _), (_, _, turn) = covariance.tolist()
     worst = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
@@ -23,10 +23,12 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
 
 
 def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
-    """Return the covariance (3, 3) of a pose that scans measure again; see `Localization.repeatability`.
+    """Return the covariance (3, 3) of a pose compared with another one that scans measured at the same place.
+
+    It lacks the map's error, which both poses share, and is never less than the scatter of matches.
 
     Args:
-        covariance: (3, 3) of the pose, x, y in [m] and heading in [rad].
+        covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
         map_error: (3, 3) part of the covariance that errors of the map cause.
     """
     return np.asarray(remove_part(covariance, map_error) + SCAN_REPEATABILITY)
@@ -36,8 +38,8 @@ def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
     """Return a covariance (3, 3) without a part, its variances not below zero.
 
     Args:
-        covariance: (3, 3) of x, y in [m] and heading in [rad].
-        part: (3, 3) to subtract, in the same units.
+        covariance: (3, 3) covariance of x, y in [m] and heading in [rad].
+        part: (3, 3) covariance to subtract, in the same units.
     """
     rest = covariance - part
     if _is_positive(rest):

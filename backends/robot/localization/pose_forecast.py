@@ -33,16 +33,20 @@ class PoseForecast(NamedTuple):
     """Expected accuracy of the pose at a place, after the robot has driven there."""
 
     found: Undetermined | None
-    """The direction in which its pose will not be determined as exactly as the place needs it."""
+    """The direction in which the pose will not be determined as exactly as the place needs it; None if it
+    will be in all.
+    """
     blind_m: float
-    """Length of the route on which the pose is not determined as exactly as places usually need it."""
+    """Length of the route, in [m], on which the pose isn't as exact as places usually need it."""
     route_m: float
     silent_m: float
-    """Length of the route on which the lidar gets nearly no echoes: wheels alone carry the pose on there."""
+    """Length of the route, in [m], on which the lidar gets nearly no echoes, so that wheels alone propagate
+    the pose.
+    """
     silent_at: Pose2 | None
-    """map_T_base of the first such pose."""
+    """map_T_base of the first pose with nearly no echoes; None without one."""
     silent_sigma_m: float
-    """Largest sigma of the position there, in its worst direction."""
+    """Largest sigma of the position on that part of the route, in its worst direction, in [m]."""
 
 
 def forecast_pose(
@@ -59,10 +63,10 @@ def forecast_pose(
 
     Args:
         field: likelihood field of the map.
-        robot: its wheels and lidar.
+        robot: robot file, with its wheels and lidar.
         lidar: section of the lidar in the robot's file.
-        start: map_T_base.
-        route: (n, 2) on the map, in [m].
+        start: initial map_T_base.
+        route: (n, 2) waypoints on the map, in [m].
         need: required accuracy of the pose at the end.
         docks: True if the robot measures the front there itself, so that the map's cells do not matter.
         usual: accuracy that places usually need, by which `blind_m` is measured (default: `need`).
@@ -101,7 +105,13 @@ def forecast_pose(
 
 
 def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:
-    """Yield poses along a route, about `step` [m] apart, each heading in the direction of travel."""
+    """Yield poses on the map along a route, heading in the direction of travel.
+
+    Args:
+        route: (n, 2) waypoints on the map, in [m].
+        start: initial map_T_base.
+        step: distance between two poses, in [m].
+    """
     last = start
     for one, other in pairwise(route):
         way = float(np.hypot(*(other - one)))
@@ -113,7 +123,7 @@ def _poses(route: FloatArray, start: Pose2, step: float) -> Iterator[Pose2]:
 
 
 def _expected(field: LikelihoodField, robot: RobotFile, lidar: RangeSpec, pose: Pose2) -> ScanBeams:
-    """Return the scan that the map lets expect at a pose."""
+    """Return the scan that a lidar would measure at a pose map_T_base by the map, without noise."""
     mount = base_T_frame(robot.urdf_text(), robot.lidar_link)
     sensor = Pose2(float(mount[0, 3]), float(mount[1, 3]), math.atan2(mount[1, 0], mount[0, 0]))
     angles = lidar.angles()

@@ -14,7 +14,9 @@ from .localization import Localization
 
 
 class PositioningLocalization(Localization):
-    """Wheels carry the pose on, readings correct it; a base that they find elsewhere at rest was moved."""
+    """Estimator whose wheels propagate the pose and whose readings correct it; at rest, readings elsewhere
+    show that the base was moved.
+    """
 
     def __init__(
         self, backend: Backend, filtering: PositioningLocalizer, lidar: RangeSensor | None = None

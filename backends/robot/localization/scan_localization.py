@@ -31,7 +31,7 @@ MIN_SHARE_FOUND = 0.85  # of the share explained before, from which a scan shows
 
 
 class ScanLocalization(Localization):
-    """Wheels carry the pose on, scans correct it."""
+    """Estimator whose wheels propagate the pose and whose scans correct it."""
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": FloatArray}
 
@@ -63,9 +63,10 @@ class ScanLocalization(Localization):
 
     @property
     def displacement(self) -> Belief:
-        """Motion of the base since `set_origin`, ahead and left in [m] and turn in [rad].
+        """Motion of the base since `set_origin`, in the base frame at that time.
 
-        Mean (3,) and covariance (3, 3), without the error of the map at one place, which both poses share.
+        Ahead and to the left in [m], turn to the left in [rad]: mean (3,) and covariance (3, 3), without the
+        error of the map at one place, which both poses share.
         """
         mean, spread = self._matching.odometry.displacement
         shared = self._map_error_then + self._matching.map_error
@@ -119,7 +120,7 @@ class ScanLocalization(Localization):
         return self._matching.sure and self.explained >= MIN_SHARE_FOUND * self._share_before
 
     def _expects_echoes(self, lidar: Lidar, pose: Pose2) -> bool:
-        """Return whether the map shows a lidar clearly more than next to nothing from a pose map_T_base."""
+        """Return whether a lidar at map_T_base gets clearly more than `MIN_ECHOES` returns by the map."""
         scan, grid = lidar.scan(), self._matching.field.map
         if lidar.blockage:
             return True
@@ -142,6 +143,8 @@ class ScanLocalization(Localization):
 
 
 def _turned(heading: float) -> FloatArray:
-    """Return the rotation (3, 3) from the map to the frame of a base with a heading in [rad]."""
+    """Return the rotation (3, 3) of x, y and heading from the map to the frame of a base with a heading in
+    [rad].
+    """
     cos, sin = math.cos(heading), math.sin(heading)
     return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

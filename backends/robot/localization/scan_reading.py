@@ -12,7 +12,7 @@ from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 WITHIN_FOOTPRINT_M = 0.05
-"""Inside the footprint's edge by at least this much, a return is the robot itself, or dirt on the lidar."""
+"""Depth inside the footprint's edge, in [m], from which a return is the robot itself, or dirt."""
 
 
 def read_scan(raw: Scan, spec: RangeSpec, footprint: Footprint) -> Scan:
@@ -50,7 +50,12 @@ def _least_sound(raw: Scan, spec: RangeSpec, footprint_radius: float) -> float:
 
 
 def _missing(ranges: FloatArray, spec: RangeSpec) -> BoolArray:
-    """Return a mask (n,), True for beams without a return."""
+    """Return a mask (n,), True for beams without a return.
+
+    Args:
+        ranges: (n,) raw ranges in [m]; infinite, 0, NaN or below the minimum as the driver delivers them.
+        spec: limits and the driver's conventions, from the robot's file.
+    """
     missing: BoolArray = ranges > spec.reach_m
     if "zero" in spec.no_return:
         missing |= np.isfinite(ranges) & (ranges <= 0.0)

@@ -12,9 +12,9 @@ class Sensed(NamedTuple):
     """Outdoor readings of the last period."""
 
     rates: FloatArray
-    """Turn rates (3,) of the gyros, in [rad/s]."""
+    """Turn rates (3,) of the gyros about the base's axes x, y and z, in [rad/s]."""
     accelerations: FloatArray
-    """Readings (3,) of the accelerometers, in [m/s²]."""
+    """Readings (3,) of the accelerometers along the base's x, y and z, in [m/s²]; +9.81 along z at rest."""
     rolled: FloatArray
     """Travel (2,) of the left and right wheel in the period, in [m]."""
     fix: Fix | None

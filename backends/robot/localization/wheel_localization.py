@@ -26,10 +26,10 @@ MAX_COMMANDED_TRAVEL_M = 0.03
 
 
 class WheelLocalization(Localization):
-    """Propagates the pose by the wheels. With a map and a lidar, scans at rest are evidence.
+    """Estimator that propagates the pose by the wheels; with a map and a lidar, scans at rest are evidence.
 
-    Scans show whether the base was moved while its wheels were at rest, and its pose after each drive. If
-    no close pose explains the scan, the base is lost.
+    Scans show whether the base was moved while its wheels were at rest, and its pose after each drive. If no
+    close pose explains the scan, the base is lost.
 
     If driven wheels repeat their readings, either the wheels or the encoders are stuck: the two cannot be
     distinguished, so the pose is unknown.
@@ -82,7 +82,13 @@ class WheelLocalization(Localization):
         return self._reckoning.added_sigma
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """See `Localization`; after a drive, first compare the wheels' pose with a scan."""
+        """Find the pose again if a scan shows that the base was moved; after a drive, first compare the
+        wheels' pose with a scan.
+
+        Args:
+            rolled: pose of the base by the wheels in the base frame when it came to rest; the identity if the
+                wheels did not turn.
+        """
         if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
             self._reckoning.check_drive(self._fresh_points())
         super().look_again(rolled)

@@ -32,7 +32,7 @@ HEARD_KINDS = (
     "sensor_msgs/CameraInfo",
     "nav_msgs/Odometry",
 )
-"""Types of which one message is read."""
+"""Types of messages of which one message is read."""
 DISCOVERED_KINDS = (*READING_KINDS, *COMMAND_KINDS)
 SETTLED_S = 1.0
 """Time without a new topic or action after which all nodes have been discovered, in [s]."""
@@ -45,11 +45,11 @@ class AirDescription(NamedTuple):
 
     urdf: str
     srdf: str
-    """"" without one."""
+    """Text of the SRDF; "" without one."""
     topics: Mapping[str, tuple[str, ...]]
     """Topics of each type: published ones, or for a command those with a subscriber."""
     messages: Mapping[str, Any]
-    """One message of topics whose content is of use, by the topic."""
+    """One message of each topic whose content is of use, by the topic's name."""
     controllers: Mapping[str, tuple[str, ...]]
     """Joints of each controller by its topic or action, where its node reports them."""
     namespace: str = ""
@@ -64,8 +64,8 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
     Args:
         link: connection to its topics.
         wait: waits for a short time.
-        seconds: time in [s]; longer while further topics and actions are being discovered.
-        namespace: of the robot's topics.
+        seconds: time to listen, in [s]; it is extended while further topics and actions are being discovered.
+        namespace: namespace of the robot's topics.
 
     Raises:
         NotOnTheAir: nobody publishes `robot_description`.
@@ -110,7 +110,7 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
 
 
 def controller_of(name: str) -> str:
-    """Return the node of a controller's topic or action."""
+    """Return the name of the node that serves a controller's topic or action."""
     return name.rpartition("/")[0]
 
 

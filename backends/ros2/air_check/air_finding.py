@@ -11,6 +11,6 @@ class AirFinding(NamedTuple):
     key: tuple[str, ...]
     """Place in the robot's file."""
     words: str
-    """Measured value; allowed values."""
+    """Text of the finding, with the measured value, then the allowed values."""
     is_fault: bool = True
-    """True if the robot can't be driven so; False for a remark."""
+    """True if the difference prevents driving the robot; False for a remark."""

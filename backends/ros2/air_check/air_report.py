@@ -45,10 +45,10 @@ def listen(
 
     Args:
         robot: the robot's file.
-        spec: its section `ros2`.
+        spec: section `ros2` of that file.
         link: connection to its topics.
         wait: waits for a short time, well below a period of a sensor.
-        seconds: time in [s] to listen, once each topic is there or should be.
+        seconds: time in [s] to listen, after each topic has had a message or the wait for it has ended.
         over: returns True once a recording is over, in which the robot may drive; None: no recording.
 
     Raises:

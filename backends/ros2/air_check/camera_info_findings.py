@@ -1,4 +1,4 @@
-"""A camera's `camera_info` on the air, held against the robot's file."""
+"""Comparison of a camera's `camera_info` on the air with the robot's file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def camera_info_findings(
     """Yield where a calibration on the air differs from that of the robot's file.
 
     Args:
-        place: of the camera in the robot's file.
+        place: key path of the camera in the robot's file.
         topics: the camera's topics.
         ours: the camera as the robot's file has it.
         message: the last `CameraInfo`; None without one.
@@ -62,7 +62,9 @@ def _lens_findings(
 
 
 def ray_error(ours: CameraModel, theirs: CameraModel) -> float:
-    """Return the greatest distance in [px] between the pixels at which two cameras see the same ray."""
+    """Return the greatest distance, in [px], between the pixels at which two cameras see the same ray, over
+    the whole picture.
+    """
     last = np.array([ours.width - 1.0, ours.height - 1.0])
     pixels = np.array([[x, y] for x in np.linspace(0.0, 1.0, 9) for y in np.linspace(0.0, 1.0, 9)]) * last
     rays = ours.undistort(pixels)
@@ -71,7 +73,7 @@ def ray_error(ours: CameraModel, theirs: CameraModel) -> float:
 
 
 def _model_of(message: Any, rectified: bool) -> CameraModel:
-    """Return the camera of a message: by K and D, or by P for rectified pictures."""
+    """Return the camera model of a `CameraInfo` message: by K and D, or by P for rectified pictures."""
     K = np.asarray(message.p, np.float64).reshape(3, 4)[:, :3] if rectified else np.asarray(message.k)
     info = CameraInfo.model_validate(
         {

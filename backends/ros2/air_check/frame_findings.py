@@ -1,4 +1,4 @@
-"""Frames of the sensors by `tf`, held against the robot's file."""
+"""Comparison of the sensors' frames in `tf` with the robot's file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from .air_finding import AirFinding
 from .heard_robot import HeardRobot
 
 MAX_FRAME_ERROR_M, MAX_FRAME_ERROR_DEG = 0.03, 2.0
-"""Distance and angle by which a sensor's frame may be elsewhere than in the robot's file."""
+"""Largest allowed distance in [m], and angle in [deg], between a sensor's frame by `tf` and by the robot's
+file.
+"""
 
 
 class _Placed(NamedTuple):
@@ -25,7 +27,9 @@ class _Placed(NamedTuple):
     name: str
     topic: str
     base_T_sensor: Transform
-    """(4, 4) by the robot's file, with the joints as they are measured."""
+    """Pose (4, 4) of the sensor's frame in the base frame by the robot's file, with the joints as they are
+    measured.
+    """
 
 
 def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
@@ -83,7 +87,7 @@ def _placed(heard: HeardRobot) -> Iterator[_Placed]:
 
 
 def _carrier(heard: HeardRobot, link: str) -> Transform | None:
-    """Return the pose (4, 4) of a link by the measured joints; None without a reading of them."""
+    """Return base_T_link (4, 4) of a link by the measured joints; None without a reading of the joints."""
     robot, states = heard.robot, heard.topics.states
     if robot.arm is None:
         return base_T_frame(robot.urdf_text(), link)

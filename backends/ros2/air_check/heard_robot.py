@@ -22,7 +22,7 @@ CAMERA_INFO, FRAMES = "sensor_msgs/CameraInfo", "tf2_msgs/TFMessage"
 
 
 class HeardRobot:
-    """Topics of a robot's file, and their messages during a check."""
+    """A robot's topics by its file, and the messages received during a check."""
 
     def __init__(
         self,
@@ -35,10 +35,10 @@ class HeardRobot:
         """Prepare to listen to a robot.
 
         Args:
-            robot: its file.
-            spec: its section `ros2`.
+            robot: the robot's file.
+            spec: section `ros2` of that file.
             topics: topics of that section.
-            link: connection to them.
+            link: connection to these topics.
             over: returns True once a recording is over, in which the robot may drive; None: no recording.
         """
         self._over = over
@@ -50,7 +50,7 @@ class HeardRobot:
         self.refusals: dict[str, Counter[str]] = {}
         """Why readings of a topic were refused, each with a count, by the topic."""
         self.first_pose: Pose2 | None = None
-        """Pose by the odometry at the beginning of the measurement; None without one."""
+        """Odometry's pose odom_T_base at the beginning of the measurement; None without one."""
         for topic in info_topics(robot, spec):
             link.subscribe(CAMERA_INFO, topic, lambda message: None)
 
@@ -69,7 +69,7 @@ class HeardRobot:
             self._receive(wait)
 
     def measure(self, wait: Callable[[], None], seconds: float) -> None:
-        """Measure all topics for some seconds."""
+        """Measure all topics for a time in [s]."""
         self.refusals.clear()
         for sensor in self.topics.sensors:
             sensor.rejected = 0

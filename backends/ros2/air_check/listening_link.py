@@ -13,7 +13,7 @@ from .topic_meter import TopicMeter
 
 
 class ListeningLink(Link):
-    """Wraps a connection: measures all that is heard, and announces no command.
+    """Wrapper of a connection that measures all that is received, and announces no command.
 
     A program that drives the robot at the same time sees no second master.
     """
@@ -111,10 +111,10 @@ class ListeningLink(Link):
 
 
 class _SilentSender(GoalSender):
-    """End of an action that never sends."""
+    """Sender of an action's goals that never sends."""
 
     def __init__(self, sender: GoalSender, name: str) -> None:
-        """Take the true end, and the name of the action."""
+        """Take the true sender, and the name of the action."""
         self._sender, self._name = sender, name
 
     @override

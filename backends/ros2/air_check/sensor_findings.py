@@ -23,10 +23,10 @@ from .heard_robot import HeardRobot
 GRAVITY_M_S2 = 9.81
 MAX_GRAVITY_ERROR_M_S2 = 1.0
 MAX_MOTION_M, MAX_TURN_DEG = 0.05, 3.0
-"""Motion of the base during a check from which it is not at rest."""
+"""Motion of the base during a check, in [m] and in [deg], from which the base counts as moving."""
 MAX_SHARE_BEYOND_REACH = 0.5
 MIN_NEARNESS = 0.5
-"""Distance, relative to the minimum range of a depth camera, below which no reading can be true."""
+"""Share of a depth camera's minimum range below which no reading can be true."""
 
 
 def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
@@ -67,7 +67,14 @@ def _depths(heard: HeardRobot) -> Iterator[AirFinding]:
 
 
 def _wrong_unit(seen: SingleArray, nearest: float, farthest: float, unit: float) -> str:
-    """Return why distances (n,) in [m] are in another unit than in steps of `unit` in [m]; "" if not."""
+    """Return the reason why depths are in another unit than the assumed one, as text; "" if they are not.
+
+    Args:
+        seen: (n,) depths in [m], by the assumed unit.
+        nearest: minimum depth of the camera, in [m].
+        farthest: maximum depth of the camera, in [m].
+        unit: assumed length of a step of the depth, in [m].
+    """
     for beyond, limit, other in (
         (seen > farthest, f"beyond {farthest:g} m (reach_m)", "mm" if unit == 1.0 else "steps below 1 mm"),
         (seen < MIN_NEARNESS * nearest, f"nearer than half of {nearest:g} m (range_min_m)", "m or cm"),

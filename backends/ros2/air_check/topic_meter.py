@@ -19,17 +19,17 @@ class MeasuredTopic(NamedTuple):
     rate_hz: float
     """Messages a second; 0 with fewer than two."""
     max_gap_s: float
-    """Longest time without a message, up to the end of the measurement."""
+    """Longest time without a message, up to the end of the measurement, in [s]."""
     age_s: float | None
-    """Median age of the stamps at arrival; None without messages."""
+    """Median age of the stamps at arrival, in [s]; None without messages."""
     oldest_s: float | None
-    """Greatest age of a stamp."""
+    """Greatest age of a stamp at arrival, in [s]; None without messages."""
     frames: tuple[str, ...]
     """Frames named in the headers."""
 
 
 class TopicMeter:
-    """Measures one topic from `begin` on."""
+    """Meter of one topic's rate, gaps and ages from `begin` on."""
 
     def __init__(
         self, topic: str, kind: str, clock: Callable[[], float], stamps: Callable[[], float]

@@ -35,7 +35,7 @@ class TopicFault(NamedTuple):
     """One of `FAULT_KINDS`."""
     topic: str
     at_s: float
-    """Time of the bench from which the fault is present."""
+    """Time of the bench from which the fault is present, in [s]."""
 
     @classmethod
     def read(cls, words: str) -> TopicFault:

@@ -22,10 +22,10 @@ FRAMES, STATIC_TOPIC, TOPIC = "tf2_msgs/TFMessage", "tf_static", "tf"
 
 
 class BenchFrames:
-    """Publishes fixed sensors once, and base and cameras with each period if somebody listens."""
+    """Publisher of fixed sensors' frames once, and of base and cameras each period if a node listens."""
 
     def __init__(self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link) -> None:
-        """Announce both topics, where their messages are installed."""
+        """Announce the topics `tf` and `tf_static`, if the package of their messages is installed."""
         self._robot, self._spec, self._link = robot, spec, link
         self._arm = inner.get(Arm)  # type: ignore[type-abstract]
         self._model = None if robot.arm is None else robot.arm_model()
@@ -41,8 +41,8 @@ class BenchFrames:
         """Return the message of a period at a time of ROS in [s], by its topic; empty if nobody listens.
 
         Args:
-            now: time of its stamps.
-            base: odom_T_base.
+            now: time of the message's stamps, in [s].
+            base: 2D pose odom_T_base.
         """
         if not self.topics or not self._link.subscribers(TOPIC):
             return {}
@@ -72,7 +72,13 @@ class BenchFrames:
         return self._model.forward(self._arm.joints(), link)
 
     def _message(self, now: float, poses: Mapping[str, Transform], parent: str = "") -> Any:
-        """Return the poses of frames in a parent; by default the base's."""
+        """Return a `TFMessage` with the poses of frames in a parent frame.
+
+        Args:
+            now: time of its stamps, in [s].
+            poses: parent_T_frame (4, 4) by the frame's name.
+            parent: name of the parent frame; "": the frame of the base.
+        """
         from scipy.spatial.transform import Rotation  # late: few runs need it
 
         message = self._link.message(FRAMES)

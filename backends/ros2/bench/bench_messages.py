@@ -27,7 +27,14 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 
 def odometry_message(link: Link, now: float, pose: Pose2, speeds: DriveCommand) -> Any:
-    """Return an `Odometry` of odom_T_base and speeds in [m/s] and [rad/s], at a time of ROS in [s]."""
+    """Return an `Odometry` message.
+
+    Args:
+        link: makes the message.
+        now: time of ROS, in [s].
+        pose: 2D pose odom_T_base.
+        speeds: speeds of the base in its own frame, in [m/s] and [rad/s].
+    """
     message = _stamped(link, "nav_msgs/Odometry", now, "odom")
     message.child_frame_id = "base_link"
     place, turn = message.pose.pose.position, message.pose.pose.orientation
@@ -42,7 +49,15 @@ def odometry_message(link: Link, now: float, pose: Pose2, speeds: DriveCommand) 
 def state_message(
     link: Link, now: float, names: Sequence[str], positions: Sequence[float], efforts: Sequence[float]
 ) -> Any:
-    """Return a `JointState` of positions (n) in [rad] or [m] and efforts (n) in [Nm] or [N]."""
+    """Return a `JointState` message.
+
+    Args:
+        link: makes the message.
+        now: time of ROS, in [s].
+        names: names of the n joints in ROS.
+        positions: (n,) in [rad] or [m].
+        efforts: (n,) in [Nm] or [N].
+    """
     message = _stamped(link, "sensor_msgs/JointState", now, "")
     message.name, message.position, message.effort = list(names), list(positions), list(efforts)
     return message
@@ -51,8 +66,15 @@ def state_message(
 def scan_message(
     link: Link, now: float, spec: RangeSpec, robot: Backend, factor: float = 1.0, mirrored: bool = False
 ) -> Any:
-    """Return the scan of a simulated lidar as a `LaserScan`, its ranges times `factor`; `mirrored` if it
-    counts the other way round.
+    """Return the scan of a simulated lidar as a `LaserScan`.
+
+    Args:
+        link: makes the message.
+        now: time of ROS, in [s].
+        spec: the lidar's section of the robot's file.
+        robot: simulated robot with the lidar.
+        factor: factor of the ranges.
+        mirrored: True for angles that grow clockwise.
     """
     lidar = robot.get(RangeSensor)  # type: ignore[type-abstract]
     assert lidar is not None, "its file says so"
@@ -94,7 +116,7 @@ class LatePicture:
     """Pixels of a picture that is rendered when they are read: within the period in which it is sent."""
 
     def __init__(self, size: int, render: Callable[[], NDArray[Any]]) -> None:
-        """Take the number of bytes, and a function that returns the pixels."""
+        """Take the number of bytes of the picture, and a function that returns its pixels."""
         self._size, self._render = size, render
 
     def __len__(self) -> int:
@@ -108,11 +130,11 @@ def image_message(link: Link, now: float, camera: Camera, late: bool = False, fr
     """Return the picture of a simulated camera as an `Image`.
 
     Args:
-        link: makes it.
+        link: makes the message.
         now: time of ROS, in [s].
-        camera: takes it.
-        late: True to render it only if it is read, which has to happen before the robot's next step.
-        frame: of the camera.
+        camera: takes the picture.
+        late: True to render the picture only if it is read, which has to happen before the robot's next step.
+        frame: name of the camera's frame.
     """
     message = _picture(link, now, camera.model, ("mono8", 1), camera.image, late)
     message.header.frame_id = frame
@@ -127,8 +149,16 @@ def depth_messages(
     frame: str = "camera",
     factor: float = 1.0,
 ) -> tuple[Any, Any]:
-    """Return depth, times `factor`, and colours of a simulated depth camera as `Image`; see
-    `image_message`.
+    """Return depth and colours of a simulated depth camera, each as an `Image`.
+
+    Args:
+        link: makes the messages.
+        now: time of ROS, in [s].
+        camera: takes the pictures.
+        late: True to render the pictures only if they are read, which has to happen before the robot's next
+            step.
+        frame: name of the camera's frame.
+        factor: factor of the depths.
     """
     model, times = camera.model, np.float32(factor)
     depth = _picture(link, now, model, ("32FC1", 4), lambda: camera.image().depth * times, late)

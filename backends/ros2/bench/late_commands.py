@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 
 class LateCommands:
-    """Delays the wanted positions of joints by some periods, as slow controllers do."""
+    """Delay line for the wanted positions of joints, by some periods, as in slow controllers."""
 
     def __init__(self, periods: int) -> None:
         """Delay positions by a number of periods; 0 for no delay."""
@@ -15,7 +15,9 @@ class LateCommands:
         self._kept: deque[Mapping[str, float]] = deque(maxlen=periods + 1)
 
     def passed(self, wanted: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions that take effect in this period, given those received last."""
+        """Return the positions that take effect in this period, given those received last, in [rad] or [m] by
+        the joint's name.
+        """
         if not self._periods:
             return wanted
         self._kept.append(dict(wanted))

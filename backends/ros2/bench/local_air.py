@@ -20,11 +20,11 @@ class LocalAir:
     def __init__(self) -> None:
         """Begin without topics, at a time of 1 s: a stamp of 0 means none."""
         self.latched: dict[str, Any] = {}
-        """Last message of the topics that keep it for those who come later."""
+        """Last message of each latched topic, for later subscribers."""
         self.time = 1.0
         """Time of the topics, in [s]."""
         self.listeners: dict[str, list[tuple[LocalLink, str, deque[Any]]]] = {}
-        """Listeners of each topic, with the type of their messages and those not received yet."""
+        """Subscribers of each topic, with the type of their messages and the messages not received yet."""
         self.publishers: dict[str, list[tuple[LocalLink, str]]] = {}
         """Publishers of each topic, with the type of their messages."""
         self.actions: dict[str, tuple[LocalLink, LocalAction]] = {}

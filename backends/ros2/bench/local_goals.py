@@ -14,7 +14,7 @@ from .local_messages import new_goal, new_result
 
 
 class LocalGoal(SentGoal, ServedGoal):
-    """A goal, seen from both ends."""
+    """A goal with its state and result, shared by sender and server."""
 
     def __init__(self, kind: str, request: Any) -> None:
         """Begin without an answer; `kind` is the type of the action."""
@@ -82,7 +82,9 @@ class LocalGoalSender(GoalSender):
     """End of an action from which goals are sent."""
 
     def __init__(self, kind: str, server: Callable[[], LocalAction | None]) -> None:
-        """Take the type of the action, and a function that returns its server; None without one."""
+        """Take the type of the action, and a function that returns the action's server; None without a
+        server.
+        """
         self._kind, self._server = kind, server
         self._own: list[LocalGoal] = []
 

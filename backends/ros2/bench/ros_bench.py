@@ -206,7 +206,7 @@ class RosBench:
         self._commanded = self.time
 
     def _drive(self) -> None:
-        """Pass the speeds on, within the limits of the base."""
+        """Pass the commanded speeds on to the simulated base, within its limits."""
         drive, asked = self._robot.drive, self.speeds
         top, top_turn = drive.top_speed_m_s, math.radians(drive.top_turn_deg_s)
         speed = min(max(asked.speed, -top), top)
@@ -217,7 +217,7 @@ class RosBench:
             self._base.drive(speed, turn)
 
     def _move_arm(self, arm: Arm) -> None:
-        """Move each joint towards its last point as fast as it can."""
+        """Move each joint towards its last commanded point as fast as it can."""
         if self._robot.arm is None or self._model is None:
             return
         held = arm.command()
@@ -296,7 +296,7 @@ class RosBench:
         return named if isinstance(named, kind) else self.inner.get(kind)
 
     def _reported(self, travel: WheelTravel) -> WheelTravel:
-        """Return the travel of the wheels as the odometry reports it."""
+        """Return the wheels' travel, in [m], as the odometry reports it, with the planned differences."""
         forward = 0.5 * (travel.left + travel.right) * self._true.factor("odometry.forward")
         turn = 0.5 * (travel.right - travel.left) * self._true.factor("odometry.turn")
         return WheelTravel(forward - turn, forward + turn, travel.sideways)

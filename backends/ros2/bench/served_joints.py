@@ -30,12 +30,12 @@ class JointPlan(NamedTuple):
     """Time of the bench at which the plan begins, in [s]."""
     names: tuple[str, ...]
     times_s: tuple[float, ...]
-    """(n) times after the beginning, the first 0."""
+    """Times (n,) after the beginning, in [s]; the first is 0."""
     positions: tuple[tuple[float, ...], ...]
-    """(n) positions of the joints, in [rad] or [m]."""
+    """Positions of the joints `names` at each of these n times, in [rad] or [m]."""
 
     def at(self, now_s: float) -> dict[str, float]:
-        """Return the planned positions at a time of the bench."""
+        """Return the planned positions at a time of the bench in [s], in [rad] or [m] by the joint's name."""
         rows, after = np.array(self.positions), now_s - self.begun_s
         return {
             name: float(np.interp(after, self.times_s, rows[:, place]))
@@ -44,7 +44,7 @@ class JointPlan(NamedTuple):
 
     @property
     def end_s(self) -> float:
-        """Return the time of the bench at which it ends."""
+        """Return the time of the bench at which the plan ends, in [s]."""
         return self.begun_s + self.times_s[-1]
 
 
@@ -71,12 +71,13 @@ class ServedJoints:
         link.serve_action(kind, name, self._accepts, self._take)
 
     def wanted(self, now_s: float, period: float, measured: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions at the end of a period in [s]; empty before the first goal.
+        """Return the positions at the end of a period, in [rad] or [m] by the joint's name; empty before the
+        first goal.
 
         Args:
-            now_s: time of the bench at the beginning of the period.
-            period: its length.
-            measured: positions of the joints now.
+            now_s: time of the bench at the beginning of the period, in [s].
+            period: length of the period, in [s].
+            measured: current positions of the joints, in [rad] or [m] by name.
         """
         self._now = now_s
         if self._asked is not None:
@@ -91,8 +92,8 @@ class ServedJoints:
         """End the goal if it is reached or can't be.
 
         Args:
-            now_s: time of the bench.
-            measured: positions of the joints.
+            now_s: time of the bench, in [s].
+            measured: current positions of the joints, in [rad] or [m] by name.
             presses: True if fingers press on something.
         """
         goal, plan = self._goal, self._plan
@@ -138,7 +139,7 @@ class ServedJoints:
         self._goal, self._asked = None, goal
 
     def _begin(self, goal: ServedGoal, measured: Mapping[str, float]) -> None:
-        """Plan the way from where the joints are; fingers go as fast as they can."""
+        """Plan the way from the measured positions to the goal; fingers go as fast as they can."""
         self._goal = goal
         if self._kind == TRAJECTORY_ACTION:
             trajectory = goal.request.trajectory

@@ -23,11 +23,11 @@ class WheelOdometry:
         self.pose = Pose2(0.0, 0.0, 0.0)
 
     def moved(self, travel: WheelTravel, seconds: float) -> tuple[Pose2, DriveCommand]:
-        """Return odom_T_base and the speeds of a period.
+        """Return the 2D pose odom_T_base at the end of a period, and the speeds in it.
 
         Args:
-            travel: of the wheels until now.
-            seconds: length of the period.
+            travel: travel of the wheels until now, in [m].
+            seconds: length of the period, in [s].
         """
         last = self._last or travel
         self._last = travel

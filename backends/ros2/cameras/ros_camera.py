@@ -22,7 +22,7 @@ TO_GREY = {
     "rgba8": (4, cv2.COLOR_RGBA2GRAY),
     "bgra8": (4, cv2.COLOR_BGRA2GRAY),
 }
-"""Encodings that are read: channels, and OpenCV's conversion to grey."""
+"""Encodings of pictures that are read, each with its number of channels, and OpenCV's conversion to grey."""
 
 
 class RosCamera(TopicSensor, PlacedCamera):
@@ -31,7 +31,7 @@ class RosCamera(TopicSensor, PlacedCamera):
     KIND = "sensor_msgs/Image"
     _message: Any = None
     _image: ByteArray | None = None
-    """Picture of the last message, decoded once it is asked for; None: not yet."""
+    """Picture (height, width), grey, of the last message, decoded once it is requested; None: not yet."""
 
     def fit(self, mounted: MountedCamera) -> None:
         """Set the camera as it was calibrated, before the first picture."""
@@ -39,7 +39,7 @@ class RosCamera(TopicSensor, PlacedCamera):
 
     @override
     def image(self) -> ByteArray:
-        """Return the last picture (height, width), grey; raises `StaleSensor` if it is too old."""
+        """Return the last picture (height, width), grey, 0 to 255; raise `StaleSensor` if it is too old."""
         self.check_fresh()
         if self._image is None:
             self._image = grey_picture(self._message)

@@ -67,7 +67,9 @@ class PictureTopic(TopicSensor):
 
 
 class RosDepthCamera(DepthCamera):
-    """Depth, with the colour picture and the measured joints nearest to it in time."""
+    """Depth camera that pairs each depth picture with the colour picture and the measured joints nearest in
+    time.
+    """
 
     def __init__(
         self,
@@ -80,10 +82,11 @@ class RosDepthCamera(DepthCamera):
         """Take over both topics.
 
         Args:
-            spec: the camera, from the robot's file.
-            depth: its depth.
-            colour: its colours, registered to the depth.
-            pose: returns base_T_camera (4, 4) of the optical frame at a stamp in [s].
+            spec: the camera's section of the robot's file.
+            depth: topic of the camera's depth.
+            colour: topic of the camera's colours, registered to the depth.
+            pose: returns base_T_camera (4, 4) of the optical frame (z forward, x right, y down) at a stamp in
+                [s].
             begun: stamp in [s] from which the time of a picture counts.
         """
         self._spec, self._depth, self._colour, self._pose, self._begun = spec, depth, colour, pose, begun
@@ -126,7 +129,13 @@ class RosDepthCamera(DepthCamera):
 
 
 def depth_of(message: Any, nearest: float, farthest: float) -> SingleArray:
-    """Return depth (height, width) in [m]; NaN without a reading, or one beyond a range in [m]."""
+    """Return the depth (height, width) of a message, in [m] along the optical axis; NaN without a reading.
+
+    Args:
+        message: `sensor_msgs/Image` with an encoding of `DEPTH_TYPES`.
+        nearest: least depth that counts as a reading, in [m].
+        farthest: largest depth that counts as a reading, in [m].
+    """
     kind, unit = DEPTH_TYPES[message.encoding]
     order = ">" if message.is_bigendian else "<"
     size = np.dtype(kind).itemsize
@@ -138,7 +147,7 @@ def depth_of(message: Any, nearest: float, farthest: float) -> SingleArray:
 
 
 def colour_of(message: Any) -> ByteArray:
-    """Return a picture (height, width, 3) in RGB."""
+    """Return the picture (height, width, 3) of a message in RGB, 0 to 255."""
     channels, conversion = TO_COLOUR[message.encoding]
     rows = np.frombuffer(bytes(message.data), np.uint8)[: message.step * message.height]
     pixels = rows.reshape(message.height, message.step)[:, : channels * message.width]

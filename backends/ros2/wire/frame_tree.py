@@ -13,7 +13,7 @@ MAX_DEPTH = 100
 
 
 class FrameTree:
-    """Keeps the last pose of each frame in its parent's."""
+    """Store of the last pose of each frame in its parent frame."""
 
     def __init__(self) -> None:
         """Begin without frames."""
@@ -32,14 +32,14 @@ class FrameTree:
         return tuple(self._parents)
 
     def pose(self, base: str, frame: str) -> Transform | None:
-        """Return base_T_frame (4, 4); None if nothing connects both."""
+        """Return base_T_frame (4, 4) of two frames by their names; None if nothing connects both."""
         of_base, of_frame = self._to_root(plain(base)), self._to_root(plain(frame))
         if of_base is None or of_frame is None or of_base[0] != of_frame[0]:
             return None
         return inverse(of_base[1]) @ of_frame[1]
 
     def _to_root(self, frame: str) -> tuple[str, Transform] | None:
-        """Return the root above a frame, and root_T_frame; None in a circle."""
+        """Return the root above a frame, and root_T_frame (4, 4); None if the parents form a circle."""
         pose: Transform = np.eye(4)
         for _ in range(MAX_DEPTH):
             if frame not in self._parents:
@@ -50,7 +50,9 @@ class FrameTree:
 
 
 def pose_of_transform(message: Any) -> Transform | None:
-    """Return the pose (4, 4) of a `geometry_msgs/Transform`; None if it is none."""
+    """Return the pose (4, 4) of a `geometry_msgs/Transform`; None if it is not finite, or its quaternion is
+    not of length 1.
+    """
     place, turn = message.translation, message.rotation
     x, y, z, w = float(turn.x), float(turn.y), float(turn.z), float(turn.w)
     norm = math.hypot(x, y, z, w)

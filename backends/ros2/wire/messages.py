@@ -24,7 +24,9 @@ def message_kind(kind: str) -> str:
 
 
 def velocity_message(link: Link, spec: RosVelocitySpec, command: DriveCommand) -> Any:
-    """Return a `Twist` or `TwistStamped` of a command in [m/s] and [rad/s]."""
+    """Return a `Twist` or `TwistStamped` of a command: forward and to the left in [m/s], turn rate to the
+    left in [rad/s].
+    """
     message = link.message(f"geometry_msgs/{spec.type}")
     twist = message
     if spec.type == "TwistStamped":
@@ -42,10 +44,10 @@ def joint_message(
     """Return a message for a controller.
 
     Args:
-        link: makes it.
+        link: makes the message.
         kind: `JointTrajectory` or `Float64MultiArray`.
-        names: (n) of the joints in ROS.
-        positions: (n) in [rad] or [m].
+        names: names of the n joints in ROS.
+        positions: (n,) in [rad] or [m].
         seconds: time in [s] in which a trajectory's point is to be reached.
     """
     message = link.message(message_kind(kind))
@@ -60,8 +62,14 @@ def joint_message(
 def trajectory_goal(
     link: Link, sender: GoalSender, names: Sequence[str], positions: Sequence[float], seconds: float
 ) -> Any:
-    """Return a goal of `FollowJointTrajectory`: positions (n), in [rad] or [m], of joints by their names in
-    ROS, to be reached in a time in [s].
+    """Return a goal of `FollowJointTrajectory` with one point.
+
+    Args:
+        link: makes the point's message.
+        sender: makes the goal.
+        names: names of the n joints in ROS.
+        positions: (n,) in [rad] or [m].
+        seconds: time in [s] in which the point is to be reached.
     """
     goal = sender.new_goal()
     _set_point(link, goal.trajectory, names, [sound(position) for position in positions], seconds)
@@ -91,10 +99,10 @@ def set_stamp(header: Any, seconds: float) -> None:
 
 
 def sound(value: float) -> float:
-    """Return a number as a float of Python: others are sent as garbage, without an error.
+    """Return a number as a float of Python, because numbers of other types are sent wrongly without an error.
 
     Raises:
-        CommandError: it is not finite.
+        CommandError: the number is not finite.
     """
     number = float(value)
     if not math.isfinite(number):

@@ -101,8 +101,8 @@ class RosLink(Link):
         """Start a node.
 
         Args:
-            name: of the node.
-            namespace: of its topics.
+            name: name of the node.
+            namespace: namespace of the node's topics.
             domain: ROS domain; None: by the environment.
 
         Raises:

@@ -13,15 +13,15 @@ from handcart.backends.description.ros_spec import RosTopicSpec
 from handcart.backends.live.live_sensor import Clock, LiveSensor
 
 StampClock = Callable[[], float]
-"""Gives the time of ROS in [s]."""
+"""Function that returns the time of ROS, in [s]."""
 
 
 class TopicSensor(LiveSensor):
-    """Receives the messages of one topic between two periods, and reads them once a period.
+    """Receiver of one topic's messages, which are read once a period.
 
     A message counts as of now by the time of its arrival and by its stamp. One from another frame, with a
-    stamp that is old, of the future, or not after the last one, or with other than finite numbers is
-    dropped, with the reason kept for the `StaleSensor` that follows if no better one arrives.
+    stamp that is old, of the future, or not after the last one, or with other than finite numbers is dropped,
+    with the reason kept for the `StaleSensor` that follows if no better one arrives.
     """
 
     KIND: str
@@ -71,7 +71,7 @@ class TopicSensor(LiveSensor):
 
     @abstractmethod
     def _wrong(self, message: Any) -> str:
-        """Return why a message can be no reading; "" if it can."""
+        """Return the reason why a message can't be a reading, as text; "" if it can."""
 
     @abstractmethod
     def _read(self, messages: list[Any]) -> None:
@@ -96,7 +96,7 @@ class TopicSensor(LiveSensor):
         return ""
 
     def _stamp_before(self, message: Any) -> float | None:
-        """Return the stamp in [s] after which that of a message has to be; None before the first."""
+        """Return the stamp in [s] after which a message's stamp has to be; None before the first message."""
         return self._last_stamp
 
     def _note_stamp(self, message: Any, stamp: float) -> None:

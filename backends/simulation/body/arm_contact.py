@@ -31,14 +31,14 @@ _POSTURES = 4  # whose links' poses are kept: those of a period, and of its begi
 
 
 class _Bodies(NamedTuple):
-    """Bodies that may touch something."""
+    """Bodies of the robot that may touch something."""
 
     names: list[str]
     geometry: list[RigidBody]
     poses: FloatArray
-    """(b, 4, 4) in the world."""
+    """Poses (b, 4, 4) of the bodies in the world."""
     radii: FloatArray
-    """(b,) of the spheres about them, in [m]."""
+    """Radii (b,) of spheres about the bodies' origins that enclose them, in [m]."""
 
     def and_more(self, others: _Bodies) -> _Bodies:
         """Return these bodies followed by those of `others`."""
@@ -59,19 +59,23 @@ class _Links(NamedTuple):
     radii: FloatArray
 
     def posed(self, poses: FloatArray) -> _Bodies:
-        """Return the bodies with all links at these poses, (g, 4, 4)."""
+        """Return the bodies of these links.
+
+        Args:
+            poses: (g, 4, 4) world_T_link of all g links of the arm model.
+        """
         return _Bodies(self.names, self.geometry, poses[self.numbers], self.radii)
 
 
 class Touch(NamedTuple):
-    """The deepest overlap with a solid."""
+    """The deepest overlap of a body of the robot with another body."""
 
     depth: float
     """Depth of the overlap, in [m]."""
     body: str
     other: str
     normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Unit vector in the world along which the body leaves the other soonest; zero if unknown."""
+    """Unit vector in the world along which the robot's body leaves the other one soonest; zero if unknown."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Contact point in the world, in [m]."""
 
@@ -120,7 +124,7 @@ class ArmContact:
         """Return the deepest overlap of everything that moves with the base: arm, mounted parts and load.
 
         Args:
-            base: world_T_base.
+            base: 2D pose world_T_base.
             joints: (n,) posture of the arm, in [rad] or [m].
             skip: excludes pairs of bodies for which it returns True.
         """
@@ -147,7 +151,7 @@ class ArmContact:
         The robot's own tray and its load count as obstacles.
 
         Args:
-            joints: (n,) in [rad] or [m].
+            joints: (n,) posture of the arm, in [rad] or [m].
             skip: excludes pairs of bodies for which it returns True.
         """
         scene = self._scene
@@ -176,17 +180,18 @@ class ArmContact:
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
     def travel(self, start: FloatArray, end: FloatArray) -> float:
-        """Return the approximate largest travel of any link's middle between two postures, in [m].
+        """Return an approximation of the largest distance that any link's middle travels between two
+        postures, in [m].
 
         Args:
-            start: (n,) in [rad] or [m].
-            end: (n,) in [rad] or [m].
+            start: (n,) joints of one posture, in [rad] or [m].
+            end: (n,) joints of the other posture, in [rad] or [m].
         """
         before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
         return math.sqrt(((after - before) ** 2).sum(axis=1).max(initial=0.0))
 
     def _riding(self, world_T_base: Transform) -> _Bodies:
-        """Return the load of the robot with the base at that pose."""
+        """Return the things on the robot as bodies, given the pose world_T_base (4, 4)."""
         back, things = world_T_base @ inverse(self._scene.world_T_base), self._scene.riding()
         return _Bodies(
             [thing.name for thing in things],
@@ -204,7 +209,12 @@ class ArmContact:
         return reach
 
     def _extent(self, joints: FloatArray) -> float:
-        """Return an upper bound of the radius about the base's centre that contains arm and load, in [m]."""
+        """Return an upper bound of the radius about the base's centre that contains arm and held object, in
+        [m].
+
+        Args:
+            joints: (n,) posture of the arm, in [rad] or [m].
+        """
         key = (joints.tobytes(), self._scene.held)
         if self._reach[0] != key:
             poses = self._link_poses(joints)[self._links]
@@ -223,7 +233,13 @@ class ArmContact:
         return _Links(np.array(links, dtype=np.intp), names, geometry, self._radius[links])
 
     def _moved(self, world_T_base: Transform, poses: FloatArray, joints: FloatArray) -> _Bodies:
-        """Return the moved links, the fingers at their opening, and the held object."""
+        """Return the links that the arm moves, the fingers at their opening, and the held object.
+
+        Args:
+            world_T_base: (4, 4) pose of the base.
+            poses: (g, 4, 4) world_T_link of all links.
+            joints: (n,) posture of the arm, in [rad] or [m].
+        """
         links = self._moved_links.posed(poses)
         for g, i in self._fingers:
             side = 1.0 if self._names[i] == FINGER_LINKS[0] else -1.0
@@ -232,7 +248,7 @@ class ArmContact:
         return links if held is None else links.and_more(held)
 
     def _link_poses(self, joints: FloatArray) -> FloatArray:
-        """Return base_T_link (g, 4, 4), cached because it is needed several times for the same joints."""
+        """Return base_T_link (g, 4, 4) of all links at joints (n,) in [rad] or [m]; the result is cached."""
         key = joints.tobytes()
         if key not in self._last_poses:
             if len(self._last_poses) >= _POSTURES:
@@ -249,12 +265,18 @@ class ArmContact:
         return _Bodies([LOAD_NAME], [_rigid(thing, 2 * _GIVE)], pose[None], np.array([radius]))
 
     def _near(self, bodies: _Bodies) -> IntArray:
-        """Return the pairs (m, 2) of the numbers of a body and of a present box near it."""
+        """Return the pairs (m, 2) of the number of a body and the number of a present box near it."""
         there = (self._appears <= self._scene.time) & (self._scene.time < self._leaves)
         return near_boxes(bodies.poses, bodies.radii, self._arrays, there)
 
     def _deepest(self, bodies: _Bodies, near: IntArray, skip: Skip | None) -> Touch:
-        """Return the deepest overlap among those pairs of bodies and boxes."""
+        """Return the deepest overlap among pairs of bodies and boxes.
+
+        Args:
+            bodies: bodies of the robot.
+            near: (m, 2) number of a body and number of a box in each row.
+            skip: excludes pairs of bodies for which it returns True.
+        """
         worst = NO_TOUCH
         for g, n in near.tolist():
             name, box = bodies.names[g], self._boxes[n]
@@ -266,8 +288,12 @@ class ArmContact:
         return worst
 
     def _against_robot(self, bodies: _Bodies, poses: FloatArray) -> Touch:
-        """Return the deepest overlap of the hand and what it holds with the parts of the robot that the arm
+        """Return the deepest overlap of the hand and the held object with the parts of the robot that the arm
         does not move.
+
+        Args:
+            bodies: bodies that the arm moves.
+            poses: (g, 4, 4) world_T_link of all links.
         """
         hands = self._hand_numbers(len(bodies.names))
         near = near_spheres(

@@ -12,12 +12,16 @@ _HALVINGS = 8
 
 
 def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozenset[tuple[str, str]]:
-    """Move the base by `motion` (pose of its end in its start), or up to a contact; return the touching
-    pairs.
+    """Move the base, or up to a contact; return the touching pairs: names of the robot's body and the other
+    one.
 
-    The base has the outline of its footprint and the height of its body; `hand` reports whether arm and
-    load can be carried along. At a contact a disc turns but comes no nearer, because its wheels slip; a
-    polygon does neither.
+    The base has the outline of its footprint and the height of its body. At a contact a disc turns but comes
+    no nearer, because its wheels slip; a polygon does neither.
+
+    Args:
+        scene: true state of world and robot.
+        motion: 2D pose of the base after the motion in the base frame before it.
+        hand: reports whether arm and load can be carried along; None without an arm.
     """
     start, end = scene.base, scene.base.compose(motion)
     gap, other = base_gap(scene, end)
@@ -41,7 +45,8 @@ def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
 
 
 def base_gap(scene: Scene, base: Pose2) -> tuple[float, str]:
-    """Return the distance of the footprint at world_T_base to the nearest body in [m], and that one's name.
+    """Return the distance of the footprint at world_T_base to the nearest body in [m], and the name of that
+    body.
 
     Below 0 they overlap.
     """
@@ -51,7 +56,7 @@ def base_gap(scene: Scene, base: Pose2) -> tuple[float, str]:
 
 
 def _nearest_free(scene: Scene, start: Pose2, end: Pose2) -> Pose2:
-    """Return the last free pose of the motion; a disc makes the turn in full."""
+    """Return the last free pose world_T_base of the motion; a disc makes the turn in full."""
     is_disc, free, blocked = scene.robot.footprint_shape.is_disc, 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (free + blocked) / 2
@@ -63,7 +68,9 @@ def _nearest_free(scene: Scene, start: Pose2, end: Pose2) -> Pose2:
 
 
 def _between(start: Pose2, end: Pose2, share: float, turned: bool) -> Pose2:
-    """Return the pose after a share of the straight way, with all of the turn or that share of it."""
+    """Return the pose after a share of the straight line, 0 to 1, with all of the turn if `turned`, otherwise
+    that share of it.
+    """
     x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
     turn = 1.0 if turned else share
     return Pose2(x, y, wrap(start.theta + turn * wrap(end.theta - start.theta)))

@@ -26,7 +26,7 @@ class Fingers:
         self._shape = hand.scene.robot.finger_shape
 
     def set_width(self, width: float) -> None:
-        """Move the finger pads to that opening in [m]; a thing between them stops them and is held."""
+        """Move the finger pads to an opening in [m]; a thing between them stops them and is held."""
         scene = self._scene
         if scene.held is None and width < scene.width:
             thing = self._between()
@@ -64,7 +64,7 @@ class Fingers:
         )
 
     def _slide(self, thing: Thing, width: float) -> None:
-        """Let the finger that meets a thing first push it."""
+        """Push a thing sideways by the finger that meets it first, as the pads close to an opening in [m]."""
         scene, pads = self._scene, self._pads()
         if not thing.FREE:
             return
@@ -94,5 +94,5 @@ class Fingers:
         self._scene.props_of(thing).let_go(thing)
 
     def _room(self) -> float:
-        """Return the largest possible opening of the fingers."""
+        """Return the largest possible opening of the fingers, in [m]; infinity if no rule limits it."""
         return min((rule.room() for rule in self._hand.rules.values()), default=float("inf"))

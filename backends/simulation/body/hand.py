@@ -45,9 +45,15 @@ class SimulatedHand:
     # Motion
 
     def move(self, target: FloatArray) -> frozenset[tuple[str, str]]:
-        """Strive for the joint angles `target` (n,) in [rad], coming from `scene.joints`.
+        """Move the arm from `scene.joints` towards joint positions, as far as solids and rules allow it.
 
-        Set the joints, the pose of the held object and the force; return the touching pairs.
+        Set the joints, the pose of the held object and the force.
+
+        Args:
+            target: (n,) commanded joints, in [rad] or [m].
+
+        Returns:
+            The touching pairs: names of the robot's body and the other one.
         """
         scene, start = self.scene, self.scene.joints
         for rule in self.rules.values():
@@ -69,9 +75,10 @@ class SimulatedHand:
         return pairs
 
     def met_at(self, base: Pose2) -> Touch:
-        """Return the deepest new contact of the robot with the base at that pose; `FREE` without one.
+        """Return the deepest new contact of the robot with the base at a pose world_T_base; `NO_TOUCH`
+        without one.
 
-        The base itself is excluded: it is a disc (`move_base`).
+        The base's own body is excluded: `move_base` checks it by its footprint.
         """
         there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:
@@ -87,9 +94,13 @@ class SimulatedHand:
     def _stop_at_solids(
         self, start: FloatArray, target: FloatArray
     ) -> tuple[FloatArray, frozenset[tuple[str, str]]]:
-        """Return how far the straight joint line is free; the hand then slides along the obstacle.
+        """Return the joints at which the arm stops or slides on its way, and the touching pairs.
 
-        A motion that reduces an overlap is always free.
+        The way is a straight line in the joints. A motion that reduces an overlap is always free.
+
+        Args:
+            start: (n,) joints at the start, in [rad] or [m].
+            target: (n,) commanded joints, in [rad] or [m].
         """
         free, blocked, there = self._first_hit(start, target)
         if there.depth == 0.0:
@@ -107,8 +118,13 @@ class SimulatedHand:
         return self._slide(stands, target, there), frozenset({(there.body, there.other)})
 
     def _slide(self, stands: FloatArray, target: FloatArray, met: Touch) -> FloatArray:
-        """Return the joints at which a touching arm that is commanded further comes to rest; `stands` if it
-        sticks.
+        """Return the joints (n,) at which a touching arm that is commanded further comes to rest; `stands` if
+        it sticks.
+
+        Args:
+            stands: (n,) joints at the contact, in [rad] or [m].
+            target: (n,) commanded joints, in [rad] or [m].
+            met: the contact.
         """
         if not self.contact.rides_on_hand(met.body) or not any(met.normal):
             return stands
@@ -129,14 +145,18 @@ class SimulatedHand:
         return end if there.depth == 0.0 else stands + free * (end - stands)
 
     def _first_hit(self, start: FloatArray, target: FloatArray) -> tuple[float, float, Touch]:
-        """Return the first overlap on the line from `start` to `target`, in steps too short to miss a thin
-        board.
+        """Return the first overlap on the straight line between two postures, in steps too short to miss a
+        thin board.
 
         Contacts that the arm only grazes on its way do not stop it.
 
+        Args:
+            start: (n,) joints at the start, in [rad] or [m].
+            target: (n,) joints at the end, in [rad] or [m].
+
         Returns:
-            Share of the line at the last free posture, share at the first posture with an overlap, and the
-            overlap.
+            Share of the line, 0 to 1, at the last free posture, share at the first posture with an overlap,
+            and the overlap.
         """
         steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))
         for number in range(1, steps + 1):
@@ -151,7 +171,14 @@ class SimulatedHand:
         return any(rule.decides(body, other) for rule in self.rules.values())
 
     def _reaction(self, target: FloatArray, posture: FloatArray, pushed: float) -> FloatArray:
-        """Return the force in the hand frame, from the distance between the arm's command and its posture."""
+        """Return the force (3,) on the hand, in the hand frame, in [N], that pushes it back from its command.
+
+        Args:
+            target: (n,) commanded joints, in [rad] or [m].
+            posture: (n,) joints of the arm, in [rad] or [m].
+            pushed: size of a force against the hand's x axis that replaces the computed one, in [N]; 0: none
+                does.
+        """
         if posture is target:
             return np.zeros(3)
         base_T_hand = self.arm.forward(posture)
@@ -163,8 +190,8 @@ class SimulatedHand:
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
     def carry(self, start: FloatArray) -> FloatArray:
-        """Move the held object with the hand; return the force (3,) that holds it back, in the hand's frame,
-        in [N].
+        """Move the held object with the hand; return the force (3,) of the object's contacts on the hand, in
+        the hand frame, in [N].
 
         Args:
             start: (n,) joints at the start of the period, in [rad] or [m].

@@ -35,7 +35,12 @@ class MecanumWheels:
         self._slip = errors.slip_percent / 100
 
     def motion(self, way: WheelTravel, period: int) -> Pose2:
-        """Return the pose of the base after a period in its pose before, if nothing stops it."""
+        """Return the base's pose after a period in the base frame before it, without obstacles.
+
+        Args:
+            way: travel of the wheels in the period by their encoders, in [m].
+            period: number of the period, which decides the slip.
+        """
         if not any(way):
             return Pose2(0.0, 0.0, 0.0)
         ahead, left, turn = self.twist(way, period).tolist()
@@ -45,10 +50,12 @@ class MecanumWheels:
         return Pose2(chord * (cos * ahead - sin * left), chord * (sin * ahead + cos * left), turn)
 
     def twist(self, way: WheelTravel, period: int) -> FloatArray:
-        """Return the true motion (3,) in the base frame: travel ahead and to the left in [m], and turn in
-        [rad].
+        """Return the true motion (3,) in the base frame: travel ahead and to the left in [m], and turn to the
+        left in [rad].
 
-        See `motion` for the arguments.
+        Args:
+            way: travel of the wheels in the period by their encoders, in [m].
+            period: number of the period, which decides the slip.
         """
         ahead, turned = 0.5 * (way.left + way.right), 0.5 * (way.right - way.left)
         rims = ahead + way.sideways * SIDEWAYS_SIGNS + turned * TURN_SIGNS

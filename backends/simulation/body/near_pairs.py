@@ -12,7 +12,12 @@ class Boxes:
     """Boxes, as arrays."""
 
     def __init__(self, sizes: FloatArray, poses: FloatArray) -> None:
-        """Take them in: sizes (n, 3) in [m], poses (n, 4, 4)."""
+        """Take in n boxes.
+
+        Args:
+            sizes: (n, 3) lengths along x, y and z, in [m].
+            poses: (n, 4, 4) world_T_box of the boxes' middles.
+        """
         self.middles = np.ascontiguousarray(poses[:, :3, 3])
         self.turns = np.ascontiguousarray(poses[:, :3, :3])
         self.halves = 0.5 * sizes
@@ -22,8 +27,8 @@ class Boxes:
 
         Args:
             number: index of the box.
-            size: (3,) length, width and height, in [m].
-            pose: (4, 4) world_T_box.
+            size: (3,) lengths along x, y and z, in [m].
+            pose: (4, 4) world_T_box of the box's middle.
         """
         self.middles[number], self.turns[number] = pose[:3, 3], pose[:3, :3]
         self.halves[number] = 0.5 * size

@@ -18,9 +18,9 @@ MIN_DEPTH_M = 1e-9  # [m]
 
 
 class RigidBody(NamedTuple):
-    """A geometry twice: FCL judges whether it touches another one, coal measures how deep.
+    """A geometry twice: the library FCL decides whether it touches another one, coal measures how deep.
 
-    Planners avoid contacts by coal. A fault of it can't hide what they then run into.
+    Planners avoid contacts by coal. A fault of coal can't hide the bodies that they then run into.
     """
 
     judging: object
@@ -44,9 +44,9 @@ class Meeting(NamedTuple):
     depth: float
     """Depth of the overlap, in [m]; 0 if they don't touch."""
     normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Unit vector along which the first body leaves the other soonest; zero if unknown."""
+    """Unit vector in the common frame along which the first body leaves the other soonest, or zero."""
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Contact point, in [m]."""
+    """Contact point in the common frame, in [m]."""
 
 
 NO_MEETING = Meeting(0.0)

@@ -48,11 +48,11 @@ class RoughRide:
         self._turn_slip, self._stood, self._legs = 0.0, math.inf, 0
 
     def motion(self, rolled: float, bend: float, period: int) -> Pose2:
-        """Return the pose of the base after a period, relative to its pose before, without obstacles.
+        """Return the base's pose after a period in the base frame before it, without obstacles.
 
         Args:
             rolled: the wheels' travel, in [m].
-            bend: steered curvature, in [1/m].
+            bend: steered curvature, in [1/m], positive to the left.
             period: number of the period.
         """
         if rolled == 0.0:
@@ -89,8 +89,11 @@ class RoughRide:
 
 
 def _drift(share: float, sigma: float) -> tuple[float, float]:
-    """Return the kept share of an Ornstein-Uhlenbeck value after `share` of its length, and sigma of the new
-    part.
+    """Return the kept share of an Ornstein-Uhlenbeck value, and the sigma of its new part.
+
+    Args:
+        share: distance driven, divided by the correlation length.
+        sigma: sigma of the value.
     """
     keep = math.exp(-share)
     return keep, sigma * math.sqrt(1.0 - keep * keep)

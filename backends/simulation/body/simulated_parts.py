@@ -28,7 +28,7 @@ _GIVES = 5e-3  # [rad] by which joints give together at most
 
 
 class CommandedBase(Base):
-    """Wheels that are simulated: a command counts for the period that comes, and only for it."""
+    """Simulated wheels; a command is valid for the next period only."""
 
     STATE: ClassVar[Kinds] = {"_command": DriveCommand, "_travel": WheelTravel}
     """Attributes that a checkpoint keeps, with their types."""
@@ -92,9 +92,11 @@ class SimulatedArm(ForceArm):
         self._command, self._from = stands.copy(), stands.copy()
         self._motions, self._moving = 0, False
         self._set_out = self._hand_on_floor()
-        """Position of the hand when the arm last set out."""
+        """Commanded position (2,) of the hand when the arm last started from rest, x and y in the base frame,
+        in [m].
+        """
         self.swung = False
-        """True if a swing of the arm ended in this period: `is_swing`."""
+        """True if a motion of the arm ended in this period that counts as a swing, see `is_swing`."""
         self._error = ArmError(robot.errors, model, seed)
         self._offset = self._error.offset(self._command, 0)
         self._readings = dict[str, tuple[int, FloatArray]]()
@@ -106,7 +108,7 @@ class SimulatedArm(ForceArm):
 
     @abstractmethod
     def _true_force(self) -> FloatArray:
-        """Return the true force on the hand, (3,) in [N] in its frame."""
+        """Return the true force (3,) of the surroundings on the hand, in [N], in the hand frame."""
 
     @override
     def move(self, joints: FloatArray) -> None:
@@ -131,7 +133,7 @@ class SimulatedArm(ForceArm):
         self._command = self._from.copy()
 
     def swing_yaw(self) -> float:
-        """Return the turn of the base by the swing that has ended, in [rad]."""
+        """Return the turn of the base to the left by the arm's swing that has ended, in [rad]."""
         return swing_yaw(self._errors, self._seed, self._motions)
 
     def _begin(self, period: int, loaded: bool) -> bool:
@@ -162,7 +164,7 @@ class SimulatedArm(ForceArm):
 
 
 class SimulatedGripper(CommandedGripper):
-    """Takes commands, and reads the opening with noise."""
+    """Gripper that accepts commands, and reads the opening with noise."""
 
     STATE: ClassVar[Kinds] = {"_command": float, "_now": int, "_pressing": bool}
     """Attributes that a checkpoint keeps, with their types."""
@@ -176,7 +178,7 @@ class SimulatedGripper(CommandedGripper):
 
     @abstractmethod
     def true_width(self) -> float:
-        """Return the opening, in [m]."""
+        """Return the true opening, in [m]."""
 
     @override
     def width(self) -> float:
@@ -212,7 +214,7 @@ class ArmError:
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
     def offset(self, joints: FloatArray, motion: int) -> FloatArray:
-        """Return the error (n,) of the arm's joints, in [rad] or [m].
+        """Return the true joints (n,) less the joints that the encoders read, in [rad] or [m].
 
         Args:
             joints: (n,) commanded joints, in [rad] or [m].
@@ -234,7 +236,13 @@ class ArmError:
         return np.asarray(offset + gives)
 
     def _draw(self, motion: int, dof: int) -> tuple[int, FloatArray, FloatArray]:
-        """Return the errors of one motion: of the joints in [rad], of the hand in [mm]."""
+        """Return the number of a motion and its errors: of the joints (n,) in [rad] or [m], and of the hand's
+        position (3,) in the base frame, in [mm].
+
+        Args:
+            motion: number of the arm's motion.
+            dof: number of joints.
+        """
         if self._drawn[0] != motion:
             errors, rng = self._errors, keyed(self._seed, "joint repeatability", motion)
             offset = errors.joint_repeatability_mrad / 1e3 * rng.standard_normal(dof)

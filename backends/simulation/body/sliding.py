@@ -53,14 +53,21 @@ def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
 
     Args:
         arm: kinematics of the arm.
-        joints: (n,) in [rad] or [m].
-        way: (3,) displacement in the base frame, in [m].
+        joints: (n,) joints before, in [rad] or [m].
+        way: (3,) displacement of the hand in the base frame, in [m].
     """
     return np.clip(joints + _moved_by(arm, joints, way), arm.lower, arm.upper)
 
 
 def _moved_by(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
-    """Return joint steps (n,) that move the hand by a way and don't turn it, by damped least squares."""
+    """Return joint steps (n,), in [rad] or [m], that move the hand but don't turn it, by damped least
+    squares.
+
+    Args:
+        arm: kinematics of the arm.
+        joints: (n,) current joints, in [rad] or [m].
+        way: (3,) displacement of the hand in the base frame, in [m].
+    """
     J = arm.jacobian(joints)
     twist = np.concatenate((way, np.zeros(3)))
     return np.asarray(J.T @ np.linalg.solve(J @ J.T + _DAMPING * np.eye(6), twist))

@@ -1,4 +1,4 @@
-"""A standing base that gives when its arm has swung."""
+"""A standing base that turns a little on its tyres when its loaded arm has moved far (a swing)."""
 
 from __future__ import annotations
 
@@ -15,14 +15,20 @@ def is_swing(errors: Errors, loaded: bool, start: FloatArray, end: FloatArray) -
     Args:
         errors: errors of the robot's file.
         loaded: True if the hand holds an object.
-        start: (2,) position of the hand at the start, in the base frame, in [m].
-        end: (2,) position of the hand now, in the base frame, in [m].
+        start: (2,) x and y of the hand at the start of the motion, in the base frame, in [m].
+        end: (2,) x and y of the hand now, in the base frame, in [m].
     """
     least = errors.swing_from_mm / 1e3
     return least == 0.0 or (loaded and float(np.linalg.norm(end - start)) >= least)
 
 
 def swing_yaw(errors: Errors, seed: int, motion: int) -> float:
-    """Return the turn of the base by the swing in the arm's motion of that number, in [rad]."""
+    """Return the turn of the base to the left, in [rad], by a swing.
+
+    Args:
+        errors: errors of the robot's file.
+        seed: seed of the errors.
+        motion: number of the arm's motion that was a swing.
+    """
     spread = keyed(seed, "swing yaw", motion).standard_normal()
     return float(errors.swing_yaw_mrad + errors.swing_yaw_sigma_mrad * spread) / 1e3

@@ -47,7 +47,7 @@ class SimulatedBook(Thing):
 
     @property
     def accession(self) -> int:
-        """Number that its tag encodes."""
+        """Accession number of the book, which its tag encodes."""
         return self.spec.accession
 
     @cached_property
@@ -57,7 +57,7 @@ class SimulatedBook(Thing):
 
     @property
     def material(self) -> Material:
-        """See `Thing`: cloth, in a colour of its own."""
+        """Material of its unprinted sides: cloth, in a colour of its own."""
         return CLOTH_MATERIALS[self.accession % len(CLOTH_MATERIALS)]
 
     @property

@@ -19,14 +19,14 @@ def lean_in_row(
 ) -> Transform | None:
     """Return the pose (4, 4) in the shelf frame S of a book released upright; None if it falls flat.
 
-    Its foot is bowed, so it keeps the angle `wish` at which the fingers leave it; beyond the angle at
-    which its middle is above its edge it tips further. Either way its neighbours stop it: its upper edge
-    meets a higher neighbour, or it rests on the edge of a lower one. Neighbours do not move, and friction
-    keeps its foot in place.
+    Its foot is bowed, so it keeps the angle `wish` at which the fingers leave it; beyond the angle at which
+    its middle is above its edge it tips further. Either way its neighbours stop it: its upper edge meets a
+    higher neighbour, or it rests on the edge of a lower one. Neighbours do not move, and friction keeps its
+    foot in place.
 
     Args:
         book: released book.
-        S_T_foot: (4, 4), upright in its slot.
+        S_T_foot: (4, 4) pose of the book upright in its slot, in the shelf frame S.
         row: other members of the row.
         wish: angle at which the fingers leave it, in [rad], positive to the left.
     """
@@ -40,8 +40,14 @@ def lean_in_row(
 
 
 def _until_met(book: SimulatedBook, middle: float, row: Sequence[Member], side: float) -> float:
-    """Return the angle at which a book that tips over to a side (1: left) meets something, at most a right
-    angle.
+    """Return the angle, in [rad], at which a book that tips over to a side meets another member; at most a
+    right angle.
+
+    Args:
+        book: book that tips over.
+        middle: y of the book's middle in the shelf frame S, in [m].
+        row: other members of the row.
+        side: 1 for the left, -1 for the right.
     """
     beside = [(_gap(member, middle, side) - book.thickness / 2, member.top) for member in row]
     gap, top = min((item for item in beside if item[0] > -book.thickness / 2), default=(math.inf, 0.0))
@@ -53,7 +59,12 @@ def _until_met(book: SimulatedBook, middle: float, row: Sequence[Member], side: 
 
 
 def _gap(member: Member, middle: float, side: float) -> float:
-    """Return the distance from the middle of the book to a member on that side; negative on the other
-    side.
+    """Return the distance, in [m], from the book's middle to the near side of a member; negative if the
+    member is on the other side.
+
+    Args:
+        member: member of the row.
+        middle: y of the book's middle in the shelf frame S, in [m].
+        side: 1 for the left, -1 for the right.
     """
     return member.right - middle if side > 0.0 else middle - member.left

@@ -52,7 +52,7 @@ class BookProps(BooksThere):
         self._rule: RowRule | None = None
         self._person: Person | None = None
         self._places = np.array([shelf.pose[:3, 3] for shelf in self.shelves.values()]).reshape(-1, 3)
-        """Positions of the shelves, (n, 3) in [m]."""
+        """Positions (n, 3) of the shelves' frames in the world, in [m]."""
 
     @override
     def set_up(self) -> None:
@@ -97,8 +97,8 @@ class BookProps(BooksThere):
         return bool(inside and level and abs(y) + thick / 2 < pads.outer())
 
     def gripped(self, thing: Thing, pads: Pads) -> Transform:
-        """Return hand_T_thing (4, 4) of a gripped book: centred and turned to the hand; depth and height
-        stay.
+        """Return hand_T_thing (4, 4) of a gripped book: centred between the pads and aligned with the hand;
+        its x and z in the hand stay.
         """
         before = inverse(pads.world_T_hand) @ thing.pose
         pitch = float(np.arctan2(-before[2, 0], before[0, 0]))

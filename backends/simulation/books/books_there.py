@@ -33,7 +33,7 @@ class Waiting(NamedTuple):
     given: int = 0
     """Number of books handed over so far."""
     stood: Pose2 = Pose2(0.0, 0.0, 0.0)
-    """Pose at which the robot rests, or was last seen moving."""
+    """2D pose world_T_base at which the robot rests, or was last seen moving."""
     since: float = 0.0
     """Simulated time since which the robot rests there and can receive a book, in [s]."""
 
@@ -49,7 +49,7 @@ class BooksThere(Props[BooksSection]):
         self.shelves = {shelf.name: SimulatedShelf(shelf) for shelf in spec.shelves}
         self.books: dict[int, SimulatedBook] = {}
         self.to_come = list(spec.handed_over)
-        """Books that a person still has for the robot."""
+        """Books that a person has not handed over yet."""
         self.waits = Waiting()
 
     @classmethod
@@ -87,8 +87,10 @@ class BooksThere(Props[BooksSection]):
         return self.books.values()
 
     def book_pose(self, accession: int) -> Transform:
-        """Return world_T_book (4, 4) of the book with an accession number; its frame is that of
-        `SimulatedBook`.
+        """Return world_T_book (4, 4) of the book with an accession number.
+
+        The book's frame: origin at the foot of the spine, in its middle; x from the spine to the fore-edge, y
+        to the left as seen facing the spine, z up.
         """
         return self.books[accession].pose
 

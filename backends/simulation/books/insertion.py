@@ -32,10 +32,13 @@ class Entry:
 def entry_chance(error: float, clearance: float) -> float:
     """Return the chance, from 0 to 1, that a book with chamfered edges enters its slot.
 
-    `error` in [m] is that of the leading edge against the slot's middle, |lateral - 75 mm * sin(yaw)| of a
-    book's middle; `clearance` in [m] how much wider the slot is. Certain below half the clearance plus the
-    chamfer less 1 mm, falling to nothing 4 mm further out; fitted to a physics engine (114 of 114 below
-    8 mm, none above 10 mm at 8 mm clearance).
+    It is 1 below half the clearance plus the chamfer less 1 mm, and falls to 0 over the next 4 mm; fitted to
+    a physics engine (114 of 114 below 8 mm, none above 10 mm at 8 mm clearance).
+
+    Args:
+        error: distance of the leading edge's middle from the slot's middle, in [m]: |lateral - 75 mm *
+            sin(yaw)| of a book's middle.
+        clearance: width of the slot less the thickness of the book, in [m].
     """
     if clearance < LEAST_CLEARANCE:
         return 0.0
@@ -44,12 +47,12 @@ def entry_chance(error: float, clearance: float) -> float:
 
 
 class Entrance:
-    """Follows a held book in and out of slots; the luck of each entry is drawn once."""
+    """Monitor of a held book's way in and out of slots; whether an entry succeeds is drawn once."""
 
     def __init__(self, seed: int) -> None:
         self._seed = seed
         self.count = 0
-        """Entries so far."""
+        """Number of entries into slots so far."""
 
     def follow(
         self,
@@ -59,7 +62,16 @@ class Entrance:
         edge: tuple[float, float, float],
         thickness: float,
     ) -> Entry | None:
-        """Return the entry after a motion; `edge` is (x, y, yaw) in S of the leading edge's middle."""
+        """Return the entry after a motion; None outside a slot.
+
+        Args:
+            entry: entry before the motion; None outside a slot.
+            shelf: shelf before the hand.
+            row: members of the shelf's row, without the held book.
+            edge: middle of the held book's leading edge in the shelf frame S: x and y in [m], and the book's
+                yaw in [rad].
+            thickness: thickness of the book, in [m].
+        """
         x, y, yaw = edge
         if entry is not None:
             return None if x < entry.slot.front - _OUT else entry

@@ -57,7 +57,7 @@ def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
 
 
 def _light(shelf: SimulatedShelf, depth: float) -> float:
-    """Share of the room's light that falls `depth` [m] behind the board's front edge."""
+    """Return the share of the room's light, 0 to 1, at a depth in [m] behind the board's front edge."""
     light = shelf.spec.light
     return light + (1.0 - light) * math.exp(-max(0.0, depth) / _DIMS)
 
@@ -167,7 +167,13 @@ def _book(canvas: Canvas, book: SimulatedBook, shelf: SimulatedShelf | None) -> 
 
 
 def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: FloatArray) -> float | None:
-    """Return where a glossy spine mirrors a window to the eye, 0 to 1 from its left; None: nowhere."""
+    """Return where a glossy spine mirrors a window to a camera, 0 to 1 from its left side; None if nowhere.
+
+    Args:
+        book: book on the shelf.
+        shelf: shelf of the book; None: no window is mirrored.
+        eye: (3,) position of the camera in the world, in [m].
+    """
     if shelf is None or book.spec.gloss == 0.0:
         return None
     spine, eye_S = (shelf.inverse_pose @ book.pose)[:2, 3], shelf.inverse_pose[:2] @ np.append(eye, 1.0)
@@ -177,7 +183,14 @@ def _mirrored(book: SimulatedBook, shelf: SimulatedShelf | None, eye: FloatArray
 
 
 def _lit(picture: ByteArray, light: float, streak: float | None, gloss: float) -> ByteArray:
-    """Return a spine with its shading: darker deep in a shelf, with a streak where a window is mirrored."""
+    """Return a spine (h, w), grey, with its shading.
+
+    Args:
+        picture: (h, w) printed spine, 0 to 255.
+        light: share of the room's light that falls on it, 0 to 1.
+        streak: place of a mirrored window, 0 to 1 from the left side; None: none is mirrored.
+        gloss: share of the window's light that is mirrored, 0 to 1.
+    """
     if light > 0.999 and streak is None:
         return picture
     across = (np.arange(picture.shape[1]) + 0.5) / picture.shape[1]
@@ -192,7 +205,14 @@ _SPINE_FACE = np.array(
 
 
 def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light: float) -> None:
-    """Draw the part of a book between two depths, in one shade."""
+    """Draw the part of a book between two depths, in one shade.
+
+    Args:
+        canvas: picture to draw on.
+        book: the book.
+        span: depths behind the spine at which the part begins and ends, in [m].
+        light: share of the room's light that falls on it, 0 to 1.
+    """
     middle = book.pose @ transform(((span[0] + span[1]) / 2, 0.0, book.height / 2))
     size = np.array([span[1] - span[0], book.thickness, book.height])
     normals = SIDE_NORMALS @ middle[:3, :3].T

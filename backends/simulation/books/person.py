@@ -10,8 +10,8 @@ WAITING_TIME_S = 1.0  # [s] that the robot is there with an empty tray and hand 
 
 
 class Person:
-    """Puts the next book onto the robot's tray when the robot is at its start again, with tray and hand
-    empty.
+    """Person who puts the next book onto the robot's tray when the robot is at its start again, with tray and
+    hand empty.
     """
 
     def __init__(self, books: BooksThere) -> None:

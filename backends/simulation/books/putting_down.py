@@ -23,8 +23,14 @@ def put_down(books: BooksThere, book: SimulatedBook, slot: FreeInterval | None, 
     """Drop a book from its current pose.
 
     If a shelf's board or the tray carries its middle and is at most 20 mm below its foot, the book rests
-    there: on the board in line with its slot, leaning `aside` [rad, to the left] as far as its row allows,
-    on the tray upright. Otherwise it falls to the floor, or flat onto the board, and is lost to the robot.
+    there: on the board in line with its slot, leaning as far as its row allows, on the tray upright.
+    Otherwise it falls to the floor, or flat onto the board, and is lost to the robot.
+
+    Args:
+        books: books and shelves of the scene.
+        book: book to drop.
+        slot: slot that the book was in; None without one.
+        aside: lean at which the fingers leave it, in [rad], positive to the left.
     """
     scene = books.scene
     scene.changes += 1
@@ -73,7 +79,9 @@ def _on_tray(books: BooksThere, book: SimulatedBook) -> bool:
 
 
 def _fall(book: SimulatedBook, height: float = 0.0) -> None:
-    """Lay the book on its cover below where it was released, on a support `height` [m] above the floor."""
+    """Lay the book on its cover below the place where it was released, on a support `height` [m] above the
+    floor.
+    """
     x, y = book.pose[:2, 3]
     yaw = float(np.arctan2(book.pose[1, 0], book.pose[0, 0]))
     lying = transform((float(x), float(y), height + book.thickness / 2), (np.pi / 2, 0.0, yaw))

@@ -21,23 +21,29 @@ _DEEP = 0.035  # behind the board's front edge [m]: further back than a book end
 
 
 class Member(NamedTuple):
-    """Book or panel in a row, in the frame S, in [m]: `right` < `left`; `front` is the x of its spine."""
+    """Book or panel in a row, by its bounds in the shelf frame S, in [m].
+
+    `right` and `left` are bounds along y, `right` < `left`; `front` is the x of its spine, `top` the z of its
+    upper edge.
+    """
 
     right: float
     left: float
     front: float
     top: float
     book: SimulatedBook | None
-    """None: a panel or the book end, which nothing moves."""
+    """The book; None for a panel or the book end, which nothing moves."""
 
 
 class FreeInterval(NamedTuple):
-    """A free interval of the row, in S in [m], between two members."""
+    """Free interval of a row between two members, from `right` to `left` along y of the shelf frame S, in
+    [m].
+    """
 
     right: float
     left: float
     front: float
-    """x at which a book's leading edge enters it."""
+    """x in the frame S, in [m], beyond which a book's leading edge is in the interval."""
 
     @property
     def middle(self) -> float:
@@ -51,9 +57,9 @@ class FreeInterval(NamedTuple):
 
 
 class Pusher(NamedTuple):
-    """Front face that the hand pushes into a row of books, in the frame S of the row.
+    """Front face that the hand pushes into a row of books, in the shelf frame S, in [m].
 
-    Its position `lead` is along x, its extent along y and z, all in [m].
+    It is at x = `lead`, and extends from `right` to `left` along y and from `low` to `high` along z.
     """
 
     lead: float
@@ -66,7 +72,9 @@ class Pusher(NamedTuple):
 
 
 class Push(NamedTuple):
-    """Result of a push: place of the pusher's front, force on it, and the members that it met."""
+    """Result of a push: x of the pusher's face in S in [m] (`lead`), size of the force on it in [N], names of
+    the members that it met.
+    """
 
     lead: float
     force: float
@@ -97,10 +105,17 @@ def slots(row: Sequence[Member]) -> list[FreeInterval]:
 def push(
     books: BooksThere, shelf: SimulatedShelf, row: Sequence[Member], pusher: Pusher, start: float
 ) -> Push:
-    """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
+    """Push a row with a face that is commanded from `start` to `pusher.lead`; move the books that yield.
 
-    Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
-    friction, a book at the shelf's back and the fixed parts don't move. Moves the books.
+    Quasi-static: the arm is a spring of `ARM_STIFFNESS_N_M` behind its command, each book met resists with
+    its friction, a book at the shelf's back and the fixed parts don't move.
+
+    Args:
+        books: books and shelves of the scene.
+        shelf: shelf of the row.
+        row: members of the row.
+        pusher: face of the hand, at its commanded place.
+        start: x of the face in the shelf frame S before the motion, in [m].
     """
     met = [m for m in row if _meets(m, pusher, start)]
     met.sort(key=lambda member: member.front)

@@ -28,7 +28,7 @@ _FACING = np.cos(np.radians(30.0))
 
 
 class Front(NamedTuple):
-    """The shelf that the hand reaches into: its row, and the hand in S."""
+    """The shelf that the hand reaches into, its row, and the hand's pose (4, 4) in the shelf frame S."""
 
     shelf: SimulatedShelf
     row: list[Member]
@@ -97,7 +97,7 @@ class RowRule(HandRule):
         return Met(joints) if self._front is None else self._stop_at_row(self._front, start, joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """Align a held book with its slot; return the slot's force (3,) on the hand, in the hand's frame, in
+        """Align a held book with its slot; return the slot's force (3,) on the hand, in the hand frame, in
         [N].
 
         Args:
@@ -125,7 +125,9 @@ class RowRule(HandRule):
         return np.asarray(world_T_hand[:3, :3].T @ shelf.pose[:3, :3] @ force)
 
     def room(self) -> float:
-        """See `HandRule`: neighbours in the row stop the fingers once the tips are between them."""
+        """Return the largest possible opening of the fingers, in [m]: neighbours in the row stop the fingers
+        once the tips are between them.
+        """
         front, finger = self.front(self._scene.joints), self._scene.robot.finger_shape
         if front is None:
             return np.inf
@@ -137,12 +139,12 @@ class RowRule(HandRule):
         return float(max(0.0, 2 * (min(left, right) - finger.thickness)))
 
     def gripped(self, thing: Thing) -> None:
-        """See `HandRule`: a book gripped in its slot is in it still."""
+        """Handle a grasp: a book that is gripped in its slot is still in the slot."""
         if isinstance(thing, SimulatedBook) and thing.rest is Rest.TABLE and thing.shelf is not None:
             self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
     def left(self) -> FreeInterval | None:
-        """Release the book from the fingers, and return the slot that it was in, if any."""
+        """Forget the entry of the book that the fingers release; return the slot that it was in, or None."""
         slot = self.entry.slot if self.entry is not None and self.entry.admitted else None
         self.entry = None
         return slot

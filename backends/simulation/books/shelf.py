@@ -98,7 +98,9 @@ class SimulatedShelf:
         return Box(self.pose @ transform(tuple(middle)), (x, y, z), f"{part} of {self.name}")
 
     def fixed_intervals(self) -> list[tuple[float, float, float]]:
-        """Return the immovable bounds of the row: (right, left, front) in S, in [m]."""
+        """Return the immovable bounds of the row: (right, left, front) in the shelf frame S, in [m], along y,
+        y and x.
+        """
         half = self.half_width
         walls = [(half, half + PANEL_THICKNESS_M, 0.0), (-half - PANEL_THICKNESS_M, -half, 0.0)]
         if self.book_end_left > -half + 1e-3:

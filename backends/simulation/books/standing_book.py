@@ -13,23 +13,23 @@ from .book import SimulatedBook
 
 
 class StandingBook(NamedTuple):
-    """Pose of a book on a shelf, in S."""
+    """Pose of a book on a shelf, in the shelf frame S (x into the shelf, y to the left, z up)."""
 
     book: SimulatedBook
     lateral: float
-    """y of the middle of its spine, in [m]."""
+    """y of the middle of its spine's foot, in [m]."""
     front: float
-    """x of its spine, in [m]: below zero, it is proud."""
+    """x of its spine, in [m]; below zero the spine stands out beyond the board's front edge."""
     tilt: float
     """Tilt of its height against the vertical, in [rad]."""
     yaw: float
-    """Angle between its depth and the shelf's, in [rad]."""
+    """Angle from the shelf's x axis to the book's depth, in [rad], counter-clockwise from above."""
     lean: float
-    """Sideways, to the left, in [rad]."""
+    """Sideways tilt, in [rad], positive to the left."""
 
     @property
     def sides(self) -> tuple[float, float]:
-        """y of its rightmost and its leftmost point, in [m]."""
+        """y of its rightmost and of its leftmost point, in [m]."""
         half = self.book.thickness / 2 * math.cos(self.lean)
         over = self.book.height * math.sin(self.lean)
         return self.lateral - half + min(0.0, over), self.lateral + half + max(0.0, over)
@@ -39,7 +39,7 @@ def leaned(S_T_foot: Transform, thickness: float, angle: float) -> Transform:
     """Return the pose (4, 4) of a book that leans about the lower edge of one side, in the frame S.
 
     Args:
-        S_T_foot: (4, 4) of the book when it was upright.
+        S_T_foot: (4, 4) pose of the upright book in the shelf frame S.
         thickness: thickness of the book, in [m].
         angle: angle in [rad], positive to the left.
     """

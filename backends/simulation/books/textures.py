@@ -162,7 +162,7 @@ def _face(font: str, cap_height_px: float) -> ImageFont.FreeTypeFont:
 def _cover(
     width_mm: float, height_mm: float, grey: int, px_per_mm: int, rng: np.random.Generator
 ) -> SingleArray:
-    """Cloth: grain of about half a millimetre, and slow stains."""
+    """Return the picture (h, w), grey, of a cloth cover: grain of about 0.5 mm, and slow stains."""
     height, width = round(height_mm * px_per_mm), round(width_mm * px_per_mm)
     grain = rng.normal(0.0, 4.0, (max(2, height // (px_per_mm // 2)), max(2, width // (px_per_mm // 2))))
     stains = rng.normal(0.0, 4.0, (max(2, int(height_mm / 15)), max(2, int(width_mm / 8))))
@@ -173,7 +173,7 @@ def _cover(
 
 
 def _decorate(spine: SingleArray, height_mm: float, px_per_mm: int, rng: np.random.Generator) -> None:
-    """Bands across the spine, and a title along it, between tag and label."""
+    """Draw bands across the spine, and a title along it, between tag and label."""
     grey = float(np.median(spine))
     contrast = 70.0 if grey < 120.0 else -70.0
     free_top, free_bottom = 26.0, height_mm - LABEL_FROM_FOOT_MM - LABEL_LENGTHS_MM[1] - 4.0
@@ -206,7 +206,7 @@ def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> SingleArray:
 
 
 def _smeared(tag: SingleArray, rng: np.random.Generator) -> SingleArray:
-    """Return the tag after a wet thumb: ink dragged slantwise across it."""
+    """Return the picture (h, w), grey, of a tag whose ink a wet thumb has dragged slantwise across it."""
     side = tag.shape[0]
     drag = np.zeros((side | 1, side | 1), dtype=np.float32)
     reach, angle = side // 3, rng.uniform(0.6, 1.0)

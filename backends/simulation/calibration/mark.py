@@ -43,12 +43,14 @@ def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[ByteArr
 
 
 def _smooth(picture: ByteArray) -> ByteArray:
-    """Edges a pixel wide, so that sampling between pixels doesn't displace them."""
+    """Return a grey picture (h, w) with edges a pixel wide, so that sampling between pixels doesn't displace
+    them.
+    """
     return cv2.GaussianBlur(picture, (0, 0), 1.0).astype(np.uint8, copy=False)
 
 
 def _other(kind: str, size_mm: float, board: BoardLayout) -> ByteArray:
-    """Return a calibration board, a full square, a disc, or a square's outline."""
+    """Return the grey picture (h, w) of a calibration board, a full square, a disc, or a square's outline."""
     margin = round(PAPER_MARGIN_M / M_PER_PX)
     if kind == "board":
         return np.pad(board.board(size_mm).draw(M_PER_PX), margin, constant_values=PAPER)

@@ -19,7 +19,7 @@ class MarkSpec(FloorPose):
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
     """Height of the surface."""
     size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
-    """Its side; of a board, the side of one of its squares."""
+    """Side of the mark; of a board, the side of one of its squares."""
     board: BoardLayout = BoardLayout()
     """A board's pattern."""
 

@@ -14,7 +14,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 NEAREST_M = 0.005
 MIN_RAY_COMPONENT = 1e-12
 NOTHING, FLOOR = -2, -1
-"""Numbers of a pixel that shows nothing, or the floor, instead of a box."""
+"""Numbers in place of a body's for a pixel that shows nothing, or the floor."""
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
 
@@ -22,7 +22,7 @@ Cut = Callable[[FloatArray, FloatArray, FloatArray], tuple[FloatArray, FloatArra
 
 
 class BoxDepth:
-    """Casts the rays of a camera's pixels.
+    """Ray caster for all pixels of a camera.
 
     The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986); each body is tested against the
     pixels of the rectangle around its corners alone. A cylinder is a slab along its axis within a circle.
@@ -43,8 +43,8 @@ class BoxDepth:
             boxes: bodies besides the floor at height 0; one that contains the camera is not seen.
 
         Returns:
-            Depth along the optical axis, infinite where nothing is, and the number of the box, `FLOOR` or
-            `NOTHING`.
+            Depth (h, w) along the optical axis, in [m], infinite where nothing is; and the index (h, w) in
+            `boxes`, `FLOOR` or `NOTHING`.
         """
         depth, shown = np.full(self._shape, np.inf), np.full(self._shape, NOTHING)
         height, falls = world_T_camera[2, 3], self._rays @ world_T_camera[2, :3]
@@ -80,7 +80,12 @@ class BoxDepth:
         shown[window] = np.where(hit, number, shown[window])
 
     def _window(self, camera_T_box: Transform, size: FloatArray) -> tuple[slice, slice] | None:
-        """Return the rows and columns that may show a box; None if no pixel does."""
+        """Return the rows and columns of pixels that may show a box; None if no pixel does.
+
+        Args:
+            camera_T_box: (4, 4) pose of the box's middle in the optical frame.
+            size: (3,) lengths along the box's x, y and z, in [m].
+        """
         corners = (_CORNERS * size) @ camera_T_box[:3, :3].T + camera_T_box[:3, 3]
         if (corners[:, 2] <= NEAREST_M).all():
             return None
@@ -95,19 +100,27 @@ class BoxDepth:
 
 
 def _cut_box(start: FloatArray, ways: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the depths (h, w) at which rays enter and leave a box, in [m].
+    """Return the depths (h, w) at which rays enter and leave a box, in [m] along the optical axis; a ray that
+    enters after it leaves misses the box.
 
     Args:
-        start: (3,) eye in the frame of the box.
-        ways: (h, w, 3) rays in it, 1 long along the optical axis.
-        half: (3,) half of its size, in [m].
+        start: (3,) position of the camera in the frame of the box's middle, in [m].
+        ways: (h, w, 3) rays in that frame, of length 1 along the optical axis.
+        half: (3,) half of the box's lengths along x, y and z, in [m].
     """
     one, other = (-half - start) / ways, (half - start) / ways
     return np.minimum(one, other).max(axis=2), np.maximum(one, other).min(axis=2)
 
 
 def _cut_cylinder(start: FloatArray, ways: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the depths (h, w) at which rays enter and leave a cylinder along z; as `_cut_box`."""
+    """Return the depths (h, w) at which rays enter and leave a cylinder along z, in [m] along the optical
+    axis.
+
+    Args:
+        start: (3,) position of the camera in the frame of the cylinder's middle, in [m].
+        ways: (h, w, 3) rays in that frame, of length 1 along the optical axis.
+        half: (3,) radius, radius and half of the length, in [m].
+    """
     below, above = (-half[2] - start[2]) / ways[..., 2], (half[2] - start[2]) / ways[..., 2]
     a = (ways[..., :2] ** 2).sum(axis=2)
     b = ways[..., :2] @ start[:2]

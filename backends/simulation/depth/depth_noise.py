@@ -71,14 +71,19 @@ class DepthNoise:
         return np.asarray(np.maximum(after, before) < math.cos(math.radians(self._errors.grazing_deg)))
 
     def _cosines(self, across: FloatArray, down: FloatArray) -> FloatArray:
-        """Return (h, w) cosine between the rays and the normals of a surface with these slopes (h, w, 3)."""
+        """Return the cosine (h, w) between a pixel's ray and the normal of the surface that it shows, 0 to 1.
+
+        Args:
+            across: (h, w, 3) difference of the surface's points at neighbouring columns, in [m].
+            down: (h, w, 3) difference of the surface's points at neighbouring rows, in [m].
+        """
         normals = np.cross(across, down)
         lengths = np.linalg.norm(normals, axis=2) * np.linalg.norm(self._rays, axis=2)
         return np.asarray(np.abs((normals * self._rays).sum(axis=2)) / np.maximum(lengths, 1e-12))
 
 
 def _rays(model: CameraModel) -> FloatArray:
-    """Return (h, w, 3) rays of the pixels, with a length of 1 along the optical axis."""
+    """Return the rays (h, w, 3) of the pixels in the optical frame, of length 1 along the optical axis."""
     rows, columns = np.indices((model.height, model.width), dtype=np.float64)
     flat = model.undistort(np.column_stack((columns.ravel(), rows.ravel())))
     return np.column_stack((flat, np.ones(len(flat)))).reshape(model.height, model.width, 3)
@@ -92,6 +97,13 @@ def _neighbours(values: NDArray[Scalar], axis: int) -> tuple[NDArray[Scalar], ND
 
 
 def _padded(slopes: FloatArray, axis: int, at: int) -> FloatArray:
-    """Return slopes with the first (0) or last (-1) ones along an axis twice, so that each pixel has one."""
+    """Return differences of neighbouring pixels with the first or last ones repeated, so that each pixel has
+    one.
+
+    Args:
+        slopes: (h - 1, w, 3) or (h, w - 1, 3) differences.
+        axis: axis along which one is missing.
+        at: 0 to repeat the first ones, -1 to repeat the last ones.
+    """
     twice = np.take(slopes, [at], axis=axis)
     return np.concatenate((twice, slopes) if at == 0 else (slopes, twice), axis=axis)

@@ -26,7 +26,8 @@ Body = tuple[Box | Cylinder, Material]
 
 
 class SceneDepthCamera(SimulatedDepthCamera):
-    """Casts rays at the scene's boxes and a level floor; brightness is that of the scene's painter.
+    """Depth camera that casts rays at the scene's boxes and a level floor; brightness is that of the scene's
+    painter.
 
     Not shown, as in pictures of the grey camera: the arm beyond its fingers, the base, and rough ground.
     """
@@ -73,7 +74,14 @@ def bodies_of(scene: Scene) -> Iterator[Body]:
 
 
 def _coloured(grey: ByteArray, shown: IntArray, materials: list[Material]) -> ByteArray:
-    """Return (h, w, 3) in RGB: the brightness of a grey picture in the hue of what each pixel shows."""
+    """Return the picture (h, w, 3) in RGB, 0 to 255: the brightness of a grey picture in the hue of the
+    materials.
+
+    Args:
+        grey: (h, w) brightness, 0 to 255.
+        shown: (h, w) number of the body that each pixel shows, as `BoxDepth.cast` returns it.
+        materials: material of each body.
+    """
     hues = np.ones((len(materials) + 2, 3))  # the last two: nothing, and the floor
     for number, material in enumerate(materials):
         hues[number] = np.array(material[:3]) / max(material[:3])

@@ -29,13 +29,13 @@ class TrueDepth(NamedTuple):
     """Picture and depth of a perfect depth camera."""
 
     colour: ByteArray
-    """(height, width, 3) in RGB."""
+    """Colours (height, width, 3) in RGB, 0 to 255."""
     depth: FloatArray
-    """(height, width) in [m] along the optical axis; infinite where nothing is."""
+    """Depths (height, width) in [m] along the optical axis; infinite where nothing is."""
 
 
 class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
-    """Takes a picture from the true pose of the camera, on demand, once a period.
+    """Depth camera that takes a picture from its true pose, on demand, once a period.
 
     The pose that comes with the picture follows from the measured joints and the URDF. The true one differs
     from it by the joints' errors, and by those of the mount under `errors`.
@@ -51,7 +51,11 @@ class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
 
     @abstractmethod
     def _draw(self, world_T_camera: Transform) -> TrueDepth:
-        """Return what a perfect depth camera sees from a pose (4, 4)."""
+        """Return the picture and depth of a perfect depth camera.
+
+        Args:
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+        """
 
     @override
     def image(self) -> DepthImage:
@@ -87,7 +91,7 @@ class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
         return image
 
     def true_pose(self) -> Transform:
-        """Return the true world_T_camera (4, 4) of the optical frame."""
+        """Return the true world_T_camera (4, 4) of the optical frame (z forward, x right, y down)."""
         world_T_carrier = self._site.scene.world_T(self._mount.carrier)
         return world_T_carrier @ self._mount.carrier_T_frame @ self._mount_error
 

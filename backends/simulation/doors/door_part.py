@@ -44,7 +44,10 @@ class DoorPart(PrintedThing):
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Length, width, height along x, y, z of its frame, in [m]."""
+        """Lengths along x, y, z of its frame, in [m].
+
+        Thickness, width and height of a front; diameter, diameter and length of a handle.
+        """
         handle = self.spec.handle
         if self.is_handle:
             return handle.width, handle.width, handle.length_mm / 1e3
@@ -87,7 +90,11 @@ class DoorPart(PrintedThing):
 
 
 def handle_T_part(spec: SimulatedDoorSpec, part: str) -> Transform:
-    """Return the pose (4, 4) of a part's foot in the frame of the handle."""
+    """Return handle_T_part (4, 4) of the middle of a part's foot.
+
+    Handle frame: origin in the middle of the bar, x away from the closed door, z up. Part: `FRONT` or
+    `HANDLE`.
+    """
     if part == FRONT:
         return np.asarray(spec.front(spec.true_joint())[0] @ transform((0.0, 0.0, -spec.height_mm / 2e3)))
     half = spec.handle.length_mm / 2e3
@@ -97,7 +104,9 @@ def handle_T_part(spec: SimulatedDoorSpec, part: str) -> Transform:
 
 
 def part_at(spec: SimulatedDoorSpec, part: str, opening: float) -> Transform:
-    """Return the pose (4, 4) of a part in the world at an opening, in [rad] or [m]."""
+    """Return world_T_part (4, 4) of the middle of a part's foot at an opening, in [rad], or in [m] for a
+    drawer.
+    """
     return np.asarray(spec.true_joint().handle_at(opening) @ handle_T_part(spec, part))
 
 

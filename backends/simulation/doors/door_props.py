@@ -62,11 +62,11 @@ class DoorProps(Props[DoorsSection]):
         self._note_opening(thing)
 
     def opening_of(self, name: str) -> float:
-        """Return the opening of a door, in [rad] or [m]."""
+        """Return the opening of a door in [rad], or of a drawer in [m]."""
         return self.openings[name]
 
     def put(self, name: str, opening: float) -> None:
-        """Open a door of a world without physics, in [rad] or [m]."""
+        """Set the opening of a door in [rad], or of a drawer in [m], in a world without physics."""
         spec = self.parts[f"{FRONT} {name}"].spec
         self.openings[name] = opening
         for part in (FRONT, HANDLE):

@@ -24,7 +24,7 @@ NOTHING_HELD = np.zeros(3)
 
 
 class DoorRule(HandRule):
-    """Keeps a held handle on the path of its door.
+    """Rule that keeps a held handle on the path of its door.
 
     Quasi-static: the arm is a spring. The door moves as soon as the spring pulls harder along the path than
     the friction of the door; across the path, and at the stops, it does not give at all. The hand turns
@@ -50,7 +50,7 @@ class DoorRule(HandRule):
         """
         self._scene, self._arm, self._opening_of, self._put = scene, arm, opening_of, put
         self.grip = NOTHING_HELD
-        """(3,) of the middle of the held bar in the frame of the hand, in [m]."""
+        """Middle (3,) of the held bar in the hand frame, in [m]."""
 
     @override
     def gripped(self, thing: Thing) -> None:
@@ -74,7 +74,12 @@ class DoorRule(HandRule):
         return Met(end)
 
     def _follow(self, held: DoorPart, pulled: FloatArray) -> None:
-        """Let the door move until its friction balances the pull of a hand commanded to a point (3,)."""
+        """Move the door until its friction balances the pull of the hand.
+
+        Args:
+            held: handle in the hand.
+            pulled: (3,) point in the world to which the middle of the bar is commanded, in [m].
+        """
         spec, opening = held.spec, self._opening_of(held.spec.name)
         joint = spec.true_joint()
         lever = 1.0 if joint.hinge is None else joint.radius

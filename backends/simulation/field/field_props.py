@@ -39,7 +39,7 @@ class FieldProps(Props[FieldSection]):
         self.loaded = 0
         """Number of sensors that the magazine has given so far."""
         self.in_hand = ""
-        """Name of the held object a period ago."""
+        """Name of the held object in the period before; "" for an empty hand."""
         self.total_station = spec.total_station
         """Instrument that measures the hand's position, used by evaluation."""
         self._magazine: SeismicSensorSpec | None = None
@@ -94,8 +94,8 @@ class FieldProps(Props[FieldSection]):
         scene.changes += 1
 
     def _hand_T_foot(self, sensor: Sensor) -> Transform:
-        """Return the pose of a sensor that hangs upright between the fingers: its z is opposite to the hand's
-        x.
+        """Return hand_T_sensor (4, 4) of a sensor that hangs upright between the fingers: its z is opposite
+        to the hand's x.
         """
         ahead = self.scene.robot.finger_shape.tip - SENSOR_BITE_M + sensor.size[2]
         return transform((ahead, 0.0, 0.0), (0.0, -np.pi / 2, 0.0))

@@ -26,7 +26,7 @@ class StationSpec(FileModel):
     height_m: Annotated[float, Field(gt=0.0, le=10.0)] = 1.5
     period_s: Annotated[float, Field(gt=0.0)] = 0.3
     accuracy_mm: Annotated[float, Field(ge=0.0)] = 10.0
-    """Two sigma of its readings, along each axis."""
+    """Twice the sigma of its readings, along each axis."""
 
 
 class FieldSection(FileModel):

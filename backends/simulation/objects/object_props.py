@@ -145,6 +145,8 @@ class ObjectProps(Props[ObjectsSection]):
 
 
 def carried_off(pose: Transform) -> Transform:
-    """Return where a person keeps an object (4, 4) that was taken at a pose."""
+    """Return the pose (4, 4) in the world at which a person keeps an object that was taken at a pose (4, 4)
+    in the world.
+    """
     x, y = pose[:2, 3].tolist()
     return transform((x, y, CARRIED_OFF_M))

@@ -24,9 +24,11 @@ class PullSpec(FileModel):
     sigma_n: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
     """Standard deviation of that force, drawn once by the seed."""
     direction: Direction = "away"
-    """As the robot sees it; `away` is horizontal, from the middle of its base to the hand."""
+    """Direction of the pull as the robot sees it; `away` is horizontal, from the middle of its base to the
+    hand.
+    """
     sigma_deg: Annotated[float, Field(ge=0.0, le=90.0)] = 0.0
-    """Standard deviation of the angle to that direction, drawn once by the seed."""
+    """Standard deviation of the angle between the pull and that direction, drawn once by the seed."""
     ramp_s: Annotated[float, Field(ge=0.0, le=60.0)] = 0.3
     """Time in which the force rises."""
     duration_s: Annotated[float, Field(gt=0.0, le=3600.0)] = 3.0

@@ -48,12 +48,19 @@ class Puller:
     def __init__(
         self, scene: Scene, seed: int, pulls: Iterable[SimulatedPull], held_out: OfferingHand | None
     ) -> None:
-        """Continue with `pulls`; their progress is in the attributes after each `step`."""
+        """Continue with earlier pulls; their progress is in the attributes after each `step`.
+
+        Args:
+            scene: true state of the world.
+            seed: seed of the pulls' errors.
+            pulls: all pulls, with their progress.
+            held_out: place of a hand that holds something out; None without one.
+        """
         self._scene, self._seed = scene, seed
         self.pulls = list(pulls)
         self.held_out = held_out
         self.force = NO_FORCE
-        """(3,) in the world, in [N], on what the hand holds."""
+        """Force (3,) of the person on the held object, in the world, in [N]."""
 
     def step(self) -> None:
         """Begin a period: begin and end pulls, and set the force."""
@@ -124,7 +131,7 @@ class Puller:
         return np.sum(forces, axis=0) if forces else NO_FORCE
 
     def _of(self, number: int, pull: SimulatedPull, now: float) -> FloatArray:
-        """Return the force (3,) of a pull that is on, in the world, in [N]."""
+        """Return the force (3,) on the held object of a pull that is on, in the world frame, in [N]."""
         spec, rng = pull.spec, keyed(self._seed, f"pull {number}")
         size = max(0.0, spec.force_n + spec.sigma_n * float(rng.standard_normal()))
         turn = Rotation.from_rotvec(math.radians(spec.sigma_deg) * rng.standard_normal(3)).as_matrix()
@@ -135,7 +142,7 @@ class Puller:
         return np.asarray(size * risen * (turn @ self._direction(spec)) + tremor)
 
     def _direction(self, spec: PullSpec) -> FloatArray:
-        """Return the unit vector (3,) of a pull's direction in the world."""
+        """Return the unit vector (3,) of a pull's nominal direction in the world frame."""
         if spec.direction in ("up", "down"):
             return UP_AXIS if spec.direction == "up" else -UP_AXIS
         out = self._scene.world_T("hand")[:3, 3] - self._scene.world_T_base[:3, 3]

@@ -57,10 +57,10 @@ class FloorAreaSpec(FloorPose):
 
     name: Name
     size_m: tuple[Length, Length]
-    """Along its own x and y."""
+    """Lengths along the area's own x and y."""
 
     def carries(self, x: float, y: float) -> bool:
-        """Return whether a point of the floor, in [m], is in it."""
+        """Return whether a point x, y of the floor in the world, in [m], is in the area."""
         off = Pose2(x, y, 0.0).relative_to(Pose2(self.x_m, self.y_m, math.radians(self.heading_deg)))
         return abs(off.x) <= self.size_m[0] / 2 and abs(off.y) <= self.size_m[1] / 2
 

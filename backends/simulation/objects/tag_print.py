@@ -21,12 +21,12 @@ MODULE_PX = 16
 def printed_faces(
     tags: Sequence[PrintedTag], size_mm: tuple[float, float, float], grey: int
 ) -> Mapping[Face, ByteArray]:
-    """Return the pictures (h, w), grey, of the sides with tags; as `Thing.faces`.
+    """Return the grey pictures (h, w) of the sides with tags, as seen from outside with z up.
 
     Args:
         tags: the tags.
         size_mm: size of the box along its x, y and z.
-        grey: grey of the side around the tags.
+        grey: grey of the side around the tags, 0 to 255.
     """
     faces: dict[Face, ByteArray] = {}
     for tag in tags:

@@ -38,14 +38,14 @@ class PasserPart(NamedTuple):
     x: float
     y: float
     radius: float
-    """Radius in [m]; x and y are in [m], too."""
+    """Radius of the disc, in [m]; `x` and `y` are its middle in the world, in [m]."""
     low: float
-    """Height of its underside, in [m]."""
+    """Height of the disc's underside above the floor, in [m]; `high` is that of its top."""
     high: float
 
 
 class PasserShape:
-    """A passer as a box to draw; see `Thing`."""
+    """A passer as a box to draw."""
 
     grey = PASSER_GREY
 
@@ -67,9 +67,11 @@ class Passers:
         """Put all passers at their first waypoints; `seed` draws the speeds."""
         self._specs = tuple(specs)
         self.clocks = np.zeros(len(specs))
-        """(n,) time that each group has walked or paused, in [s]."""
+        """Times (n,) that each group has walked or paused, in [s]."""
         self.robot = (FAR_M, FAR_M, 0.0)
-        """x, y and radius of the robot, which passers do not walk through, in [m]; far off at first."""
+        """x and y in the world and radius of the robot, which passers do not walk through, in [m]; far off at
+        first.
+        """
         self._walks: list[tuple[int, str, Walk]] = []
         for number, spec in enumerate(specs):
             drawn = float(keyed(seed, "passer", number).standard_normal(1)[0])
@@ -156,7 +158,13 @@ class Passers:
         return np.array(rows).reshape(-1, 3)
 
     def clearance(self, x: float, y: float) -> tuple[float, str]:
-        """Return the distance of a point to the nearest body in [m], below 0 inside, and its name."""
+        """Return the distance of a point to the nearest passer's body in [m], below 0 inside, and the
+        passer's name.
+
+        Args:
+            x: in the world, in [m].
+            y: in the world, in [m].
+        """
         nearest, whose = math.inf, ""
         for name, radius, step in self.steps():
             away = math.hypot(step.position[0] - x, step.position[1] - y) - radius
@@ -169,7 +177,9 @@ class Passers:
         return [name for name, gap in self._gaps(base, footprint) if gap < 0.0]
 
     def gap(self, base: Pose2, footprint: Footprint) -> tuple[float, str]:
-        """Return the distance of a footprint at world_T_base to the nearest body in [m], and its name."""
+        """Return the distance of a footprint at world_T_base to the nearest passer's body in [m], and the
+        passer's name.
+        """
         gaps = ((gap, name) for name, gap in self._gaps(base, footprint))
         return min(gaps, default=(math.inf, ""))
 
@@ -192,7 +202,7 @@ class Passers:
 
 
 def _legs(step: WalkStep) -> list[tuple[float, float]]:
-    """Return the middles of both legs, in [m]."""
+    """Return the middles of the left and the right leg on the floor, x and y in the world in [m]."""
     left = np.array([-step.direction[1], step.direction[0]])
     swing = LEG_SWING_M * math.sin(math.pi * step.walked / STEP_LENGTH_M) * step.direction
     middles = step.position + LEG_OFFSET_M * left + swing, step.position - LEG_OFFSET_M * left - swing

@@ -17,9 +17,9 @@ class WalkStep(NamedTuple):
     """A walker at one instant."""
 
     position: FloatArray
-    """(2,) in [m]."""
+    """Position (2,) in the world, in [m]."""
     direction: FloatArray
-    """(2,) unit vector in which it walks, or walked last."""
+    """Unit vector (2,) in the world in which the walker walks, or walked last."""
     walked: float
     """Distance walked since the start, in [m]."""
     speed: float
@@ -48,9 +48,14 @@ class Walk:
         self._knots(points[order], [pauses[i] for i in order], seconds)
 
     def _knots(self, points: FloatArray, pauses: list[float], seconds: FloatArray) -> None:
-        """Keep arrival at and departure from each point of one cycle; the last one is the first of the next.
+        """Plan the times of arrival at and departure from each point of one cycle; its last point is the
+        first of the next cycle.
 
-        A companion takes as long from point to point (`seconds`) as the passer whose path it follows.
+        Args:
+            points: (n, 2) points of the path in the world, in [m].
+            pauses: n pauses at the points, in [s].
+            seconds: (n - 1,) times from point to point, in [s]; a companion takes as long as the passer whose
+                path it follows.
         """
         lengths = np.hypot(*np.diff(points, axis=0).T)
         times, places, walked = [0.0], [points[0]], [0.0]
@@ -85,7 +90,9 @@ class Walk:
         return WalkStep(position, self._directions[index], total, 0.0 if stands else pace)
 
     def _direction(self, index: int) -> FloatArray:
-        """Return the unit vector of a knot's segment; of the last one before it while it pauses."""
+        """Return the unit vector (2,) of the segment after a planned time; during a pause, that of the last
+        segment before it.
+        """
         steps = np.diff(self._places, axis=0)
         order = [*range(index, -1, -1), *range(index + 1, len(steps))]
         for number in order:
@@ -96,7 +103,13 @@ class Walk:
 
 
 def _beside(points: FloatArray, offset: float, loops: bool) -> FloatArray:
-    """Return a path (n, 2) that runs beside another one (n, 2), `offset` to its left, in [m]."""
+    """Return a path (n, 2) next to another one, in the world, in [m].
+
+    Args:
+        points: (n, 2) path in the world, in [m].
+        offset: distance to the left of the path, in [m].
+        loops: True if the path is closed.
+    """
     if offset == 0.0:
         return points
     if len(points) < 2:

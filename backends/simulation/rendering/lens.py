@@ -69,7 +69,15 @@ class Lens:
 
 @lru_cache(maxsize=4)
 def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> FloatArray:
-    """Return the rays (n, 2) of all pixels, row by row; cached because they are costly."""
+    """Return the rays (n, 2) of all pixels, row by row: x and y at depth 1; cached because they are costly.
+
+    Args:
+        K: (3, 3) camera matrix in [px], as bytes.
+        distortion: distortion coefficients in OpenCV's order, as bytes.
+        height: height of the picture, in [px].
+        width: width of the picture, in [px].
+        lens: kind of the lens model.
+    """
     camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height, lens)
     rows, columns = np.indices((height, width), dtype=np.float64)
     return camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))

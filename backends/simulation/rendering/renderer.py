@@ -23,7 +23,7 @@ _AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
 
 
 class Renderer:
-    """Paints a scene for one camera: far things first, convex bodies face by face.
+    """Painter of a scene for one camera, far things first, convex bodies face by face.
 
     Things are painted as their props say. Not shown: the arm beyond its fingers, the base.
     """
@@ -40,7 +40,7 @@ class Renderer:
 
         Args:
             scene: true state of the world.
-            world_T_camera: (4, 4) pose of the optical frame.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
             period: number of the period.
         """
         return self._lens.take(self.ideal(scene, world_T_camera), period)
@@ -50,7 +50,7 @@ class Renderer:
 
         Args:
             scene: true state of the world.
-            world_T_camera: (4, 4) pose of the optical frame.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
         """
         return paint_scene(scene, self._lens.K, self._lens.size, world_T_camera)
 
@@ -87,7 +87,7 @@ def _room(canvas: Canvas, scene: Scene) -> None:
 
 
 def _away(canvas: Canvas, box: Box) -> float:
-    """Return the distance from the camera over the floor, in [m]."""
+    """Return the horizontal distance from the camera to a box, in [m]."""
     return float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))
 
 

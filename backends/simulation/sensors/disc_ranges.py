@@ -14,9 +14,9 @@ def cast_at_discs(discs: FloatArray, sensor: Pose2, angles: FloatArray, reach: f
     A disc that contains the sensor is not seen.
 
     Args:
-        discs: (k, 3) x, y and radius in [m], in the world.
+        discs: (k, 3) x and y in the world and radius, in [m].
         sensor: world_T_sensor.
-        angles: (n,) in [rad], in the sensor frame.
+        angles: (n,) of the beams in the sensor frame, in [rad], counter-clockwise from its x axis.
         reach: maximum range, in [m].
     """
     if not len(discs):

@@ -18,9 +18,10 @@ from .simulated_sensor import SensorSite
 
 
 class FieldImu(SimulatedImu):
-    """Gyros whose bias warms away and wanders off, with errors of scale; accelerometers that feel the drive.
+    """Gyros whose bias decays while they warm up, and wanders, with errors of scale; accelerometers with
+    errors.
 
-    These feel speeding up, curves and, while the base moves, vibration.
+    The accelerometers measure speeding up, curves and, while the base moves, vibration.
     """
 
     STATE: ClassVar = {

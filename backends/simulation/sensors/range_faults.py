@@ -10,7 +10,7 @@ from handcart.backends.description.simulated_errors import Errors
 from handcart.robotics.numerics.arrays import FloatArray
 
 OWN_BODY_M = 0.12
-"""Range of a return of the robot's own body."""
+"""Range of a return of the robot's own body, in [m]."""
 
 
 class RangeFaults(NamedTuple):

@@ -21,7 +21,7 @@ def cast_rays(plan: FloorPlan, sensor: Pose2, angles: FloatArray, time: float, r
     Args:
         plan: outlines at the sensor's height.
         sensor: world_T_sensor.
-        angles: (n,) in [rad], in the sensor frame.
+        angles: (n,) of the beams in the sensor frame, in [rad], counter-clockwise from its x axis.
         time: simulated time in [s], which decides which surprises are present.
         reach: maximum range, in [m].
     """
@@ -50,9 +50,15 @@ def _pairs(
     heading: FloatArray,
     angles: FloatArray,
 ) -> tuple[IntArray, IntArray]:
-    """Return numbers of outlines (k,) and beams (k,) that may meet, by the angles of the corners.
+    """Return the pairs of outlines and beams that may meet, as numbers of outlines (k,) and of beams (k,).
 
-    `here` (m, 2) is the sensor in the outlines' frames, `heading` (m,) theirs in the sensor frame.
+    They are found by the directions of the outlines' corners.
+
+    Args:
+        here: (m, 2) position of the sensor in the frames of m outlines, in [m].
+        half: (m, 2) half lengths of the outlines along their x and y, in [m].
+        heading: (m,) headings of the outlines in the sensor frame, in [rad].
+        angles: (n,) of the beams in the sensor frame, in [rad].
     """
     order = np.argsort(angles)
     sorted_angles = angles[order]
@@ -72,12 +78,19 @@ def _pairs(
 
 
 def _wrapped(angle: FloatArray) -> FloatArray:
-    """Return an angle wrapped to -pi to pi, in [rad]."""
+    """Return angles wrapped to -pi to pi, in [rad], in the shape given."""
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _slab(here: FloatArray, half: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the distances (k,) at which beams enter and leave the strips between -half and half (k,)."""
+    """Return the distances (k,), in [m], along k beams at which they enter and leave the strips between -half
+    and half.
+
+    Args:
+        here: (k,) coordinate of the sensor across the strip, in [m].
+        half: (k,) half widths of the strips, in [m].
+        direction: (k,) same coordinate of the beams' unit vectors.
+    """
     slope = 1.0 / np.where(np.abs(direction) < 1e-12, 1e-12, direction)
     middle, width = -here * slope, half * np.abs(slope)
     return middle - width, middle + width

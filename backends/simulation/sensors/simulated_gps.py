@@ -41,7 +41,17 @@ class SimulatedGps(Gps, SimulatedSensor):
         seed: int,
         antenna: FloatArray | None = None,
     ) -> None:
-        """Prepare a receiver whose antenna is at (3,) in [m] in the base (default: the robot's first)."""
+        """Prepare a receiver.
+
+        Args:
+            spec: the receiver's section of the robot's file.
+            sky: disturbances of the world's file.
+            scene: true state of the world.
+            period: control period, in [s].
+            seed: seed of the errors.
+            antenna: (3,) position of the antenna in the base frame, in [m] (default: that of the robot's
+                first receiver).
+        """
         self._spec, self._sky, self._scene, self._seed = spec, sky, scene, seed
         self._every = max(1, round(spec.period_s / period))
         self._antenna = np.array([*(scene.robot.antenna if antenna is None else antenna), 1.0])
@@ -78,7 +88,9 @@ class SimulatedGps(Gps, SimulatedSensor):
         self._fix = Fix(place + (self._sky.outlier_m * draws[2] if odd else 0.0), self._spec.white_m)
 
     def _reflect(self) -> None:
-        """Begin or end a reflection; spells with odd numbers are reflections."""
+        """Begin or end a reflection (multipath), which adds an offset to the fixes; times with odd numbers
+        are reflections.
+        """
         while self._scene.time >= self._until:
             self._spell += 1
             reflected = self._spell % 2 == 1

@@ -21,7 +21,9 @@ GRAVITY_M_S2 = 9.81  # [m/s²]
 
 
 class SimulatedImu(Imu, SimulatedSensor):
-    """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
+    """Gyros with white noise and a constant bias; accelerometers that measure nothing but gravity, with
+    noise.
+    """
 
     STATE: ClassVar[Kinds] = {"_turn": FloatArray, "_turned": FloatArray, "_now": int}
     """Attributes that a checkpoint keeps, with their types."""
@@ -71,7 +73,7 @@ class SimulatedImu(Imu, SimulatedSensor):
         self._turn, self._now = turn, period
 
     def _carried(self) -> FloatArray:
-        """Return the specific force (3,) in [m/s²], in the world: the robot's acceleration less that of a
-        free fall.
+        """Return the specific force (3,) in the world frame, in [m/s²]: the robot's acceleration less that of
+        gravity, so +9.81 along z at rest.
         """
         return np.array([0.0, 0.0, GRAVITY_M_S2])

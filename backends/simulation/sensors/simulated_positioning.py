@@ -38,7 +38,9 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         self._spec, self._scene, self._period, self._seed = spec, scene, period, seed
         self._now, self._taken = 0, 0
         self._under_way: tuple[tuple[int, Pose2, float], ...] = ()
-        """Number, pose, and when it was measured, in [s], of what hasn't arrived."""
+        """Readings that haven't arrived yet, each with number, map_T_base, and time of the measurement in
+        [s].
+        """
         self._last: tuple[int, Pose2, float] | None = None
         self._take()
 

@@ -34,7 +34,14 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
     def __init__(
         self, spec: RangeSpec, base_T_sensor: Transform, seed: int, faults: RangeFaults = NO_FAULTS
     ) -> None:
-        """`base_T_sensor` (4, 4) is where the URDF mounts it; `faults` are its driver's."""
+        """Prepare a lidar.
+
+        Args:
+            spec: the lidar's section of the robot's file.
+            base_T_sensor: (4, 4) pose of the sensor's frame in the base frame, by the URDF.
+            seed: seed of the noise.
+            faults: shares of faulty readings that the driver delivers.
+        """
         self._spec, self._seed, self._faults = spec, seed, faults
         yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
         self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)

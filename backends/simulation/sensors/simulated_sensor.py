@@ -27,7 +27,7 @@ class SensorSite(Generic[S]):
     name: str
     """Name of the sensor in the robot's file."""
     spec: S
-    """Its section there."""
+    """Section of the sensor in the robot's file."""
     robot: RobotFile
     world: WorldFile
     scene: Scene
@@ -36,9 +36,11 @@ class SensorSite(Generic[S]):
     seed: int
     """Seed of the sensor's errors: two sensors of one kind have different ones."""
     joints: Callable[[], FloatArray]
-    """Returns the measured joints of the arm, (n,); empty without an arm."""
+    """Function that returns the measured joints (n,) of the arm, in [rad] or [m]; an empty array without an
+    arm.
+    """
     link: str
-    """Link of the URDF that it is mounted at; "" for one without a frame."""
+    """Link of the URDF that the sensor is mounted at; "" for a sensor without a frame."""
     engine: Any = None
     """The simulation behind the scene, which some kinds of sensors know: with physics a
     `handcart.backends.physics.sensors.physics_site:PhysicsSite`.

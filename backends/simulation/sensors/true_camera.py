@@ -24,7 +24,8 @@ def true_camera(spec: CameraSpec, mount: CameraMount, errors: Errors, seed: int)
 
 
 def mount_error(errors: Errors, seed: int) -> Transform:
-    """Return the pose (4, 4) of a camera in the frame where it should be, drawn once for a seed.
+    """Return the pose (4, 4) of the true optical frame in the optical frame that the robot's file states,
+    drawn once for a seed.
 
     Args:
         errors: sizes of the errors of the mount.

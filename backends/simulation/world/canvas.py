@@ -18,12 +18,21 @@ Shade = Callable[[ByteArray], ByteArray]
 
 
 class Canvas:
-    """Paints faces given in the world; an integer pixel is a pixel's centre."""
+    """Grey picture of a pinhole camera on which faces given in the world are painted; an integer pixel is a
+    pixel's centre.
+    """
 
     def __init__(
         self, K: FloatArray, size: tuple[int, int], world_T_camera: Transform, background: int
     ) -> None:
-        """`K` (3, 3) in [px], `size` (width, height), `world_T_camera` (4, 4)."""
+        """Begin with a picture of one grey.
+
+        Args:
+            K: (3, 3) camera matrix, in [px].
+            size: width and height in [px].
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            background: grey of the empty picture, 0 to 255.
+        """
         self.picture: ByteArray = np.full((size[1], size[0]), background, dtype=np.uint8)
         self.eye: FloatArray = world_T_camera[:3, 3]
         self._K = K
@@ -91,7 +100,15 @@ class Canvas:
     def _level(
         self, levels: Sequence[tuple[ByteArray, float]], pixels: FloatArray, size: FloatArray
     ) -> tuple[ByteArray, float]:
-        """Return the coarsest level that is as fine as the picture."""
+        """Return the coarsest level, with the size of its pixels in [m], that is as fine as the picture shows
+        it.
+
+        Args:
+            levels: the same picture (h, w) in falling resolution, each with the size of a pixel, in [m].
+            pixels: (4, 2) columns and rows of the face's corners in the camera's picture, from its upper
+                left, clockwise.
+            size: (2,) width and height of the face, in [m].
+        """
         px_per_m = max(
             np.linalg.norm(pixels[1] - pixels[0]) / size[0], np.linalg.norm(pixels[3] - pixels[0]) / size[1]
         )
@@ -122,8 +139,12 @@ class Canvas:
 
 
 def _cover(pixels: FloatArray, window: tuple[int, int]) -> SingleArray:
-    """Return how much of each pixel a convex quadrangle covers, (h, w) 0 to 1: distance to its edges +
+    """Return the share (h, w), 0 to 1, of each pixel that a convex quadrangle covers: distance to its edges +
     1/2.
+
+    Args:
+        pixels: (4, 2) columns and rows of its corners, in order.
+        window: width and height of the window, in [px].
     """
     columns = np.arange(window[0], dtype=np.float32)
     rows = np.arange(window[1], dtype=np.float32)[:, None]
@@ -149,7 +170,12 @@ def _blend(below: ByteArray, above: ByteArray, cover: SingleArray) -> ByteArray:
 
 
 def _before(rays: FloatArray) -> FloatArray:
-    """Return the part of a polygon before the nearest plane (Sutherland and Hodgman, 1974)."""
+    """Return the corners (m, 3) of the part of a polygon that is beyond the nearest plane (Sutherland and
+    Hodgman, 1974).
+
+    Args:
+        rays: (n, 3) corners in the optical frame, in [m].
+    """
     corners: list[list[float]] = rays.tolist()
     kept: list[list[float]] = []
     for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):

@@ -23,7 +23,7 @@ class Pads(NamedTuple):
     """Two fingers around a place."""
 
     world_T_hand: Transform
-    """Pose (4, 4) of the hand; the fingers close along its y, and point along its x."""
+    """Pose world_T_hand (4, 4); the fingers close along the hand's y axis, and point along its x axis."""
     width: float
     """Opening between the pads, in [m]."""
     finger: FingerShape
@@ -53,7 +53,9 @@ def fits(thing: Thing, pads: Pads) -> bool:
 
 
 def aside_at_pads(thing: Thing, pads: Pads) -> float:
-    """Return the distance of a thing's middle to the left of the hand's middle, at the pads, in [m]."""
+    """Return the y of a thing's middle in the hand frame, at the pads, in [m]; positive to the left of the
+    hand's middle.
+    """
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     if thing.is_round and abs(float(middle[0, 2])) < _LENGTHWISE:
         return float(middle[1, 3])
@@ -64,9 +66,9 @@ def aside_at_pads(thing: Thing, pads: Pads) -> float:
 
 
 def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
-    """Return hand_T_thing (4, 4) of a thing between closed pads.
+    """Return hand_T_thing (4, 4) of a thing after the pads have closed on it.
 
-    Its sides align with the pads, and it slides between their middle; along the pads it stays.
+    Its sides align with the pads, and its middle moves to the middle between them; along the pads it stays.
     """
     hand_T_middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     side = _side(thing, hand_T_middle, _across(thing, pads))
@@ -81,8 +83,8 @@ def extent(axis: FloatArray, size: tuple[float, float, float]) -> FloatArray:
     """Return how far a cylinder reaches (3,) along x, y and z, from end to end, in [m].
 
     Args:
-        axis: (3,) unit vector along it.
-        size: its diameter twice, and its length, in [m].
+        axis: (3,) unit vector along the cylinder.
+        size: (3,) diameter, diameter and length of the cylinder, in [m].
     """
     return np.asarray(size[0] * np.sqrt(np.maximum(0.0, 1.0 - axis**2)) + size[2] * np.abs(axis))
 
@@ -96,7 +98,13 @@ def _squareness(thing: Thing, hand_T_middle: Transform) -> float:
 
 
 def _side(thing: Thing, hand_T_middle: Transform, across: int) -> FloatArray:
-    """Return the normal (3,) of the side that the pads meet, in the hand's frame."""
+    """Return the unit normal (3,) of the side that the pads meet, in the hand frame.
+
+    Args:
+        thing: the thing.
+        hand_T_middle: (4, 4) pose of the thing's middle in the hand frame.
+        across: number of the thing's axis that is most parallel to the closing direction.
+    """
     if not thing.is_round or across == 2:
         return np.asarray(hand_T_middle[:3, across])
     axis = hand_T_middle[:3, 2]
@@ -105,7 +113,9 @@ def _side(thing: Thing, hand_T_middle: Transform, across: int) -> FloatArray:
 
 
 def _across(thing: Thing, pads: Pads) -> int:
-    """Return the axis of a thing that is most parallel to the closing direction; 0 or 2 if it is round."""
+    """Return the number of the thing's axis that is most parallel to the closing direction; 0 or 2 if the
+    thing is round.
+    """
     if thing.is_round:
         return 2 if abs(float(pads.world_T_hand[:3, 1] @ thing.pose[:3, 2])) > _SQUARE else 0
     closing = pads.world_T_hand[:3, 1]

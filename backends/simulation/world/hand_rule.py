@@ -19,15 +19,16 @@ class Met(NamedTuple):
     """End of an arm's motion."""
 
     joints: FloatArray
-    """Joints (n,) at which it stops, in [rad] or [m]: the given array itself, if nothing stops it."""
+    """Joints (n,) at which the arm stops, in [rad] or [m]: the given array itself, if nothing stops it."""
     force: float = 0.0
-    """Force that pushes the hand back along its x, in [N]."""
+    """Size of the force that pushes the hand back against its x axis, in [N]."""
     pairs: frozenset[tuple[str, str]] = frozenset()
-    """Touching pairs."""
+    """Names of the robot's body and the other one of each touching pair."""
 
 
 class HandRule:
-    """Replaces rigid geometry between the hand and a domain's things; by default it decides nothing.
+    """Rule that replaces rigid geometry between the hand and a domain's things; by default it decides
+    nothing.
 
     In each motion of the arm, `aim`, `decides`, `meet` and `carry` are called in this order.
     """
@@ -56,9 +57,9 @@ class HandRule:
         return Met(joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """Correct the pose of the held object after the hand has moved it; return the force (3,) on the hand.
+        """Correct the pose of the held object after the hand has moved it; return its force (3,) on the hand.
 
-        The force is in the hand's frame, in [N].
+        The force is in the hand frame, in [N].
 
         Args:
             thing: the held object.

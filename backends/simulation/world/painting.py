@@ -19,7 +19,7 @@ from .canvas import Canvas
 
 BOX_SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "-z", "+z")
 SIDE_NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], dtype=float)
-"""(6, 3) of a box's sides, as in `BOX_SIDES`."""
+"""Outward unit normals (6, 3) of a box's sides, in the order of `BOX_SIDES`."""
 _CORNERS = (
     ((-1, -1, -1), (-1, 1, -1), (-1, 1, 1), (-1, -1, 1)),
     ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
@@ -29,7 +29,7 @@ _CORNERS = (
     ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
 )
 SIDE_CORNERS = np.array(_CORNERS, dtype=float) / 2
-"""(6, 4, 3) corners of the unit box around its middle."""
+"""Corners (6, 4, 3) of the sides of a box of length 1 around its middle, in the order of `BOX_SIDES`."""
 _SHADE = (1.0, 0.6, 0.8, 0.85, 0.4, 1.1)  # light comes from above and from before the robot's docking places
 _PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
     # the size's axes along rows and columns; roll, pitch, yaw of the picture's frame, its y down
@@ -50,7 +50,7 @@ class Painted(NamedTuple):
     """Drawable object; more distant objects are painted first."""
 
     middle: FloatArray
-    """(3,) in [m]: more distant objects are painted first."""
+    """Middle (3,) of the object in the world, in [m]; more distant objects are painted first."""
     paint: Callable[[Canvas], None]
 
 
@@ -122,10 +122,11 @@ def round_strips(size: tuple[float, float, float]) -> list[tuple[FloatArray, Flo
 
 
 def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]:
-    """Return the frame (4, 4) of the picture on a box's side, and its size in [m] along rows and columns.
+    """Return the frame (4, 4) of the picture on a box's side, and the picture's size along rows and columns,
+    in [m].
 
-    The pose is in the frame of the box's own pose: origin in the picture's upper left corner, x along its
-    rows, y down its columns, z into the box.
+    The frame is given in the frame of `box.pose`'s parent, such as the world: origin in the picture's upper
+    left corner, x along its rows, y down its columns, z into the box.
     """
     along, down, *turn = _PICTURES[side]
     size = (box.size[along], box.size[down])
@@ -135,7 +136,8 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
 
 
 def picture_levels(picture: ByteArray, width: float, height: float) -> Levels:
-    """Return a grey picture (h, w) in falling resolution, its pixels made square.
+    """Return a grey picture (h, w) in falling resolution with square pixels, each with the size of a pixel in
+    [m].
 
     Args:
         picture: (h, w), fills the face.

@@ -49,8 +49,9 @@ def level(x: float, y: float) -> float:
 class Scene:
     """World and robot as they truly are.
 
-    `base` is world_T_base; `joints` (n,) in [rad]; `width` the opening between the finger pads in [m];
-    `hand_force` (3,) in [N] in the hand frame, without noise; `contacts` all that the robot ran into.
+    `base` is the 2D pose world_T_base; `joints` (n,) in [rad] or [m]; `width` the opening between the finger
+    pads in [m]; `hand_force` (3,) of the surroundings on the hand in [N] in the hand frame, without noise;
+    `contacts` all contacts of the robot so far.
     """
 
     STATE: ClassVar[Kinds] = {
@@ -84,7 +85,9 @@ class Scene:
     """People and carts that walk about."""
     time: float = 0.0
     lean: tuple[float, float] = (0.0, 0.0)
-    """Roll and pitch of the base on its suspension, in [rad]."""
+    """Roll and pitch of the base on its suspension, in [rad], positive as in a URDF (right side down, front
+    down).
+    """
     held: Thing | None = None
     hand_T_held: Transform = field(default_factory=lambda: np.eye(4))
     hand_force: FloatArray = field(default_factory=lambda: np.zeros(3))
@@ -94,7 +97,7 @@ class Scene:
     open_ground: bool = False
     """True outdoors: released things rest on the ground."""
     ground_height: Callable[[float, float], float] = level
-    """Height of the ground at a place, all in [m]."""
+    """Function that returns the height of the ground at x and y in the world, all in [m]."""
     tilted_base: Transform | None = None
     """world_T_base (4, 4) if physics lets the base tilt; None: it is level."""
     start: Pose2 = field(default_factory=lambda: Pose2(0.0, 0.0, 0.0))
@@ -117,11 +120,11 @@ class Scene:
         return FloorPlan(self.solids, 0.02, 2.0)
 
     def world_T_map(self, own_start: Pose2 | None) -> Pose2:
-        """Return the pose of a robot's map in the world.
+        """Return world_T_map, the 2D pose of a robot's map in the world.
 
         Args:
-            own_start: pose that the robot gives its start because it has no map; None with a map, which has
-                the world's frame.
+            own_start: map_T_base that the robot gives its start because it has no map; None with a map, which
+                has the world's frame.
         """
         return Pose2(0.0, 0.0, 0.0) if own_start is None else self.start.compose(own_start.inverse())
 
@@ -149,12 +152,12 @@ class Scene:
 
     @property
     def world_T_base(self) -> Transform:
-        """True pose (4, 4) of the base."""
+        """True pose world_T_base (4, 4) of the base, with its tilt."""
         return self.leaning_at(self.base) if self.tilted_base is None else self.tilted_base
 
     def leaning_at(self, base: Pose2) -> Transform:
-        """Return world_T_base (4, 4) of a base at another pose that leans on its suspension as it does
-        now.
+        """Return world_T_base (4, 4) of a base at another 2D pose, with the tilt on its suspension that it
+        has now.
         """
         if self._leant is None or self._leant[0] != (base, self.lean):
             pose = base.lift()
@@ -194,7 +197,7 @@ class Scene:
         return [thing for props in self.props.values() for thing in props.things() if thing.rest is tray]
 
     def felt_force(self) -> FloatArray:
-        """Return the force (3,) on the hand, in its frame, in [N]: contacts, felt weights, and forces of
+        """Return the force (3,) on the hand, in the hand frame, in [N]: contacts, felt weights, and forces of
         props.
         """
         force = self.hand_force
@@ -222,7 +225,7 @@ class Scene:
     # Changes of the scene
 
     def move_base(self, base: Pose2) -> None:
-        """Put the base with its load elsewhere; the held object moves with the hand."""
+        """Put the base with its load at another 2D pose world_T_base; the held object moves with the hand."""
         self.base = base
         self._carry_along()
 

@@ -55,7 +55,7 @@ class SceneProps(ABC):
         """Begin a period: let things change by themselves."""
 
     def hand_force(self) -> FloatArray:
-        """Return the force (3,) in [N] that the props add to the hand's reading, in the hand's frame."""
+        """Return the force (3,) that the props add to the hand's reading, in the hand frame, in [N]."""
         return np.zeros(3)
 
     # Props in a hand without physics

@@ -11,7 +11,7 @@ from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.numerics.arrays import ByteArray
 
 Levels = Sequence[tuple[ByteArray, float]]
-"""A picture in falling resolution, each with its metres a pixel."""
+"""A grey picture (h, w) in falling resolution, each with the size of a pixel, in [m]."""
 
 
 class Sheet:
@@ -26,8 +26,8 @@ class Sheet:
         self.levels = levels
 
     def face(self) -> Transform:
-        """Frame of the picture (4, 4): origin in its upper left corner, x along its rows, y down its
-        columns.
+        """Return the picture's frame (4, 4) in the world: origin in its upper left corner, x along its rows,
+        y down its columns.
         """
         picture, metres = self.levels[0]
         height, width = (size * metres for size in picture.shape)

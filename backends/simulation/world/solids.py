@@ -34,7 +34,7 @@ class Solid:
 
     @property
     def outline(self) -> tuple[float, float, float, float, float]:
-        """Outline on the floor: x, y in [m], yaw in [rad], length and width in [m]."""
+        """Outline on the floor: x, y in the world in [m], yaw in [rad], length and width in [m]."""
         pose, (length, width, _) = self.box.pose, self.box.size
         return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]), length, width
 
@@ -111,12 +111,12 @@ class FloorPlan:
         self.steady = bool(np.all((self._appears == 0.0) & np.isinf(self._leaves)))
 
     def there(self, time: float) -> BoolArray:
-        """Return a mask (n,): which solids are present at a time in [s]."""
+        """Return a mask (n,), True for the solids that are present at a time in [s]."""
         present: BoolArray = (self._appears <= time) & (time < self._leaves)
         return present
 
     def local(self, x: float, y: float) -> FloatArray:
-        """Return a point in the frames of all outlines, (n, 2) in [m].
+        """Return a point's coordinates (n, 2) in the frames of all n outlines, in [m].
 
         Args:
             x: in the world, in [m].
@@ -147,20 +147,28 @@ class FloorPlan:
 
     @cached_property
     def _corners(self) -> FloatArray:
-        """Return the corners (n, 4, 2) of all outlines, in [m]."""
+        """Return the corners (n, 4, 2) of all outlines in the world, counter-clockwise, in [m]."""
         along = self.half[:, None] * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
         x = self.middle[:, None, 0] + self.cos[:, None] * along[..., 0] - self.sin[:, None] * along[..., 1]
         y = self.middle[:, None, 1] + self.sin[:, None] * along[..., 0] + self.cos[:, None] * along[..., 1]
         return np.ascontiguousarray(np.stack([x, y], axis=-1))
 
     def _distances(self, x: float, y: float) -> FloatArray:
-        """Return the signed distances (n,) of a point to all outlines, in [m]; below 0 inside."""
+        """Return the signed distances (n,) of a point x, y in the world to all outlines, in [m]; below 0
+        inside.
+        """
         out_x, out_y = (np.abs(self.local(x, y)) - self.half).T
         distance = np.hypot(np.maximum(out_x, 0.0), np.maximum(out_y, 0.0))
         return np.asarray(distance + np.minimum(np.maximum(out_x, out_y), 0.0))
 
     def clearance(self, x: float, y: float, time: float) -> tuple[float, str]:
-        """Return the distance of a point to the nearest outline in [m], below 0 inside, and its name."""
+        """Return the distance of a point to the nearest present outline in [m], below 0 inside, and its name.
+
+        Args:
+            x: in the world, in [m].
+            y: in the world, in [m].
+            time: simulated time, in [s].
+        """
         if not self.names:
             return math.inf, ""
         distance = self._distances(x, y)

@@ -85,7 +85,11 @@ def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
 
 
 def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]]:
-    """Return the tops below a thing: height in [m], outline (n, 2) of the contact, and True on the robot."""
+    """Return the upper sides right below a thing.
+
+    Each is its height in [m], the outline (n, 2) of the contact in the world in [m], and True if it is on the
+    robot.
+    """
     foot = float(thing.pose[2, 3])
     outline = _round_outline(thing) if thing.is_round else _outline(Box(thing.pose, thing.size))
     boxes = [(solid.box, False) for solid in scene.solids]
@@ -109,13 +113,13 @@ def _supports(scene: Scene, thing: Thing) -> list[tuple[float, FloatArray, bool]
 
 
 def _outline(box: Box) -> FloatArray:
-    """Return (4, 2) corners of an upright box on the floor."""
+    """Return the corners (4, 2) of an upright box on the floor, x and y in the world, in [m]."""
     half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
     return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
 
 
 def _round_outline(thing: Thing) -> FloatArray:
-    """Return (n, 2) points around the foot of a cylinder, on the floor."""
+    """Return points (n, 2) around the foot of a cylinder, x and y in the world, in [m]."""
     angles = np.arange(ROUND_CORNERS) * (2.0 * np.pi / ROUND_CORNERS)
     return np.asarray(
         thing.size[0] / 2 * np.column_stack([np.cos(angles), np.sin(angles)]) + thing.pose[:2, 3]

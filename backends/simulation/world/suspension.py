@@ -11,7 +11,8 @@ from handcart.robotics.geometry.transform import Transform, transform
 
 @lru_cache(maxsize=16)
 def leaning(lean: tuple[float, float], pivot: float) -> Transform:
-    """Return the pose (4, 4) of a leaning base in the upright base; it is read only.
+    """Return upright_T_leaning (4, 4), the pose of a leaning base in the frame of the upright base; it is
+    read-only.
 
     Args:
         lean: roll and pitch, in [rad].
@@ -24,10 +25,14 @@ def leaning(lean: tuple[float, float], pivot: float) -> Transform:
 
 
 def lean_of(reach: tuple[float, float], mrad_per_m: float) -> tuple[float, float]:
-    """Return roll and pitch in [rad] with the hand `reach` from the base's centre along x and y, in [m].
+    """Return roll and pitch of the base in [rad]; the side that the hand is on sinks.
 
-    The side that the hand is on sinks, in proportion to how far out it is: the centre of gravity moves with
-    the arm and the springs are linear (paper of Hatano et al. 2000, section 4).
+    The tilt is proportional to the hand's distance: the centre of gravity moves with the arm and the springs
+    are linear (paper of Hatano et al. 2000, section 4).
+
+    Args:
+        reach: x and y of the hand in the base frame, in [m].
+        mrad_per_m: tilt for each metre of that distance.
     """
     rate = mrad_per_m / 1e3
     return -rate * reach[1], rate * reach[0]

@@ -18,7 +18,7 @@ from handcart.robotics.numerics.arrays import ByteArray
 from .material import PALE_WOOD, Material
 
 GreyImage = ByteArray
-"""A grey picture, (h, w), from 0 (black) to 255."""
+"""A grey picture (h, w), from 0 (black) to 255 (white)."""
 Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
 
 
@@ -56,7 +56,7 @@ class Thing(ABC):
     """world_T_thing (4, 4)."""
     rest: Rest
     base_T_thing: Transform = field(default_factory=lambda: np.eye(4), kw_only=True)
-    """Pose on the robot (4, 4), valid while the robot carries it."""
+    """Pose base_T_thing (4, 4), valid while the thing lies on the robot."""
 
     @property
     @abstractmethod
@@ -82,7 +82,7 @@ class Thing(ABC):
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Pose (4, 4) of the thing's middle in its own frame, by default right above the origin."""
+        """Pose (4, 4) of the thing's middle in the thing's frame, by default right above the origin."""
         return middle_frame(0.0, self.size[2] / 2)
 
     @property
@@ -120,13 +120,13 @@ class Thing(ABC):
         return Cylinder(pose, x / 2, z, self.name) if self.is_round else Box(pose, (x, y, z), self.name)
 
     def tilt(self) -> float:
-        """Angle between its height and the vertical, in [rad]."""
+        """Angle between the thing's z axis and the vertical, in [rad], 0 to pi."""
         return float(np.arccos(np.clip(self.pose[2, 2], -1.0, 1.0)))
 
 
 @lru_cache(maxsize=256)
 def middle_frame(ahead: float, above: float) -> Transform:
-    """Return the pose (4, 4) that far ahead of and above the origin, in [m]; read-only."""
+    """Return the pose (4, 4), not turned, at x = `ahead` and z = `above` in [m]; it is read-only."""
     pose = np.eye(4)
     pose[0, 3], pose[2, 3] = ahead, above
     pose.flags.writeable = False

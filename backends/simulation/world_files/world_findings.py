@@ -107,7 +107,7 @@ def _off_its_map(loaded: Loaded[WorldFile], grid: GridMap, solids: list[Solid]) 
 
 
 def _alike(grid: GridMap, solids: list[Solid]) -> float:
-    """Return the share of the occupied cells with something of the world near them."""
+    """Return the share of the occupied cells, 0 to 1, with a solid of the world near them."""
     shape = grid.occupied.shape
     size = shape[1] * grid.resolution, shape[0] * grid.resolution
     boxes = [solid.outline for solid in solids]
