@@ -364,6 +364,8 @@ def steady_points(scan: Scan) -> FloatArray:
 
 
 def _goes_round(angles: FloatArray) -> bool:
-    """Return whether the last beam of a scan is the neighbour of the first one."""
+    """Return whether the last beam of a scan is the neighbour of the first one, by the beams' angles (n,) in
+    [rad].
+    """
     spacing = (angles[-1] - angles[0]) / (len(angles) - 1)
     return bool(angles[-1] - angles[0] + 1.5 * spacing > 2.0 * np.pi)

@@ -28,15 +28,15 @@ class TrayShape(NamedTuple):
     """The tray: a level box, its sides along those of the base; dimensions in the base frame, in [m]."""
 
     middle: tuple[float, float]
-    """x and y of the tray's middle."""
+    """x and y of the tray's middle in the base frame, in [m]."""
     size: tuple[float, float, float]
-    """Size along x, y, z."""
+    """Size of the tray along x, y and z, in [m]."""
     top: float
-    """Height of the upper side, which carries things."""
+    """Height of the tray's upper side, which carries things, in the base frame, in [m]."""
 
     @property
     def rear(self) -> float:
-        """x of its rear side."""
+        """x of the tray's rear side in the base frame, in [m]."""
         return self.middle[0] - self.size[0] / 2
 
 
@@ -44,13 +44,13 @@ class FingerShape(NamedTuple):
     """A finger: a box along the x axis of the frame `hand`; dimensions in that frame, in [m]."""
 
     tip: float
-    """x of the finger's tip."""
+    """x of the finger's tip in the hand frame, in [m]."""
     length: float
-    """Length along x."""
+    """Length of the finger along the hand's x axis, in [m]."""
     thickness: float
-    """Thickness along y."""
+    """Thickness of the finger along the hand's y axis, in [m]."""
     height: float
-    """Height along z, half of it above the frame's x axis."""
+    """Height of the finger along the hand's z axis, in [m], half of it above the x axis."""
 
 
 def tray_shape(arm: ArmModel) -> TrayShape:
@@ -84,7 +84,12 @@ def body_height(urdf_text: str) -> float:
 
 
 def _top_on(base_T_link: Transform, body: Shape) -> float:
-    """Return the height of a body's top in the base frame, in [m]."""
+    """Return the height of the top of a body in the base frame, in [m].
+
+    Args:
+        base_T_link: (4, 4) pose of the body's link in the base frame.
+        body: shape of the body, posed in the link's frame.
+    """
     return top(replace(body, pose=np.asarray(base_T_link @ body.pose)))
 
 

@@ -77,9 +77,13 @@ class CanLine(canopen.Network):
             heard(frame, True)
 
     def wait(self, done: Callable[[], bool | None], seconds: float) -> bool:
-        """Receive frames until `done()` is true; return whether it was within `seconds` of the wall clock.
+        """Receive frames until `done()` is true; return whether that was within a time.
 
         Simulated nodes have answered before this returns, or never will: then no time passes.
+
+        Args:
+            done: returns True if no more frames are needed.
+            seconds: longest time by the wall clock, in [s].
 
         Raises:
             can.CanError: the interface reports an error.

@@ -70,7 +70,13 @@ def look(axes: Iterable[Axis]) -> None:
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
-    """Yield every setting of a drive that is not as it should be; raises `SilentDrive`."""
+    """Yield every setting of a drive that is not as it should be; raise `SilentDrive`.
+
+    Args:
+        axis: drive on a network.
+        spec: the section `can` of the robot's file.
+        period: time between two SYNCs, in [s].
+    """
     for setting in (*settings(axis, spec, period), *mapping(axis)):
         got = _read(axis, setting)
         if got != setting.value:

@@ -51,7 +51,8 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
 
 
 def await_first(sensors: list[LiveSensor], seconds: float = _FIRST) -> None:
-    """Wait until each sensor has delivered a reading; a satellite receiver may have its first fix later.
+    """Wait, at most a time in [s], until each sensor has delivered a reading; satellite receivers may have
+    their first fix later.
 
     Raises:
         NoSensor: a sensor delivered none.

@@ -166,7 +166,9 @@ class _Drives:
 
 
 def _where(numbers: list[int]) -> slice | IntArray:
-    """Return an index of these numbers: a slice, which is faster, if they are consecutive."""
+    """Return an index of array elements with these numbers: a slice, which is faster, if they are
+    consecutive.
+    """
     first = numbers[0] if numbers else 0
     run = slice(first, first + len(numbers))
     return run if numbers == list(range(run.start, run.stop)) else np.array(numbers)

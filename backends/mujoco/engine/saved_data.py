@@ -42,7 +42,8 @@ def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
 
 
 def _send_to_sleep(model: Any, data: Any, values: FloatArray, asleep: IntArray) -> None:
-    """Restore a state with its sleeping bodies asleep.
+    """Restore a state with its sleeping bodies asleep, given MuJoCo's state vector (n,) and `tree_asleep`
+    (trees,).
 
     MuJoCo wakes a body that is moved while it sleeps. At a reset it places sleeping bodies at the model's
     initial positions, so those are set to the restored ones for the reset. Contacts are switched off

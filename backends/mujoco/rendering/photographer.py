@@ -88,6 +88,11 @@ class Photographer:
         """Set one of the scene's two eyes to a camera's pose and intrinsics.
 
         OpenGL counts pixels from their edges, not from their centres.
+
+        Args:
+            eye: MuJoCo's camera of the scene.
+            world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
+            K: (3, 3) camera matrix, in [px].
         """
         width, height = self._size
         (fx, _, cx), (_, fy, cy), _ = K.tolist()

@@ -103,7 +103,9 @@ class Engine(ABC):
 
     @abstractmethod
     def add_floor(self, friction: float) -> int:
-        """Add a level floor at height 0; return its body."""
+        """Add a level floor at height 0 with Coulomb's coefficient of friction, without unit; return its
+        body.
+        """
 
     @abstractmethod
     def add_box(

@@ -63,7 +63,7 @@ class HeardRobot:
         return True
 
     def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
-        """Wait until each topic has had a message and each command a listener, for `seconds` at most."""
+        """Wait until each topic has had a message and each command a listener, for a time in [s] at most."""
         end = self.link.clock() + seconds
         while self.link.clock() < end and not self._is_complete() and not self._ended():
             self._receive(wait)

@@ -89,7 +89,10 @@ def scan_message(
 
 
 def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> Any:
-    """Return the readings of a simulated inertial unit as an `Imu`, its accelerations times `factor`."""
+    """Return the readings of a simulated inertial unit as an `Imu`, at a time of ROS in [s].
+
+    Its accelerations are multiplied by `factor`.
+    """
     unit = robot.get(Imu)  # type: ignore[type-abstract]
     assert unit is not None, "its file says so"
     message = _stamped(link, "sensor_msgs/Imu", now, "imu")
@@ -102,7 +105,7 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
 
 
 def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
-    """Return a fix of a simulated receiver as a `NavSatFix`."""
+    """Return a fix of a simulated receiver as a `NavSatFix`, at a time of ROS in [s]."""
     message = _stamped(link, "sensor_msgs/NavSatFix", now, "gps")
     frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
     message.latitude, message.longitude = frame.to_earth(*map(float, fix.position))

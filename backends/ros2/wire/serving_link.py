@@ -42,7 +42,7 @@ class ServingLink(Protocol):
         """Return the time of ROS in [s]."""
 
     def spin(self, seconds: float) -> None:
-        """Answer the calls that arrive within so many seconds."""
+        """Answer the calls that arrive within a time in [s]."""
 
     def close(self) -> None:
         """Leave ROS; a second call does nothing."""

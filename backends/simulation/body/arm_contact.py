@@ -170,9 +170,12 @@ class ArmContact:
         return body in self._on_hand
 
     def _far(self, base: Pose2, joints: FloatArray) -> bool:
-        """Return whether all solid bodies of the room are beyond the arm's reach.
+        """Return whether all solid bodies of the room are beyond the arm's reach; bodies that no floor plan
+        shows may be anywhere.
 
-        Bodies that no floor plan shows may be anywhere.
+        Args:
+            base: 2D pose world_T_base.
+            joints: (n,) posture of the arm, in [rad] or [m].
         """
         if self._has_low_solids:
             return False
@@ -307,7 +310,7 @@ class ArmContact:
         return worst
 
     def _hand_numbers(self, count: int) -> IndexArray:
-        """Return the numbers of the hand's links and of the held object, among `count` moved bodies."""
+        """Return the numbers (k,) of the hand's links and of the held object, among `count` moved bodies."""
         if count not in self._hands_among:
             held = range(len(self._links), count)
             self._hands_among[count] = np.array([*self._hands, *held], dtype=np.intp)

@@ -225,7 +225,7 @@ def _paste(spine: SingleArray, patch: SingleArray, centre_row: float) -> None:
 
 
 def _round_edges(spine: SingleArray, px_per_mm: int) -> None:
-    """Darken both long edges of a spine, which turn away from the light."""
+    """Darken both long edges of a spine (h, w), grey, because they turn away from the light."""
     width = spine.shape[1]
     inward = (np.minimum(np.arange(width), np.arange(width)[::-1]) + 0.5) / (_ROUNDING_MM * px_per_mm)
     depth = np.clip(1.0 - inward, 0.0, 1.0)

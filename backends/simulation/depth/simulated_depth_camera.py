@@ -104,7 +104,9 @@ class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
         return base_T_carrier @ self._mount.carrier_T_frame
 
     def _exposed(self, colour: ByteArray) -> ByteArray:
-        """Return the colours with the blur and the noise of the robot's file."""
+        """Return the colours (h, w, 3) in RGB with the blur and the noise of the robot's file, given those of
+        a perfect camera.
+        """
         errors = self._site.robot.errors
         if errors.image_blur_px > 0.0:
             colour = np.asarray(cv2.GaussianBlur(colour, (5, 5), errors.image_blur_px), np.uint8)

@@ -90,7 +90,12 @@ def extent(axis: FloatArray, size: tuple[float, float, float]) -> FloatArray:
 
 
 def _squareness(thing: Thing, hand_T_middle: Transform) -> float:
-    """Return the cosine between the closing direction and the normal of the side that the pads meet."""
+    """Return the cosine between the closing direction and the normal of the side that the pads meet, 0 to 1.
+
+    Args:
+        thing: the thing.
+        hand_T_middle: (4, 4) pose of the thing's middle in the hand frame.
+    """
     along = abs(float(hand_T_middle[1, 2]))
     if thing.is_round:
         return max(along, float(np.sqrt(max(0.0, 1.0 - along**2))))

@@ -41,7 +41,7 @@ class Contact(NamedTuple):
 
 
 def level(x: float, y: float) -> float:
-    """Return the height of a floor."""
+    """Return 0, the height of a level floor at x and y in the world, all in [m]."""
     return 0.0
 
 
