@@ -108,13 +108,9 @@ class Robot:
         self.command = DriveCommand()
         """Command of the base in the last period."""
         self.held: HoldingObstacle | None = None
-        """Obstacle that the base would have touched in the last period, for which it was held back; None
-        without one.
-        """
+        """Obstacle for which the base was held back in the last period; None without one."""
         self.failed_from: Pose2 | None = None
-        """map_T_base at the first of several primitives in a row that ended with a Fail; None after any other
-        outcome.
-        """
+        """map_T_base where the first of several Fails in a row began; None after any other outcome."""
         if spec.localizer in OUTDOOR_LOCALIZERS:
             self.get(Imu)  # type: ignore[type-abstract]
         where = Pose2(0.0, 0.0, 0.0) if start is None else start
@@ -272,14 +268,7 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return the points that are not on a lowered hand.
-
-        Args:
-            points: (n, 2) in the base frame, in [m].
-
-        Returns:
-            (m, 2) in the base frame, in [m].
-        """
+        """Return those of `points` (n, 2) that are not on a lowered hand, all in the base frame, in [m]."""
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -378,9 +367,7 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Record an object that moves the robot in this period; return whether it is the only one in this and
-        the last period.
-        """
+        """Record what moves the robot in this period; return whether it alone did, and in the last one."""
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 

@@ -112,8 +112,7 @@ class Localization(ABC):
     def displacement(self) -> Belief | None:
         """Motion of the base since `set_origin`; None if it is only known as the difference of two poses.
 
-        In the base frame at that time, ahead and to the left in [m] and turn to the left in [rad]: mean (3,)
-        and covariance (3, 3).
+        Ahead and to the left in [m], turn to the left in [rad]: mean (3,) and covariance (3, 3).
         """
         return self._wheels.odometry.displacement
 
@@ -124,18 +123,15 @@ class Localization(ABC):
 
     @property
     def particles(self) -> FloatArray | None:
-        """Possible poses (3, n) in columns, x and y on the map in [m], heading in [rad]; None without
-        particles.
-        """
+        """Possible poses (3, n) on the map, rows x, y in [m] and heading in [rad]; None without particles."""
         return None
 
     @property
     def repeatability(self) -> FloatArray:
         """Covariance (3, 3) of a pose compared with another one measured at the same place.
 
-        Rows and columns are x and y on the map in [m] and heading in [rad]. The map's error, which both poses
-        share, is excluded. It is never less than the noise of the sensors; along a direction that they do not
-        determine it is as large as `covariance`.
+        In [m] and [rad] on the map, without the map's error, which both poses share. It is never below the
+        noise of the sensors, and as large as `covariance` along a direction that they do not determine.
         """
         return self.covariance
 
@@ -143,17 +139,14 @@ class Localization(ABC):
     def map_shift(self) -> FloatArray:
         """Largest errors of the position on the map due to the map's cells, either way, in [m].
 
-        (2,) if all walls lie at the same depth in their cells; (1 + n, 2) with the errors by walls that face
-        one of n directions below it. They are added to `repeatability` where a pose is compared with a place
-        on the map.
+        (2,), or (1 + n, 2) with those by walls of n directions below; added to `repeatability` where a pose
+        is compared with a place on the map.
         """
         return np.zeros(2)
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigmas by `repeatability` of position (worst direction, in [m]) and heading (in [rad]); infinite
-        while lost.
-        """
+        """Sigmas by `repeatability`: position, worst direction [m], and heading [rad]; infinite if lost."""
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
@@ -237,12 +230,7 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Find the pose again if a scan shows that the base was moved at rest, other than by `rolled`.
-
-        Args:
-            rolled: pose of the base by the wheels in the base frame when it came to rest; the identity if the
-                wheels did not turn.
-        """
+        """Find the pose again if a scan shows that the base at rest was moved, other than by `rolled`."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -252,12 +240,7 @@ class Localization(ABC):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
-        """Correct the pose by a measured map_T_base.
-
-        Args:
-            pose: measured map_T_base.
-            sigma: sigma of the position on each axis in [m], and of the heading in [rad].
-        """
+        """Correct the pose by a measured map_T_base, with its sigma in [m] on each axis and in [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
 
@@ -273,12 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Set map_T_base, which has become known by a search.
-
-        Args:
-            pose: map_T_base.
-            covariance: (3, 3) covariance of x and y on the map in [m], and heading in [rad].
-        """
+        """Set map_T_base, found by a search, with its covariance (3, 3) in [m] and [rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -287,33 +265,18 @@ class Localization(ABC):
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Compare scans from now on with a map drawn from scans.
-
-        Args:
-            field: likelihood field of the drawn map.
-            pose: pose of the base on the drawn map.
-            covariance: (3, 3) covariance of x and y on that map in [m], and heading in [rad].
-        """
+        """Compare scans from now on with a map drawn from scans; `pose` and `covariance` are on that map."""
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
-        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect a push.
-
-        Args:
-            displacement: pose of the base in the base frame at `set_origin`.
-            covariance: (3, 3) covariance of the displacement, in [m] and [rad].
-        """
+        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect a push."""
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1
 
     def _watch_scans(self, rolled: WheelTravel) -> None:
-        """Compare this period's scan with earlier ones.
-
-        Args:
-            rolled: travel of the wheels in this period, in [m].
-        """
+        """Compare this period's scan with earlier ones; the wheels travelled `rolled` [m] in the period."""
         if self.held_base.update(rolled, self.still):
             self.lift_watch.reset()
             self.crowd = Crowd()
@@ -346,9 +309,7 @@ class Localization(ABC):
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:
-        """Predict the motion from the travel of the left and right wheels and to the left, each in [m], in
-        this period.
-        """
+        """Predict the motion from the wheels' travel in this period, in [m]; sideways is to the left."""
         self._wheels.predict(left, right, sideways)
 
     def _note_scan(self, rolls: bool) -> None:
@@ -374,9 +335,7 @@ class Localization(ABC):
         self.held_base.reset()
 
     def _fresh_points(self) -> FloatArray:
-        """Return the points (n, 2) of this period's scan without people, in the base frame, in [m]; none if
-        the lidar repeats a scan while the wheels roll.
-        """
+        """Return this period's points (n, 2) in the base frame, in [m]; none if the lidar repeats a scan."""
         assert self._range_sensor is not None
         scan = self._range_sensor.scan()
         return np.empty((0, 2)) if self._is_stale(scan) else self.crowd.without(scan.points(), self.pose)
