@@ -31,9 +31,8 @@ def pushing(rig: Rig) -> list[float]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_low_box_is_run_into_once_and_then_driven_around(make_rig: Callable[..., Rig], seed: int) -> None:
-    rig = make_rig(furniture=LOW.format(x=3.6, y=1.3, wide=0.4, deep=0.4), seed=seed)
+def test_a_low_box_is_run_into_once_and_then_driven_around(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(furniture=LOW.format(x=3.6, y=1.3, wide=0.4, deep=0.4))
     times = pushing(rig)
     failed = rig.run(MoveTo(place="shelf_1"))
     assert isinstance(failed, Fail)

@@ -35,15 +35,15 @@ def test_a_place_that_needs_less_is_a_true_success() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
-def test_pillars_determine_the_pose(seed: int) -> None:
-    ended = drive(PLAIN._replace(seed=seed, pillars=True))
+def test_pillars_determine_the_pose() -> None:
+    """The benchmark has more seeds, here and below."""
+    ended = drive(PLAIN._replace(pillars=True))
     assert [item.outcome for item in ended] == ["Success", "Success"]
     assert max(item.off_mm for item in ended) < 40.0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_wrong_start_is_never_a_false_outcome(seed: int) -> None:
     for pillars in (True, False):
         ended = drive(PLAIN._replace(seed=seed, pillars=pillars, wrong_start=True))

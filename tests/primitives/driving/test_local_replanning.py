@@ -91,15 +91,14 @@ def test_route_changes_while_driving_before_anything_holds_the_base(make_rig: Ca
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1])
-def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig], seed: int) -> None:
+def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig]) -> None:
     """15 % of slip, 5 % of tread: the drive turns hardly more often than with good wheels.
 
     Until it is there: such wheels take up to four corrections to stand within 4 mm before a shelf.
     """
     found = {}
     for name, errors in (("good", {}), ("bad", {"slip_percent": 15.0, "tread_percent": 5.0})):
-        rig = make_rig(boxes((4.3, 1.9)), seed=seed, errors=errors)
+        rig = make_rig(boxes((4.3, 1.9)), seed=0, errors=errors)
         turns: list[float] = []
         driven: list[float] = []
 
