@@ -138,7 +138,7 @@ def test_a_policy_costs_no_more_than_its_bound(task: Drawn, steps: float) -> Non
 
 @pytest.mark.slow
 @given(task=networks)
-@settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 def test_the_followed_policy_never_costs_more_than_the_rule(task: Drawn) -> None:
     found = comparison(task.network, task.chances)
     assert found.best.price_s[0] <= found.rule.price_s[1] * (1.0 + 1e-9)
