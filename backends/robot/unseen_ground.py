@@ -61,7 +61,7 @@ class UnseenGround:
         return SensorView(mount.x, mount.y, start, -1.0 if spec.masked_deg else width)
 
     def starts_here(self) -> None:
-        """Begin a new action: ground driven long ago may have changed."""
+        """Begin a new action: forget ground driven more than `DRIVEN_S` ago, which may have changed."""
         since = self._clock() - DRIVEN_S
         self._driven = [spot for spot in self._driven if spot[2] >= since]
 

@@ -82,7 +82,12 @@ class Shelving:
 
 
 def shelving(books: BookProps, accessions: tuple[int, ...]) -> Shelving:
-    """Record the initial state of the shelves."""
+    """Record the initial positions of all spines, to judge later how some books were returned.
+
+    Args:
+        books: books and shelves of the simulation.
+        accessions: accession numbers of the books to return.
+    """
     fronts = {book.book.accession: book.front for name in books.shelves for book in books.shelf_books(name)}
     return Shelving(accessions, fronts)
 

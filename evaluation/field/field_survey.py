@@ -172,7 +172,7 @@ class FieldSurvey(Survey):
         return result
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write the as-laid report where sensors were laid."""
+        """Write the report of the sensors' positions as laid into a folder, if any sensor was laid."""
         if not prepared.model.of(FieldWork).laid:
             return
         from .as_laid_report import write_as_laid

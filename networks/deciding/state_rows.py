@@ -131,8 +131,12 @@ class StateRows:
         return np.asarray(counts % self._width[actions] >= self._most[actions])
 
     def following(self, rows: Uint16Array) -> Following:
-        """Return the options in states (n, 1 + counters) of the component, and the states that follow each
-        option.
+        """Return the actions that can be started in some states, and the states that follow each of them.
+
+        Transitions to the goal are omitted.
+
+        Args:
+            rows: (n, 1 + counters) a row for each state of the component, as the class describes them.
         """
         places = rows[:, 0].astype(np.int64)
         count = self._first[places + 1] - self._first[places]

@@ -32,7 +32,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Copied:
-    """An action of the future network: a copy of one of the file's actions."""
+    """Action of the network that is built from a task file: a copy of an action of the file, or a skip."""
 
     source: str
     target: str

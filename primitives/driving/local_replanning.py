@@ -309,7 +309,7 @@ class LocalReplanning:
         return tracker.command(robot.pose, robot.period, self.speed_limit)
 
     def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
-        """Return whether something is on the recorded way back that was not there when the base came.
+        """Return whether something stands on the first `HOLD_DISTANCE_M` of the recorded way back.
 
         Args:
             robot: the robot.

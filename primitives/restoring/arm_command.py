@@ -33,9 +33,10 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
 
 
 def rejoin(robot: Robot, moment: Moment) -> Generator[None, None, None]:
-    """Move the arm evenly, within its joint speeds, from its current command to its command in a moment.
+    """Move the arm to the joints commanded in a recorded moment, on a straight line in joint space.
 
-    An arm that was held has another command than that at which its motion was broken off.
+    It starts at the current command, and keeps the robot's joint speeds. An arm that was held after its
+    motion was interrupted has another command than the last one of that motion.
     """
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None or np.array_equal(arm.command(), moment.joints):

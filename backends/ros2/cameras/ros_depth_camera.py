@@ -147,7 +147,11 @@ def depth_of(message: Any, nearest: float, farthest: float) -> SingleArray:
 
 
 def colour_of(message: Any) -> ByteArray:
-    """Return the picture (height, width, 3) of a message in RGB, 0 to 255."""
+    """Return the picture (height, width, 3) of a message in RGB, 0 to 255.
+
+    Args:
+        message: `sensor_msgs/Image` with an encoding of `TO_COLOUR` and complete data.
+    """
     channels, conversion = TO_COLOUR[message.encoding]
     rows = np.frombuffer(bytes(message.data), np.uint8)[: message.step * message.height]
     pixels = rows.reshape(message.height, message.step)[:, : channels * message.width]

@@ -34,7 +34,9 @@ def offering_joints(
     height_m: float,
     around: Sequence[Solid] = (),
 ) -> FloatArray | None:
-    """Return joints (n,) that hold an object out ahead of the robot; None if no free posture is found.
+    """Return joints (n,), in [rad] or [m], that hold an object out ahead of the robot.
+
+    None if no posture without collision is found.
 
     The object is upright, beyond the robot's outline, as near to the wanted height as the arm reaches. The
     hand is preferred behind or above the object, so that a person can take hold of it.

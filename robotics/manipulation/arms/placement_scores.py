@@ -28,7 +28,10 @@ class PlacementScores(NamedTuple):
         return self.restricted(self.usable & ~blocked[:, None])
 
     def restricted(self, usable: BoolArray) -> PlacementScores:
-        """Return the scores with only some cells `usable` (b, p)."""
+        """Return the scores with another mask `usable` (b, p): the score is 0 where it is False.
+
+        The mask replaces the present one, and is True only where that is.
+        """
         usable = np.asfortranarray(usable)
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 

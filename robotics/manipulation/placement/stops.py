@@ -96,11 +96,13 @@ class StopPlacer:
         self._placer, self._sights = placer, sights
 
     def table(self, bases: FloatArray, goals: Sequence[Goal]) -> StopTable:
-        """Return the table of base poses against goals.
+        """Return the scores of base poses for goals, which goals each serves, and which landmarks it sees.
+
+        A base pose without a landmark in sight has score 0 and serves no goal.
 
         Args:
             bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
-            goals: poses that the arm must reach.
+            goals: n goals, each with the motions that the arm must reach.
         """
         values = np.zeros((len(bases), len(goals)))
         served = np.zeros((len(bases), len(goals)), dtype=np.bool_)

@@ -28,13 +28,13 @@ def explained(
     """Return the error with the path's own point, the reason, and the nearest position that can be tracked.
 
     Args:
-        arm: arm and work that the path is divided for.
-        error: names a point of the thinned path.
-        scorer: scores that the division used.
-        thin: the thinned path.
-        poses: base poses (b, 3) that the base can reach, and all candidates (c, 3): x, y in [m], heading in
-            [rad].
-        kept: (p,) number of each point of the thinned path in the path itself.
+        arm: scorer of base poses for the arm and its work.
+        error: error of the search, with the index of a point of the thinned path.
+        scorer: function by which the search scored base poses.
+        thin: the thinned path, in the world.
+        poses: base poses (b, 3) that the base can reach, and all candidates (c, 3), both world_T_base: x, y
+            in [m], heading in [rad].
+        kept: (p,) index of each point of the thinned path in the complete path.
     """
     bases, candidates = poses
     if isinstance(error, TooFewPlacements):

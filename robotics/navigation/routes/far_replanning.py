@@ -65,18 +65,22 @@ class FarReplanner:
         better: bool,
         time: float,
     ) -> Generator[None, None, RouteLook]:
-        """Decide on the route from here in steps of about one graph of the window each.
+        """Decide whether to keep the old route or take a new one, as a generator that computes in steps.
+
+        A step takes about as long as building a Voronoi graph of the window.
 
         Args:
-            window: part of the map about the robot, with what was sensed.
-            sensed: (n, 2) points that were sensed anywhere, in [m].
-            start: map_T_base.
+            window: part of the map about the robot, with the sensed obstacles.
+            sensed: (n, 2) obstacle points sensed anywhere on the map, in [m].
+            start: current map_T_base.
             goal: map_T_base at the goal.
-            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be.
-            route: (n, 2) rest of the old route, from the robot on, in [m]; None: no old route.
-            lead: length of the old route that stays the beginning of another one, in [m].
-            better: True to look for another route although the old one is free.
-            time: in [s], by which searches on all cells are limited.
+            front: (2, 2) ends of a straight front on the map, in [m], before which the robot is to be; None:
+                the goal has no front.
+            route: (n, 2) rest of the old route on the map, from the robot on, in [m]; None: no old route.
+            lead: length at the beginning of the old route that a new one shares, in [m].
+            better: True to look for a better route although the old one is free.
+            time: current time, in [s]; a search on all cells of the map runs only every `WHOLE_PERIOD_S`,
+                unless nothing else leads to a decision.
         """
         if route is not None and len(route) > 1:
             look = yield from self._along(window, start, goal, front, route, lead, better)

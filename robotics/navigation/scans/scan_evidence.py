@@ -258,9 +258,13 @@ def _cost(square: float, scale: float) -> float:
 
 
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
-    """Return the evidence if the previous scan confirms it.
+    """Return a scan's evidence, with share 0 if the previous scan had none in about the same direction.
 
-    The raster of the map looks like evidence only now and then.
+    Cells of a diagonal wall look like evidence in single scans, rarely in two successive ones.
+
+    Args:
+        seen: evidence of the current scan.
+        before: evidence of the previous scan; None if there is none: `seen` is returned as it is.
     """
     if before is None or before.share > 0.0:
         return seen
@@ -279,7 +283,8 @@ def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
 
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
-        seen: the scan's worst direction; with a share above 0, the covariance is returned as it is.
+        seen: the scan's evidence; if its share is above 0, the scan determines all directions, and the
+            covariance is returned as it is.
     """
     if seen.share > 0.0:
         return covariance

@@ -145,14 +145,18 @@ def _shared_edges(a: OffsetView, b: OffsetView, interval: Gap) -> list[float]:
 def compare(
     a: OffsetView, b: OffsetView, left: float, right: float, solid: Sequence[tuple[float, float]]
 ) -> Alike | None:
-    """Compare two views of a piece of the front; None if too little of it is visible.
+    """Return how well two views of a piece of the shelf's front match, at the best lateral shift.
+
+    A piece that matches at no shift lies behind the front (`Alike.deep`). None if the piece is too narrow,
+    or too little of it is visible in both views.
 
     Args:
         a: one view.
         b: another view.
         left: left end y of the piece in the shelf frame, in [m].
         right: right end y of the piece, in [m].
-        solid: left and right edge y of spines that were recognized, in [m].
+        solid: left and right edge y of each recognized spine in the shelf frame, in [m]; the brightness of
+            the views is matched there.
     """
     if left - right < 2 * _RIM + 4 * _STEP:
         return None
