@@ -64,7 +64,7 @@ def write_activity(definition: Definition, room: Room, folder: Path, robot: str)
 
 
 def floor_levels(room: Room) -> list[tuple[Piece, FurnitureLevel]]:
-    """Return the areas of the floor that things are on, at first or at the end."""
+    """Return the areas of the floor that things are on at the start or at the end, each with its piece."""
     return [(piece, level) for piece in room.pieces for level in piece.levels() if level.height <= 0.0]
 
 

@@ -48,8 +48,12 @@ class Definition:
         return next(category for category, terms in self.terms.items() if term in terms)
 
     def finding(self, words: Iterable[str], message: str) -> Finding:
-        """Return a problem, placed at the first line of the definition in which some words follow each
-        other.
+        """Return a finding at the place in the definition's text that it concerns.
+
+        Args:
+            words: words that follow each other there, such as a condition; without such a place, the finding
+                is at the first line.
+            message: text of the finding.
         """
         pattern = r"[\s()?]+".join(re.escape(word) for word in words)
         found = re.search(r"(?<![\w.])\??" + pattern + r"(?![\w.])", self.text, re.IGNORECASE)

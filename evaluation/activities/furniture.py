@@ -144,7 +144,12 @@ class Piece:
             yield FurnitureLevel(name, "front", x, y, size, 0.0, None, ("+y",), 0.0, height)
 
     def in_room(self, x: float, y: float) -> Pose2:
-        """Return the pose in the room of a point of the piece, with the heading of the piece."""
+        """Return the pose in the room of a point of the piece, with the heading of the piece.
+
+        Args:
+            x: x of the point in the piece's frame, in [m].
+            y: y of the point in the piece's frame, in [m]; the front is at -y.
+        """
         return self.pose.compose(Pose2(x, y, 0.0))
 
     @property

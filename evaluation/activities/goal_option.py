@@ -12,8 +12,9 @@ from .thing_table import CarriedEntry, FurnitureEntry
 
 
 class GoalOption:
-    """One way to the goal of an activity, as conditions that hold together at the end; `add` takes them one
-    by one.
+    """One of several alternative ways to the goal of an activity: conditions that hold together at the end.
+
+    `add` takes the conditions one by one; `moves` then returns what has to be moved.
     """
 
     def __init__(
@@ -34,7 +35,7 @@ class GoalOption:
         """Conditions that can't be reached by moves of single things."""
 
     def add(self, literal: Literal) -> None:
-        """Add a condition."""
+        """Add a condition; report it in `wrong` if moves of single things cannot reach it."""
         if is_support(self._definition, literal):
             if self._supports.get(literal[1], literal[2]) != literal[2]:
                 self._report(literal, f"{literal[1]} is furniture, which isn't carried")
@@ -52,7 +53,10 @@ class GoalOption:
                     self._report(literal, f"{found.thing} would have to be in two places")
 
     def moves(self) -> list[ThingRelation]:
-        """Return the move of each thing that is elsewhere at first; add impossible conditions to `wrong`."""
+        """Return the final relation of each thing that is elsewhere at first.
+
+        Conditions that contradict each other are reported in `wrong`.
+        """
         for thing, (other, literal) in self._beside.items():
             self._settle(thing, other, literal)
         for literal, barred in self._barred:

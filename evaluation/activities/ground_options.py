@@ -9,7 +9,10 @@ from .definition import Definition, Literal
 
 
 def ground_options(definition: Definition) -> Iterator[list[Literal]]:
-    """Yield the ways to the goal that `bddl` finds, each as ground literals; it lists a few of many."""
+    """Yield alternative ways to the goal, each as ground literals; `bddl` lists only a few of many.
+
+    Nothing is yielded for a goal that cannot be reached in any way.
+    """
     from bddl.activity import get_goal_conditions, get_ground_goal_state_options, get_object_scope
 
     conditions, backend = definition.conditions, _names_backend()

@@ -32,7 +32,7 @@ class MadeActivity:
     """Factors of the widths that were made narrower, by term."""
 
     def words(self) -> Iterator[str]:
-        """Yield the lines that a person reads."""
+        """Yield lines of text for people: what was written where, and how to run it."""
         count, pieces = len(self.room.at_end), ", ".join(piece.name for piece in self.room.pieces)
         yield f"{self.definition.name}: {count} things to move, in a room with {pieces}; in {self.folder}"
         for term, factor in self.scaled.items():

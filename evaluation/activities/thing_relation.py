@@ -53,7 +53,10 @@ def is_support(definition: Definition, literal: Literal) -> bool:
 
 
 def relation_of(definition: Definition, literal: Literal) -> ThingRelation | Finding | None:
-    """Return the relation that a literal states, or what is wrong with it; None for one of the robot."""
+    """Return the relation that a literal states, or a finding if our worlds cannot have it.
+
+    None for a literal about the robot, or about a thing of unknown size, which is reported elsewhere.
+    """
     predicate, *terms = literal
     if predicate not in FORMS_OF or len(terms) != 2:
         words = f"the condition {predicate!r} isn't simulated; allowed: {', '.join(FORMS_OF)}"

@@ -57,7 +57,7 @@ class TrueThing:
 
 
 def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
-    """Return whether a thing touches another one that is below it, and not above it as well."""
+    """Return whether `upper` touches `lower`, and `lower` is below it but not above it as well."""
     if not is_touching(upper, lower):
         return False
     below, above = _vertical_starts(upper)
@@ -65,14 +65,18 @@ def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
 
 
 def is_under(lower: TrueThing, upper: TrueThing) -> bool:
-    """Return whether another thing is above a thing, and not below it as well, nor the thing above it."""
+    """Return whether `upper` is above `lower`, but not below it as well, and `lower` is not above `upper`."""
     below, above = _vertical_starts(lower)
     _, over = _vertical_starts(upper)
     return upper.is_hit(above, UP) and not upper.is_hit(below, -UP) and not lower.is_hit(over, UP)
 
 
 def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
-    """Return whether the middle of a thing is within another one that is on both sides along two axes."""
+    """Return whether the middle of `inner` is within the level box around `outer`, and between parts of it.
+
+    Parts of `outer` have to be on both sides of `inner` along two axes: the vertical and a level one, or two
+    level ones.
+    """
     middle, (low, high) = inner.middle, outer.extent
     if not ((low <= middle) & (middle <= high)).all():
         return False
@@ -84,7 +88,9 @@ def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
 
 
 def is_next_to(one: TrueThing, other: TrueThing) -> bool:
-    """Return whether two things are near, by their sizes, and one is in a level direction of the other."""
+    """Return whether the gap between two things is small relative to their sizes, and one is in a level
+    direction from the other.
+    """
     (low, high), (other_low, other_high) = one.extent, other.extent
     apart = np.maximum(0.0, np.maximum(low, other_low) - np.minimum(high, other_high))
     mean = float(np.mean((high - low) + (other_high - other_low)))

@@ -29,7 +29,12 @@ block.
 
 
 def block_facts(task: Task) -> dict[str, Any]:
-    """Return what the arm reaches from each place at which the base is located by a landmark."""
+    """Return what the arm reaches from each place at which the base is located by a landmark.
+
+    Returns:
+        A text for each place, by `stop NAME`; empty for a task that handles no blocks. If the robot cannot do
+            this work at all, only `stops` with the reason.
+    """
     blocks = task.knowledge.sections.get("blocks")
     plan = blocks.building if isinstance(blocks, Blocks) else None
     work = {} if plan is None else _work(task, plan)

@@ -67,12 +67,15 @@ class StopReach:
         self._open = arm.with_others({"left_finger": width, "right_finger": width})
 
     def stops(self, landmarks: Sequence[LevelPose]) -> StopPlacer:
-        """Return the placer for these landmarks."""
+        """Return a placer of the base's stops, each with one of these landmarks in the camera's sight."""
         return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
 
     def goal(self, place: LevelPose) -> Goal:
         """Return the hand's work at a block: poses by which it approaches from above, and one that looks at
         the block.
+
+        Args:
+            place: pose of the block, on the map.
         """
         grip = pointing_down(place.floor, place.height_m + self._block[2] - GRIP_DEPTH_M + self._tip)
         work = tool_path([transform((0.0, 0.0, up)) @ grip for up in (WAIT_HEIGHT_M, WAIT_HEIGHT_M / 2, 0.0)])
@@ -105,7 +108,7 @@ class StopReach:
         return ""
 
     def body(self, place: LevelPose, name: str) -> Box:
-        """Return a block at that place, on the map."""
+        """Return the body of a block, called `name`, at a pose on the map."""
         return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:

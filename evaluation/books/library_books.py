@@ -48,7 +48,7 @@ class ShelfRow:
 
 
 def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
-    """Return different call numbers in library order, from the hundred that begins with `first`."""
+    """Return `count` different call numbers in library order, from `first` to below `first` + 100."""
     made: set[str] = set()
     while len(made) < count:
         whole = first + int(rng.integers(0, 100))
@@ -61,8 +61,14 @@ def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
 def make_row(
     rng: np.random.Generator, shelf: str, first_accession: int, first_call: int, misplaced: bool
 ) -> ShelfRow:
-    """Return a full row with two gaps of lent books and, if wanted, one misplaced book beside or near a
-    gap.
+    """Return a full row with two gaps of lent books.
+
+    Args:
+        rng: random generator.
+        shelf: name of the shelf.
+        first_accession: accession number of the first book; the others follow.
+        first_call: whole part of the lowest possible call number; all are within 100 of it.
+        misplaced: True to put one book out of order, beside or near a gap.
     """
     thickness = rng.integers(15, 46, 60).astype(float)
     count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR_WIDTH_M - 20.0))

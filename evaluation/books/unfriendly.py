@@ -166,7 +166,13 @@ UNFRIENDLY_FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
 
 
 def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
-    """Return why this lent book has no slot; empty if it has one."""
+    """Return why this lent book has no slot; empty if it has one.
+
+    Args:
+        row: row with the gap of the book.
+        book: the lent book.
+        spoilt: reasons that are known already, by accession.
+    """
     if book.accession in spoilt:
         return spoilt[book.accession]
     at = [i for i, item in enumerate(row.standing) if _is_slot(item)][row.lent.index(book)]

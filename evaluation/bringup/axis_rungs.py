@@ -48,7 +48,7 @@ class Move(NamedTuple):
 
 
 def move_of(jogger: Jogger, axis: str) -> Move:
-    """Return a small test motion of an axis, away from its nearer limit."""
+    """Return a small test motion of an axis: of a wheel forward, of others away from the nearer limit."""
     if axis.endswith("wheel"):
         return Move(0.1, "the wheel rolled the robot forward on its side", "mm", 1e3)
     lower, upper = jogger.limits(axis)

@@ -103,7 +103,17 @@ class Jogger:
         return [name for name, _ in self.robot.can.axes()] if self.robot.can else []
 
     def jog(self, axis: str, way: float, held: Held, slower: float = 1.0) -> Jogged:
-        """Move an axis while a key is held, by `way` in [m] or [rad] at most; it is at rest afterwards."""
+        """Move an axis while a key is held, and stop it; the axis is at rest afterwards.
+
+        Args:
+            axis: name of the axis.
+            way: travel after which it stops at the latest, in [m] or [rad]; negative towards the lower limit.
+            held: returns whether the key is still held.
+            slower: factor of the axis' top speed, at most 1.
+
+        Raises:
+            UnknownAxis: the robot has no axis of that name.
+        """
         if axis not in self.axes:
             raise UnknownAxis(axis, self.axes)
         begun, fastest, periods, ended = self.position(axis), 0.0, 0, "there"

@@ -71,6 +71,9 @@ class Ladder:
         """Return the records of the steps passed so far: all before the first that has no valid record.
 
         A record is valid if it belongs to this version of the robot's file.
+
+        Args:
+            folder: folder of the records; None: that of the site.
         """
         found = []
         for number, rung in enumerate(self.rungs, 1):
@@ -88,7 +91,10 @@ class Ladder:
         return self.rungs[done] if done < len(self.rungs) else None
 
     def climb(self, tell: Callable[[str], None] = lambda _: None) -> RungRecord:
-        """Run the next step and record it.
+        """Run the next step and record it, passed or failed; there has to be a next step.
+
+        Args:
+            tell: receives number, name and summary of the step before it runs.
 
         Raises:
             BenchFirst: the step has not passed on the bench.

@@ -30,17 +30,29 @@ class Operator(ABC):
 
     @abstractmethod
     def confirm(self, key: str, question: str) -> bool:
-        """Ask a question with yes or no."""
+        """Return the operator's answer to a question with yes or no; `key` identifies the question in
+        records.
+        """
 
     @abstractmethod
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """Return a value that the operator measured, in the unit of the question; on a bench, `truth` returns
-        it.
+        """Return a value that the operator measured, in the unit of the question.
+
+        Args:
+            key: identifies the question in records.
+            question: text of the question.
+            truth: returns the true value, which is the answer on a bench.
         """
 
     @abstractmethod
     def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
-        """Ask the operator to do something by hand at once; on a bench, call `on_bench` instead."""
+        """Ask the operator to do something by hand at once.
+
+        Args:
+            key: identifies the request.
+            words: text of the request.
+            on_bench: called instead on a bench.
+        """
 
     @abstractmethod
     def hold(self, words: str) -> AbstractContextManager[Held]:

@@ -30,7 +30,11 @@ class Rung(ABC, Generic[SiteT]):
 
     @abstractmethod
     def climb(self, site: SiteT) -> Facts:
-        """Carry out the step; return the measured facts."""
+        """Carry out the step on a robot or bench; return the measured facts.
+
+        Raises:
+            RungFailed: the step is not passed.
+        """
 
     def left_out(self, site: SiteT) -> str:
         """Return why this step does not apply to the robot; empty if it does."""

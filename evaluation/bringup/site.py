@@ -64,12 +64,15 @@ class RobotSite(ABC):
     # Answers of a person, kept in the record
 
     def confirm(self, key: str, question: str) -> bool:
-        """Ask a question with yes or no."""
+        """Ask a question with yes or no; the answer is also kept in `answers` under `key`."""
         said = self.answers[key] = self.operator.confirm(key, question)
         return said
 
     def number(self, key: str, question: str, truth: float) -> float:
-        """Ask for a measured value, in the unit of the question; on a bench the answer is `truth`."""
+        """Ask for a measured value, in the unit of the question; on a bench the answer is `truth`.
+
+        The answer is also kept in `answers` under `key`.
+        """
         said = self.answers[key] = self.operator.number(key, question, lambda: truth)
         return said
 

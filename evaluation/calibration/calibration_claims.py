@@ -25,7 +25,13 @@ FIXED_SHARE = 2.5  # fixed limit of a calibration's error in the figures above, 
 
 
 def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) -> list[str]:
-    """Return the parameters that are further off than 5 sigma explain, or than their fixed limits."""
+    """Return the parameters that are further off than 5 sigma explain, or than their fixed limits.
+
+    Args:
+        robot: robot as it was in the run.
+        seed: seed of the run.
+        found: results of the run's calibration, by key.
+    """
     camera = robot.hand_camera
     assert camera is not None
     assert robot.arm is not None

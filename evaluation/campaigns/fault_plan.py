@@ -59,7 +59,11 @@ class PlannedFault(FileModel):
         return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
 
     def instants(self, draw: Random) -> Iterator[float]:
-        """Yield the robot times of the occurrences, in [s]."""
+        """Yield the robot times of the occurrences in order, in [s]; without end for a repeated fault.
+
+        Args:
+            draw: random generator for `rate_per_s`.
+        """
         if self.at_s is not None:
             yield self.at_s
         elif self.every_s is not None:
@@ -113,7 +117,7 @@ class InjectedFaults(RunObserver):
         self._next = [next(instants, math.inf) for _, instants in self._coming]
 
     def around(self, backend: Backend) -> Backend:
-        """Return a backend with faults around another backend."""
+        """Wrap a backend so that faults can be injected into it; return the wrapper, to be used instead."""
         self._backend = _Faulty(backend)
         return self._backend
 
@@ -132,7 +136,7 @@ class InjectedFaults(RunObserver):
             self.injected.append({"fault": str(fault), "at_s": round(robot.time, 6), "bitten": 0})
 
     def end(self) -> None:
-        """Record the effect of the last fault."""
+        """Complete the record of the last fault: the number of readings or commands that it changed."""
         self._note()
 
     def _note(self) -> None:

@@ -32,7 +32,7 @@ def run_trial(setting: CampaignSetting, seed: int) -> Trial:
 
 
 def run_beside(setting: CampaignSetting, seed: int) -> Trial:
-    """Execute the trial of a seed in a process that runs in parallel with others."""
+    """Execute the trial of a seed in this process, which is one of several that run trials in parallel."""
     if setting.level == "run":
         import cv2
 

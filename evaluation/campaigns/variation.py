@@ -82,7 +82,7 @@ class Varied(FileModel):
         return self.list
 
     def at(self, share: float) -> float:
-        """Return the quantile of a share, 0 <= share < 1."""
+        """Return the value at a quantile of the distribution, list or grid; `share` is from 0 to below 1."""
         values = self.values()
         if values is not None:
             return values[int(share * len(values))]
@@ -116,7 +116,12 @@ class Variation(FileModel):
         return self
 
     def row(self, seed: int, seeds: range) -> Mapping[str, float]:
-        """Return the numbers of a trial; `seeds` are those of all trials, over all shards."""
+        """Return the varied numbers of one trial, by their names.
+
+        Args:
+            seed: seed of the trial, one of `seeds`.
+            seeds: seeds of all trials, over all shards.
+        """
         if self.design == "grid":
             every = [item.values() or () for item in self.vary]
             at, combined = seed % math.prod(map(len, every)), []
@@ -139,7 +144,12 @@ class Variation(FileModel):
         return {item.name: value for item, value in zip(self.vary, values, strict=True)}
 
     def changes(self, row: Mapping[str, float], task: Task) -> Changes:
-        """Return the values that a trial's numbers replace in the files of a task."""
+        """Return the values to replace in the files of a task, by file and key.
+
+        Args:
+            row: varied numbers of a trial, as `row` returns them.
+            task: the task.
+        """
         changed: dict[Path, dict[KeyPath, float]] = {}
         for item in self.vary:
             changed.setdefault(file_of(item.file, task).resolve(), {})[item.path] = row[item.name]
@@ -155,7 +165,12 @@ def _hypercube(numbers: int, trials: int, seed: int) -> FloatArray:
 
 
 def file_of(name: str, task: Task) -> Path:
-    """Return the file of a task, of its robot or of its world; without a world, the task's."""
+    """Return the path of a file in which numbers may vary.
+
+    Args:
+        name: `task`, `robot` or `world`; the world of a task that names none is in the task's own file.
+        task: the task.
+    """
     files = {
         "task": Path(task.document.file),
         "robot": robot_path(task.robot),

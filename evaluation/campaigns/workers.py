@@ -52,13 +52,15 @@ class Worker:
         theirs.close()
 
     def give(self, seeds: list[int]) -> None:
-        """Give the worker more seeds; a worker that has died is noticed at its next answer."""
+        """Append seeds to the worker's queue; a worker that has died is noticed by `taken`."""
         self.seeds.extend(seeds)
         with suppress(OSError):
             self.connection.send(seeds)
 
     def taken(self) -> list[Trial] | None:
-        """Return the ended trials; None if the process has ended.
+        """Wait for the worker's next message; return the trials in it, and take their seeds off the queue.
+
+        None if the process has ended.
 
         Raises:
             HandcartError: a trial cannot be run.

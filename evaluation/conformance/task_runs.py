@@ -81,7 +81,16 @@ def task_runs(
     settings: Mapping[str, str],
     simulated: str | None = None,
 ) -> list[OneRun]:
-    """Return all runs: each task once without errors, and once for each seed with errors."""
+    """Return all runs: each task on the backend and on the reference backend, once without errors, and once
+    for each seed with errors.
+
+    Args:
+        tasks: files of the tasks.
+        backend: name of the tested backend.
+        seeds: number of seeds, from 0.
+        settings: values of the tasks' parameters, by name.
+        simulated: simulated backend behind the drives or topics of `backend`; None: it needs none.
+    """
     backends = dict.fromkeys((backend, REFERENCE_BACKEND))
     return [
         OneRun(task, name, seed, errors, settings, simulated if name == backend else None)
@@ -93,7 +102,7 @@ def task_runs(
 
 
 def compared(runs: Sequence[Ran], backend: str) -> list[CheckResult]:
-    """Return the findings of the runs, task by task."""
+    """Return results for each task: one for its runs without errors, one for those with errors."""
     return [
         finding
         for task in dict.fromkeys(run.task for run in runs)

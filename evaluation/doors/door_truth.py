@@ -30,12 +30,18 @@ def door_of(survey: Survey, name: str) -> DoorPart | None:
 
 
 def true_opening(survey: Survey, name: str) -> float:
-    """Return the opening of a door, in [rad] or [m]."""
+    """Return the true opening of a simulated door, in [rad] if it is hinged, in [m] if it slides."""
     return survey.run.world.of(DoorProps).openings[name]
 
 
 def hinge_errors(survey: Survey, primitive: ActionPrimitive, joint: DoorJoint) -> HingeErrors | None:
-    """Return the errors of the hinge that a primitive found; None if it found none, or the door slides."""
+    """Return the errors of the hinge that a primitive found; None if it found none, or the door slides.
+
+    Args:
+        survey: survey with the simulated world.
+        primitive: primitive that has ended.
+        joint: true joint of the door, in the world.
+    """
     facts = primitive.facts
     if joint.hinge is None or "hinge_x_m" not in facts:
         return None

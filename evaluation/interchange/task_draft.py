@@ -51,16 +51,26 @@ class TaskDraft:
         return found
 
     def placeholder(self) -> str:
-        """Return a name for a situation that is made later; `bind` says which."""
+        """Return a name that actions may use for a situation that `bind` determines later."""
         self._placeholders += 1
         return f"\0{self._placeholders}"
 
     def bind(self, placeholder: str, situation: str) -> None:
-        """Say which situation a placeholder is."""
+        """Replace a placeholder by a situation, or by another placeholder, wherever the task names it."""
         self._same[placeholder] = situation
 
     def action(self, do: str, source: str, to: str | None, **more: Any) -> None:
-        """Add an action; keys with the value None are skipped."""
+        """Add an action to the task.
+
+        Args:
+            do: name of its primitive.
+            source: situation in which it starts.
+            to: situation after its Success; None: the key is omitted.
+            **more: further keys of the action; those with the value None are omitted.
+
+        Raises:
+            TooLargeDraft: the task has `MAX_DRAFT_ACTIONS` already.
+        """
         if len(self._actions) >= MAX_DRAFT_ACTIONS:
             raise TooLargeDraft
         row = {"do": do, "from": source, "to": to, "cost_s": GUESSED_COST_S, **more}

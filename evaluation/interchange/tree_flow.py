@@ -253,7 +253,12 @@ class TreeFlow:
 
 
 def with_ports(node: BehaviourNode, given: Mapping[str, str]) -> BehaviourNode:
-    """Return a subtree in which `{port}` is replaced by the value given for that port."""
+    """Return a subtree in which each port `{name}` is replaced by the value given for `name`.
+
+    Args:
+        node: root of the subtree.
+        given: values by name; ports with other names are kept.
+    """
     if not given:
         return node
     ports = {

@@ -140,7 +140,7 @@ class ArrivalSurvey(FiguresSurvey):
 
 
 def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
-    """Return the true distance in [mm] and turn in [deg] between the base and a place."""
+    """Return the true distance in [mm] and the turn in [deg] of the base from a place, given its name."""
     goal, base = run.model.places[place].pose, run.base_on_map
     return 1e3 * goal.distance(base), math.degrees(goal.turn(base))
 

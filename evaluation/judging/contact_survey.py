@@ -84,11 +84,11 @@ class ContactSurvey(Survey):
         return run.scene is not None
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """Note the start of an action; bodies that touch already count as touched by this action."""
+        """Take an action as the running one; bodies that touch already count as touched by it, too."""
         self._running, self._lasting = (number, primitive), {}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """Return a message for each unmeant contact of an action that ended in Success."""
+        """Return a message for each unmeant contact of the ended action; empty unless it was a Success."""
         unmeant = self.unmeant()
         self._running = None
         self._lasting = dict.fromkeys(self.run.world.touching)

@@ -61,7 +61,15 @@ def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> Ma
 def reachable_floor(
     boxes: list[tuple[float, float, float, float, float]], radius: float, start: Pose2
 ) -> FloatArray:
-    """Return points (n, 2) in [m] at which a disc can be that starts at a pose; none without outer walls."""
+    """Return points (n, 2) in [m] at which a disc can be that starts at a pose.
+
+    Empty without outer walls, because the disc could then leave the surroundings of the boxes.
+
+    Args:
+        boxes: x, y of the middle in [m], yaw in [rad], length and width in [m] of each obstacle.
+        radius: radius of the disc, in [m].
+        start: pose of the disc in the frame of the boxes.
+    """
     if not boxes:
         return np.empty((0, 2))
     reach = np.array(

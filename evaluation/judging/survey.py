@@ -143,7 +143,9 @@ class Survey(ABC):
         """Observe the robot after a period."""
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """Return a message for each further claim of the ended action's outcome that is false."""
+        """Return a message for each false claim of the ended action's outcome, other than those in
+        `effects`.
+        """
         return []
 
     def notes(self) -> Any:

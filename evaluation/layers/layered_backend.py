@@ -48,6 +48,12 @@ class LayeredBackend(Backend):
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
         """Call a method of an inner capability, or the layer's method that replaces it, and return the
         result.
+
+        Args:
+            part: inner capability.
+            kind: kind of the capability; its words begin the name of the layer's method.
+            method: name of the method.
+            *words: arguments of the call.
         """
         own = getattr(self, f"{kind.words().replace(' ', '_')}_{method}", None)
         return getattr(part, method)(*words) if own is None else own(part, *words)

@@ -22,6 +22,12 @@ def draw_comparison(
 ) -> None:
     """Draw the walls of two maps in the frame of the first.
 
+    Args:
+        grids: the two maps.
+        first_T_second: pose of the second map's frame in the frame of the first.
+        path: file to write.
+        names: names of the two maps in the legend.
+
     Raises:
         OSError: the file cannot be written.
     """

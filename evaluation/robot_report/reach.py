@@ -79,7 +79,10 @@ class HandReach:
 
 
 def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> HandReach | None:
-    """Return what the hand reaches in random postures of the arm; None if no posture is free."""
+    """Return what the hand reaches above the floor in random postures of the arm.
+
+    None if no posture is free of collisions with the hand above the floor.
+    """
     free = CollisionModel(arm)
     rng = np.random.default_rng(seed)
     drawn = rng.uniform(arm.lower, arm.upper, (SAMPLES if robot.has_tray else FEWER, arm.dof))

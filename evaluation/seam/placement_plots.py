@@ -31,8 +31,13 @@ class DividedPath(NamedTuple):
 def draw_divisions(
     path: ToolPath, panels: Sequence[DividedPath], target: Path, arm: PitchArm | None = None
 ) -> None:
-    """Draw the path, the bases and a pitch arm's postures from above, and the path from ahead, as in figure
-    4.
+    """Draw a path and the bases for its parts from above, and the path from ahead: figure 4 of Shin (2005).
+
+    Args:
+        path: path of the tool.
+        panels: divisions to draw, one below the other.
+        target: file to write.
+        arm: arm whose postures are drawn from above; None: no arm is drawn.
 
     Raises:
         OSError: the file cannot be written.

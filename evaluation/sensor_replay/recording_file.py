@@ -29,7 +29,7 @@ class NoRecording(InputError):
 
 
 def write_block(file: IO[bytes], data: Any) -> None:
-    """Append a block to a file and flush it to the operating system."""
+    """Append plain data to a file as one compressed block, and flush it to the operating system."""
     packed = zlib.compress(pack(data), COMPRESSION_LEVEL)
     file.write(len(packed).to_bytes(SIZE_BYTES, "big") + packed)
     file.flush()

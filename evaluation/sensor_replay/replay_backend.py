@@ -42,7 +42,7 @@ class RecordedPeriod:
 
     @classmethod
     def of(cls, calls: list[Call]) -> RecordedPeriod:
-        """Sort the calls of a period; raise LookupError or TypeError for other data."""
+        """Group the calls of a period by their kinds; raise LookupError or TypeError for other data."""
         found = cls()
         for call in calls:
             what, number, method, words = call[:4]

@@ -120,7 +120,19 @@ def build_rig(
 ) -> Rig:
     """Build a robot on a backend, with files for a test, without a task.
 
-    `bench` is the name of the simulated backend behind its drives or topics.
+    Args:
+        files: world, map and knowledge.
+        robot: name or file of the robot.
+        backend: name of the backend.
+        seed: seed of simulated errors.
+        put_at_start: True to put the robot at the start place of `files` also if the world states another
+            start.
+        is_start_known: False for a robot that has to find its start pose by itself.
+        bench: name of the simulated backend behind the backend's drives or topics; None: it needs none.
+
+    Raises:
+        NoSuchPlace: the start place does not exist.
+        FileError: a file is invalid.
     """
     spec, findings = load_robot(robot), Findings()
     spec = started_exactly(spec) if files.is_without_map else spec

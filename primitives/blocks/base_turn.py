@@ -21,17 +21,24 @@ class BaseTurn(NamedTuple):
 
 
 def turn_by_model(robot: Robot, swings: int) -> BaseTurn:
-    """Return the yaw of the base that the suspension's model predicts for a number of swings of the loaded
-    arm.
+    """Return the yaw of the base that the suspension's model predicts (Hatano et al. 2000, eq. 12).
 
-    Hatano et al. (2000), eq. 12.
+    Args:
+        robot: robot whose suspension model is used.
+        swings: number of swings: motions of the loaded hand over at least `suspension.swing_from_mm`.
     """
     known = robot.spec.suspension
     return BaseTurn(known.model.yaw_per_swing * swings, known.yaw_sigma_mrad / 1e3 * math.sqrt(swings))
 
 
 def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> BaseTurn:
-    """Return the yaw that the gyros measured between two fixations, or until now; the robot needs an IMU."""
+    """Return the yaw that the gyros measured between two fixations; the robot needs an IMU.
+
+    Args:
+        robot: robot whose gyros are used.
+        before: earlier fixation.
+        now: later fixation; None: the present time.
+    """
     assert robot.spec.imu is not None
     yaw, moved = (robot.attitude.yaw, robot.attitude.moved) if now is None else (now.attitude[2], now.moved)
     walk = math.radians(robot.spec.imu.angle_random_walk_deg_rt_s)
@@ -39,11 +46,16 @@ def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> Base
 
 
 def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
-    """Return a fixation that fuses the current one with an earlier one and the base's turn since then.
+    """Return the current fixation, its pose fused with an earlier one that the base has turned away from.
 
     The position of the base is assumed unchanged. Positions and headings of both fixations are weighted by
     their variances (update of a Kalman filter with states measured one by one). If they differ by more than
-    `FUSION_GATE_SIGMAS` standard deviations, the base was moved meanwhile: the earlier fixation is dropped.
+    `FUSION_GATE_SIGMAS` standard deviations, the base was moved meanwhile: `now` is returned unchanged.
+
+    Args:
+        before: earlier fixation.
+        turn: yaw of the base since then.
+        now: current fixation.
     """
     spread = math.hypot(before.sigma[1], turn.sigma)
     place = (before.sigma[0] ** 2, now.sigma[0] ** 2)

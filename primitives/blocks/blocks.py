@@ -42,7 +42,9 @@ class Fixed(NamedTuple):
     moved: float
     """Time over which the gyros' rates were integrated until the measurement, in [s], by `Attitude.moved`."""
     swings: int = 0
-    """Number of swings of the loaded arm since the measurement; each turns the base a little."""
+    """Number of swings of the loaded arm since the measurement, see `turn_by_model`; each turns the base a
+    little.
+    """
 
     @property
     def covariance(self) -> FloatArray:

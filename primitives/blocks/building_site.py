@@ -37,7 +37,7 @@ def standing(robot: Robot, model: ModelView) -> Pose2:
 
 
 def building(model: ModelView) -> Building:
-    """Return the building plan; raises `Discrepancy` where the robot has none."""
+    """Return the building plan; raises `Discrepancy` if the robot has none."""
     blocks = model.of(Blocks)
     if blocks.building is None:
         raise Discrepancy("the task has no building plan", permanent=True, cause=causes.NOT_KNOWN)

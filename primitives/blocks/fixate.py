@@ -94,7 +94,7 @@ class Fixate(ActionPrimitive):
 
 
 def landmark_of(model: ModelView, name: str) -> LandmarkPlan:
-    """Return a landmark of the building plan; raises `Discrepancy` where it has none of that name."""
+    """Return a landmark of the building plan; raises `Discrepancy` if the plan has none of that name."""
     marks = building(model).landmarks
     if name not in marks:
         raise Discrepancy(

@@ -167,7 +167,15 @@ def fixate(
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
-    """Return the result of a fixation for the world model; `planned` is map_T_base of the place."""
+    """Return the result of a fixation for the world model.
+
+    Args:
+        robot: robot that has made the fixation, still in the same posture.
+        name: name of the landmark.
+        place: name of the base's target place.
+        planned: map_T_base of this place.
+        found: the fixation.
+    """
     pose = planned.compose(found.planned_T_base)
     reach = (float(found.base_T_hand[0, 3]), float(found.base_T_hand[1, 3]))
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
@@ -207,7 +215,12 @@ def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transfo
 
 
 def upright_sigma(fixed: Fixed, pose: Pose2) -> tuple[float, float]:
-    """Return the sigma of the pose that `upright` gave, of its position in [m] and its heading in [rad]."""
+    """Return the sigma of an upright pose, of its position in [m] and its heading in [rad].
+
+    Args:
+        fixed: fixation with the measured pose.
+        pose: result of `upright` for it.
+    """
     position, heading = fixed.sigma
     return math.hypot(position, LEAN_SHARE * fixed.pose.distance(pose)), heading
 

@@ -230,7 +230,11 @@ class LandmarkViews:
 
 
 def offsets(rings: int) -> list[tuple[float, float]]:
-    """Return x and y of further views relative to a first one, in [m], the nearest first."""
+    """Return x and y of further views relative to a first one, in [m], the nearest first.
+
+    Args:
+        rings: number of rings of a square grid around the first view.
+    """
     steps = [SEARCH_STEP_M * n for n in range(-rings, rings + 1)]
     views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
     return sorted(views, key=lambda view: (math.hypot(*view), math.atan2(view[1], view[0])))

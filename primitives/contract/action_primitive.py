@@ -100,20 +100,25 @@ class ActionPrimitive(FileModel, ABC):
         return self.usual_hand_use()
 
     def needs_arm_inside(self) -> bool:
-        """Return whether the hand must be within the footprint; override where parameters decide."""
+        """Return whether the hand must be within the footprint; override if parameters decide that."""
         return self.arm_inside
 
     def thing(self, model: ModelView) -> str:
-        """Return the name, in simulated worlds, of the thing that the primitive takes, carries or
-        releases.
+        """Return the name, in simulated worlds, of the thing that the primitive takes, carries or releases.
+
+        Empty if there is none, or if its name is not known.
         """
         return ""
 
     def lacking(self, kinds: Sequence[type[Capability]], model: ModelView) -> str:
         """Return what the robot lacks for these parameters; empty if nothing.
 
-        Called when a task is checked, with the classes of the robot's capabilities and what is known before
-        the start: a task with such an action is refused, as with one whose `needs` are not met.
+        Called when a task is checked: a task with such an action is refused, as with one whose `needs` are
+        not met.
+
+        Args:
+            kinds: classes of the robot's capabilities.
+            model: what is known before the start.
         """
         return ""
 
@@ -138,12 +143,18 @@ class ActionPrimitive(FileModel, ABC):
         return
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Measure the objects that the motion will touch: before the start, and after a restore."""
+        """Return the positions of the objects that the motion will touch, measured now; by default none.
+
+        Called at rest before the motion and after a restore, to compare both.
+        """
         return {}
         yield
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the wanted effect is observed; called at rest at the end of the motion."""
+        """Return whether the wanted effect is observed; called at rest at the end of the motion.
+
+        By default True: no sensor can observe it.
+        """
         return True
         yield
 
@@ -155,7 +166,7 @@ class ActionPrimitive(FileModel, ABC):
         """Return the largest distance of the base from its start, in [m], at which a Fail still allows the
         next action.
 
-        The tolerance of the robot's file holds as well.
+        The tolerance of the robot's file holds as well; by default it alone.
         """
         return math.inf
 
@@ -193,7 +204,7 @@ class ActionPrimitive(FileModel, ABC):
         self._intents.passed(what)
 
     def found(self, **what: float | str) -> None:
-        """Record findings for the journal and the summary."""
+        """Record findings by name for the journal and the summary; a later value replaces an earlier one."""
         self._evidence.facts.update(what)
 
     @property

@@ -32,7 +32,10 @@ def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> s
 
 
 def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
-    """Note in the world model what the hand holds after a primitive's Success."""
+    """Set the model's `in_hand` to what the hand holds after a primitive's Success.
+
+    It is unchanged after a primitive that leaves the hand as it was, and empty if the content is unknown.
+    """
     after = primitive.hand_use().after
     if after is not Hand.SAME:
         model.in_hand = primitive.thing(model.view(primitive)) if after is Hand.FULL else ""

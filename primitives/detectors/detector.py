@@ -56,7 +56,12 @@ class Detector(ABC):
 
     @abstractmethod
     def detect(self, image: DepthImage, camera: CameraModel) -> Sequence[Detection]:
-        """Return what is found in a picture; nothing is a valid answer."""
+        """Return what is found in a picture; empty if nothing is.
+
+        Args:
+            image: colour and depth picture.
+            camera: model of its camera.
+        """
 
 
 class BrokenDetector(InputError):
@@ -67,6 +72,12 @@ def make_detector(
     name: str, kinds: Mapping[str, KnownSolid], options: Mapping[str, Any], folder: Path
 ) -> Detector:
     """Return an installed detector by the name of its entry point.
+
+    Args:
+        name: name of the entry point.
+        kinds: shapes of the kinds of objects to find, by name.
+        options: options of the detector in the file of objects.
+        folder: folder of that file.
 
     Raises:
         BrokenDetector: it is not installed, can't be imported, or refuses its options.

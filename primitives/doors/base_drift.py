@@ -30,7 +30,7 @@ class BaseDrift:
         self._points: list[FloatArray] = []
 
     def begin(self) -> Generator[None, None, None]:
-        """Average some scans at rest."""
+        """Average some scans at rest as reference for the drift; do nothing without a lidar."""
         if self._lidar is None:
             return
         ranges = []
@@ -47,7 +47,10 @@ class BaseDrift:
             self._scans.append(self._lidar.scan())
 
     def points(self) -> FloatArray:
-        """Return all points (n, 3) in the frame that the base has at the last one, in [m]."""
+        """Return all points (n, 3) in the frame that the base has at the last one, in [m].
+
+        Without a lidar, or with too few or unlike scans, they are returned as recorded.
+        """
         points, motions = np.array(self._points), self._motions()
         if motions is None:
             return points

@@ -101,7 +101,7 @@ class Doors(Section):
         return next((state for state in self.door_states if state.door == name), None)
 
     def note(self, state: DoorState) -> None:
-        """Note how a door was left."""
+        """Store how a door was left, in place of its earlier state."""
         others = (door_state for door_state in self.door_states if door_state.door != state.door)
         self.door_states = (*others, state)
 

@@ -188,7 +188,12 @@ class MoveDoor(ActionPrimitive):
             model.of(Doors).door_states = self._states_before
 
     def prior(self, joint: DoorJoint, span: tuple[float, float]) -> PathPrior:
-        """Return the believed path from where the handle is, in the base frame."""
+        """Return the believed path of the handle from where it is, in the base frame.
+
+        Args:
+            joint: believed joint of the door, in the base frame.
+            span: opening now and the wanted one, in [rad] or [m].
+        """
         opens = 1.0 if span[1] > span[0] else -1.0
         heading = joint.heading(span[0]) + (0.0 if opens > 0.0 else math.pi)
         curvature = opens * joint.curvature()

@@ -23,7 +23,12 @@ class Stiffness:
         self._periods = 0
 
     def add(self, step: float, resistance: float) -> None:
-        """Note the resistance in [N] after a step of the command along the path, in [m]."""
+        """Update the estimate of the stiffness; called once a period.
+
+        Args:
+            step: last step of the command along the path, in [m].
+            resistance: resistance after it, in [N].
+        """
         before, self._before = self._before, resistance
         found = 0.0
         if before is not None and step >= MIN_STEP_M:
@@ -38,6 +43,9 @@ class Stiffness:
         force.
 
         It is negative if the hand has to go back.
+
+        Args:
+            resistance: present resistance, in [N].
         """
         return SHARE * (self._most - resistance) / self._now
 

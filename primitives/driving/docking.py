@@ -77,8 +77,12 @@ def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable
 
 
 def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the front does not determine the base's pose in front of it within the
-    need.
+    """Raise `Discrepancy` if a measured front does not determine the base's pose before it well enough.
+
+    Args:
+        front: measured front.
+        name: name of the place in messages.
+        need: required accuracy of the pose.
     """
     sizes = (
         1e3 * DETERMINED_SIGMAS * front.distance_std,
@@ -99,7 +103,14 @@ def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
 
 
 def check_determined(robot: Robot, name: str, place: Place, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the sensors don't determine the base's pose at its place well enough."""
+    """Raise `Discrepancy` if the sensors don't determine the pose of a base at a place well enough.
+
+    Args:
+        robot: robot at the place.
+        name: name of the place in messages.
+        place: the place.
+        need: required accuracy of the pose.
+    """
     off, shift = difference(robot.pose, place.pose), robot.localization.map_shift
     if place.docks:  # its front was measured, not the map
         off, shift = (0.0, 0.0, 0.0), NO_SHIFT

@@ -93,8 +93,16 @@ def plan_tracker(
 ) -> Generator[None, None, tuple[PathTracker | CarTracker, FloatArray]]:
     """Return a tracker for a route to a place, and the route's points (n, 2) in [m].
 
-    The route is the planned detour to the place, or a new route on the map. A car always gets a new one
-    from its current pose, past known and sensed obstacles. With `reverse` the rear leads.
+    The route is the planned detour to the place, or a new route on the map. A car always gets a new one from
+    its current pose, past known and sensed obstacles.
+
+    Args:
+        robot: robot at the start of the route.
+        model: world model.
+        place: name of the place.
+        goal: map_T_base at the end of the route.
+        tolerance: tolerance of the pose at the end.
+        reverse: True to drive with the rear ahead, which a car can't.
 
     Raises:
         Discrepancy: no route was found, or a car would have to reverse.

@@ -25,9 +25,10 @@ HOPELESS_RATIO = 3.0  # of what the place needs: what no map shows, and good whe
 def check_will_be_determined(
     robot: Robot, grid: GridMap, name: str, place: Place, need: PoseNeed, route: FloatArray
 ) -> Generator[None, None, None]:
-    """Raise `Discrepancy` where a long route ends with a pose that map and lidar will not determine.
+    """Raise `Discrepancy` if map and lidar will by far not determine the pose at the end of a long route.
 
-    The localizer runs along the route on scans that are simulated with the map, as in `handcart check`.
+    The localizer runs along the route on scans that are simulated with the map, as in `handcart check`. Short
+    routes are not checked.
 
     Args:
         robot: at rest at the route's start.

@@ -15,7 +15,13 @@ BLUE, GREEN, RED = (178, 114, 0), (115, 158, 0), (0, 94, 213)  # BGR of Okabe an
 
 
 def explored_picture(grid: GridMap, built: BuiltMap, border: Border | None) -> ByteArray:
-    """Return a picture (h, w, 3): trajectory blue, loop closures green, frontiers that stay red."""
+    """Return a picture (h, w, 3), BGR: trajectory blue, loop closures green, frontiers that stay red.
+
+    Args:
+        grid: the map.
+        built: keyframes and loop closures of the map.
+        border: border of the known ground; None: no frontiers are drawn.
+    """
     scale = max(1, round(MIN_WIDTH_PX / max(grid.occupied.shape)))
     grey = np.where(grid.occupied, 0, np.where(grid.unknown, UNKNOWN_GREY, 255)).astype(np.uint8)
     large = cv2.resize(grey[::-1], None, fx=scale, fy=scale, interpolation=cv2.INTER_NEAREST)

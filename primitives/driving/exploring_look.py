@@ -84,7 +84,12 @@ class ExploringLook:
         self._postponed.append(point)
 
     def take(self, here: Pose2, current: FrontierGoal | None) -> FrontierLook:
-        """Draw the map, and choose the next frontier from map_T_base."""
+        """Draw the map so far, and return it with the next frontier.
+
+        Args:
+            here: map_T_base.
+            current: frontier that the base drives to, which is preferred; None without one.
+        """
         if self._map.is_search_due:
             self._map.search()
         grid = self.draw()

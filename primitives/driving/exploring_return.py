@@ -39,6 +39,13 @@ def drive_to_start(
 ) -> Periods:
     """Bring the base back to the pose of the first keyframe, and measure that it is there.
 
+    Args:
+        robot: the robot.
+        model: world model.
+        start: snapshot at the start.
+        scans: collector with the growing map.
+        look: draws this map.
+
     Raises:
         Discrepancy: no way leads back, or the scan does not fit those of the start.
     """

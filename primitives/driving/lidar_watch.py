@@ -37,7 +37,7 @@ class LidarWatch:
         self._seen = np.empty(0, dtype=np.int64)
 
     def watch(self, robot: Robot, grid: GridMap | None) -> None:
-        """Raise `NeedsPerson` where the lidar has shown next to nothing for a while.
+        """Raise `NeedsPerson` if the lidar repeats its scan, or has shown next to nothing for a while.
 
         Args:
             robot: whose lidar it is.

@@ -122,7 +122,7 @@ class LocalReplanning:
         self._layer.take(map_T_sensor, scan.angles, ranges, explained | moving, robot.time)
 
     def keep(self) -> None:
-        """Keep what was sensed in the world model."""
+        """Set the world model's sensed cells to those of this drive, without people."""
         self._model.sensed_cells = self.people.without_people(self._near.cells())
 
     def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
@@ -303,7 +303,7 @@ class LocalReplanning:
         return sign
 
     def command(self, robot: Robot, tracker: PathTracker) -> tuple[float, ...]:
-        """Return the command along the route, or to hold."""
+        """Return the speeds of the base along the route, or those that hold it."""
         if self.holds:
             return tracker.hold(robot.pose, robot.period)
         return tracker.command(robot.pose, robot.period, self.speed_limit)
@@ -325,7 +325,8 @@ class LocalReplanning:
         """Drive to map_T_base of the start by the way that is free now.
 
         Raises:
-            Discrepancy: no way has led there for `wait_s`.
+            Discrepancy: no way leads there at first, or later for `wait_s` [s]; people get more time to
+                leave.
         """
         self._goal, self._front, self._job, self.blocked_since = goal, None, None, None
         self._nearest, self._nearer_at = np.inf, robot.time

@@ -51,7 +51,7 @@ class PeopleWatch:
         """Time since which the base waits for a person, in [s]; None while it does not."""
 
     def take(self, robot: Robot, scan: Scan, ranges: FloatArray, explained: BoolArray) -> TrackedScan:
-        """Take in a scan; the base keeps off the people in it for this period.
+        """Track the people in a scan, and let the base keep off them in this period.
 
         Args:
             robot: whose lidar it is.
@@ -61,7 +61,7 @@ class PeopleWatch:
 
         Returns:
             Mask (n,) of the beams that end at moving people, and discs (k, 3) that these people have left: x,
-                y and radius on the map, in [m].
+                y and radius on the map, in [m]. Nobody for a second call in a period.
         """
         moving = np.zeros(len(ranges), dtype=np.bool_)
         if robot.time <= self._taken_at or len(ranges) < 3:
@@ -107,7 +107,10 @@ class PeopleWatch:
         return self.people.chosen(self.people.stood_s < STOOD_S)
 
     def limit(self, robot: Robot, tracker: PathTracker) -> float:
-        """Return the speed along the tracker's route that yields to people, in [m/s]; 0 means to wait."""
+        """Return the speed along the tracker's route that yields to people, in [m/s]; 0 means to wait.
+
+        It is the top speed if nobody is near. Notes as well whether the base waits, as `note_waiting`.
+        """
         most, walking = robot.drive_limits.speed, self._walking
         if len(walking.radii):
             most = yielding_speed(tracker.ahead, most, walking, self._radius, self._keep)
@@ -115,7 +118,14 @@ class PeopleWatch:
         return most
 
     def note_waiting(self, robot: Robot, waits: bool) -> None:
-        """Note whether the base waits for a person in this period; short pauses between count as waiting."""
+        """Update `waits_since`, the time since which the base waits for a person; called once a period.
+
+        Short pauses between count as waiting.
+
+        Args:
+            robot: the robot.
+            waits: True if it waits in this period.
+        """
         if waits or robot.base.yields:
             self._waited_at = robot.time
             if self.waits_since is None:
@@ -126,7 +136,12 @@ class PeopleWatch:
                 self.waits_since = None
 
     def blocked(self, way: str, at: tuple[float, float]) -> Discrepancy:
-        """Return the Discrepancy that a person is on a route, near a point on the map in [m]."""
+        """Return the Discrepancy that a person is on a route.
+
+        Args:
+            way: name of the route in the message.
+            at: point of the route near the person, x and y on the map in [m].
+        """
         x, y = at
         away = np.inf
         if len(self.people.radii):
@@ -141,7 +156,11 @@ class PeopleWatch:
 
     def drawn_on(self, grid: GridMap, pose: Pose2) -> GridMap:
         """Return a map in which the people that a route must avoid are occupied, with this attempt's distance
-        to them.
+        to them; in the last attempt, the map as it is.
+
+        Args:
+            grid: the map.
+            pose: map_T_base.
         """
         if self.is_last_attempt:
             return grid

@@ -54,7 +54,8 @@ class ScanCollector:
         return self.map.pose_of(self.odometry)
 
     def take(self, robot: Robot) -> None:
-        """Follow the wheels, and keep this period's scan if the base has moved enough.
+        """Update the odometry by the wheels, and keep this period's scan as a keyframe if the base has moved
+        enough.
 
         Raises:
             NeedsPerson: the lidar repeats its scan although the wheels roll.

@@ -83,11 +83,11 @@ class StandingRoom:
         return no_way
 
     def free(self, base: FloatArray, angles: FloatArray) -> bool:
-        """Return whether robot and arm touch nothing from a base pose, at home and at the given angles.
+        """Return whether robot and arm touch nothing from a base pose, at home and along a path of the arm.
 
         Args:
             base: (3,) map_T_base: x, y in [m], heading in [rad].
-            angles: (p, n) postures of the arm, in [rad] or [m].
+            angles: (p, n) postures along the path, in [rad] or [m]; one in `COLLISION_CHECK_STRIDE` is tried.
         """
         bodies = self._arm.link_shapes(self._home)
         if not stands_clear(base[None], bodies, self._boxes)[0]:

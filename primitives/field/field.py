@@ -69,7 +69,11 @@ class Field(FileModel):
         return self.x_m[0] <= x <= self.x_m[1] and self.y_m[0] <= y <= self.y_m[1]
 
     def below(self, finger_tip: float) -> float:
-        """Return the height of the frame `hand` above the foot of a held sensor, in [m]."""
+        """Return the height of the frame `hand` above the foot of a held sensor, in [m].
+
+        Args:
+            finger_tip: distance of the finger tips from the hand's origin, in [m].
+        """
         return finger_tip + (self.sensor_mm[2] - self.gripped_mm) / 1e3
 
     def held(self, finger_tip: float, name: str) -> Box:

@@ -74,7 +74,11 @@ class SensorArm:
         return abs(self._robot.gripper.width() - self._field.sensor_mm[1] / 1e3)
 
     def take(self) -> Periods:
-        """Close the fingers on the sensor in the magazine; the arm is home."""
+        """Close the fingers on the sensor in the magazine; the arm is home.
+
+        Raises:
+            Discrepancy: the fingers hold no sensor.
+        """
         if not self.holds:
             yield from open_to(self._robot)
             yield from self._robot.wait(2 * self._robot.period)
@@ -198,12 +202,14 @@ class SensorArm:
         return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = SLIDE_SPEED_M_S) -> Generator[None, None, float]:
-        """Move the slide to a position, or until the hand meets something; return the force from below, in
-        [N].
+        """Move the slide to a position; on the way down, stop where the hand meets something.
 
         Args:
-            goal: position of the slide, in [m].
+            goal: position of the slide, in [m]; larger is lower.
             speed: speed of the slide, in [m/s].
+
+        Returns:
+            Force from below that has stopped the hand, in [N]; 0 at the goal.
         """
         robot = self._robot
         step = min(speed, float(robot.joint_speeds[2])) * robot.period * (1.0 - 1e-6)
@@ -219,7 +225,7 @@ class SensorArm:
 
     def give_way(self) -> Periods:
         """Move the open fingers with the sensor that leans on one of them, until the sensor is upright by
-        itself.
+        itself, or they have moved by `MAX_YIELD_M`.
         """
         robot, push, gone, free = self._robot, 0.0, 0.0, 0.0
         share = min(1.0, robot.period / FORCE_SMOOTHING_S)

@@ -92,7 +92,15 @@ def _away(robot: Robot, points: FloatArray) -> FloatArray:
 
 
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
-    """Record a bump if the base was stopped in the last period; called once a period."""
+    """Record a bump and raise `Discrepancy` if the base was stopped in the last period; called once a period.
+
+    A bump of a robot that does not know its place on the map is not kept in the model.
+
+    Args:
+        robot: the robot.
+        model: world model that gets the bump.
+        evidence: gets the place of the bump.
+    """
     _check_wheels(robot)
     blocked = robot.progress.blocked
     if blocked is None:
@@ -153,7 +161,9 @@ def avoided_points(robot: Robot, model: WorldModel | ModelView) -> FloatArray:
 
 
 def last_bump(spec: RobotFile, model: WorldModel | ModelView) -> tuple[float, float] | None:
-    """Return the point in [m] about where the base last ran into something, or None."""
+    """Return the point (x, y) on the map, in [m], about where the base last hit something; None if it never
+    did.
+    """
     return _touched(model.bumps[-1], spec.footprint_radius_m) if len(model.bumps) else None
 
 

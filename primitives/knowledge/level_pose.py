@@ -14,7 +14,7 @@ from handcart.robotics.kinematics.shapes import Box
 
 
 class LevelPose(FileModel):
-    """A pose on a level surface, given on the map or on the robot's own table."""
+    """A pose on a level surface, given on the map or, for the robot's own table, in the base frame."""
 
     x_m: float
     y_m: float
@@ -24,14 +24,14 @@ class LevelPose(FileModel):
 
     @property
     def floor(self) -> Pose2:
-        """Pose on the map without its height."""
+        """x, y and heading, without the height, in the frame in which the pose is given."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
     @property
     def pose(self) -> Transform:
-        """Pose (4, 4) on the map."""
+        """Pose (4, 4) at the height of the surface, in the frame in which it is given."""
         return self.floor.lift(self.height_m)
 
     def body(self, size: tuple[float, float, float], name: str) -> Box:
-        """Return a box that rests at the pose, with `size` along its x, y and z in [m]."""
+        """Return a box that rests on the surface at the pose, with `size` along its x, y and z in [m]."""
         return Box(self.floor.lift(self.height_m + size[2] / 2), size, name)

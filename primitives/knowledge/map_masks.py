@@ -31,14 +31,21 @@ class SpeedMask(FileModel):
 
 
 def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
-    """Return the limits in a mask's file; raises `FileError` where that is missing or wrong."""
+    """Return the limits in a mask's file; raises `FileError` if the file is missing or wrong."""
     read = read_occupancy(path)
     percent = spec.type == "percent"
     return SpeedLimits(read.values, read.resolution, read.origin, percent, spec.base, spec.multiplier)
 
 
 def keepout_findings(places: Loaded[Places], grid: GridMap, zones: GridMap, mask: Path) -> Iterator[Finding]:
-    """Yield a finding for each place inside a keepout zone; `mask` is the file of the zones."""
+    """Yield a finding for each place inside a keepout zone.
+
+    Args:
+        places: places, with the lines of their file.
+        grid: the map; places beyond it are not checked.
+        zones: keepout zones, as a map whose occupied cells are forbidden.
+        mask: file of the zones, named in the findings.
+    """
     barred = keepout_cells(grid, zones)
     for name, place in places.value.places.items():
         point = place.pose.lift()[None, :2, 3]

@@ -18,5 +18,10 @@ class MeantContact(NamedTuple):
     other: str
 
     def covers(self, part: str, other: str) -> bool:
-        """Return whether a contact is intended."""
+        """Return whether a contact is intended.
+
+        Args:
+            part: part of the robot, one of `RobotPart`.
+            other: name of the touched body in the world.
+        """
         return part == self.part and fnmatchcase(other, self.other)

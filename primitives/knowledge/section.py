@@ -57,7 +57,7 @@ class NamedFiles:
             return None
 
     def wrong(self, key: str, message: str) -> None:
-        """Add a finding on a key under `knowledge:`."""
+        """Add a finding, placed at a key under `knowledge:` in the task's file."""
         self.findings.add(self.document.finding(("knowledge", key), message))
 
 
@@ -82,7 +82,7 @@ class MovedKnowledge(Protocol):
     places: Mapping[str, Place]
 
     def redraw_moved(self) -> GridMap:
-        """Draw the map again with the things that sections measured; return it with the sensed cells."""
+        """Replace the map by one with measured things where they are now; return it with the sensed cells."""
         ...
 
 

@@ -160,9 +160,12 @@ class WorldModel:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Draw the map again with the things that sections measured; return it with the sensed cells.
+        """Replace the map by the given one with the measured things where they are now.
 
         Cells that were sensed near a moved thing are dropped, because they showed that thing.
+
+        Returns:
+            The new map with the sensed cells that are left.
         """
         things = [thing for section in self.sections.values() for thing in section.moved_things()]
         self.map = with_moved(self._given_map, things)
@@ -339,7 +342,7 @@ class ModelView:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Draw the map again with the things that sections measured; return it with the sensed cells."""
+        """Replace the map by one with measured things where they are now; return it with the sensed cells."""
         grid: GridMap = self.__dict__["_model"].redraw_moved()
         return grid
 

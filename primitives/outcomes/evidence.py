@@ -33,5 +33,10 @@ class Evidence:
     """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
 
     def blame(self, error: Exception, restoring: bool = False) -> None:
-        """Record the cause that an exception states."""
+        """Append the cause that an exception states to `causes`.
+
+        Args:
+            error: the caught exception, with its traceback.
+            restoring: True if the way back, or withdrawing, raised it.
+        """
         self.causes.append(cause_of(error, restoring))

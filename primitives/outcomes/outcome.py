@@ -55,7 +55,8 @@ Outcome = Success | Fail | GiveUp
 def fail_if_restored(
     reason: str, permanent: bool, residuals: Residuals, cause: CauseKind = UNNAMED
 ) -> Fail | GiveUp:
-    """Return the outcome of a motion that was undone: a Fail if every residual is within its limit.
+    """Return the outcome of a motion that was undone: a Fail if every residual is within its limit, otherwise
+    a GiveUp.
 
     Args:
         reason: why the motion could not be completed.

@@ -19,7 +19,11 @@ GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 
 
 def renew_arm(robot: Robot, moment: Moment) -> bool:
-    """Command the arm as in a moment; return whether this command differs from the last one."""
+    """Command the arm to the joints of a recorded moment, unless they are its last command.
+
+    Returns:
+        True if a new command was given; False without an arm.
+    """
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None or not np.any(arm.command() != moment.joints):
         return False
@@ -59,7 +63,13 @@ def moves_fingers(robot: Robot, moment: Moment) -> bool:
 
 
 def command_moment(robot: Robot, moment: Moment, periods: int = 1) -> Generator[None, None, None]:
-    """Bring arm and gripper to their commands of a moment, the arm evenly within `periods` periods."""
+    """Bring arm and gripper to their commands of a recorded moment: the gripper first, then the arm.
+
+    Args:
+        robot: the robot.
+        moment: recorded state.
+        periods: number of periods over which the arm's motion is spread evenly.
+    """
     if moves_fingers(robot, moment):
         robot.gripper.move(moment.grip)
         yield from robot.wait(GRIP_PAUSE)

@@ -58,7 +58,7 @@ def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
 
 
 def check_stands(robot: Robot, goal: Pose2) -> None:
-    """Raise `Discrepancy` where a car isn't at a pose within its tolerance: it can't be moved sideways."""
+    """Raise `Discrepancy` unless a car is at a pose within its tolerance: it can't be moved sideways."""
     off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
     if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:
         away = Measured("Base", "distance from its goal", off, most, "m")

@@ -39,7 +39,14 @@ def known_discs(robot: Robot, model: ModelView | WorldModel) -> FloatArray:
 
 
 def plan_car_drive(robot: Robot, start: Pose2, goal: Pose2, discs: FloatArray) -> CarPath | None:
-    """Return a path of this car from one pose to another past discs (n, 3) in [m], or None."""
+    """Return a path of this car from one pose to another; None if none is found.
+
+    Args:
+        robot: the car.
+        start: map_T_base at the start.
+        goal: map_T_base at the end.
+        discs: (n, 3) obstacles: x, y on the map and radius, in [m].
+    """
     radius = TURNING_RADIUS_RATIO / robot.spec.drive.sharpest_per_m
     return plan_car_route(start, goal, discs, robot.spec.footprint_radius_m + CAR_ROOM, radius)
 

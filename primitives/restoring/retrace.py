@@ -44,8 +44,18 @@ def retrace(
 ) -> Generator[None, None, None]:
     """Bring the robot back to the absolute snapshot along the way it came, on one time line.
 
-    Stretches in which the base moved are driven back with feedback of its pose, no faster than `allowed`, the
-    arm where it was when the base was there; in between, arm and gripper play their commands backwards.
+    Stretches in which the base moved are driven back with feedback of its pose, the arm where it was when the
+    base was there; in between, arm and gripper play their commands backwards. A car is brought back by
+    `car_retrace`.
+
+    Args:
+        robot: robot at the end of the motion.
+        start: snapshot to return to.
+        trace: record of the motion.
+        allowed: speed limits by place on the map; None: the base is limited by its drive alone.
+
+    Raises:
+        Discrepancy: the base does not get back.
     """
     if robot.spec.drive.kind == "ackermann":
         yield from car_retrace(robot, start, trace)
@@ -62,13 +72,14 @@ def retrace(
 def reach_pose(
     robot: Robot, goal: Pose2, tolerance: PoseTolerance = STRETCH_TOLERANCE
 ) -> Generator[None, None, None]:
-    """Bring the base to a close pose; do nothing if it is there already within half the tolerance.
+    """Bring the base to a close pose; do nothing if it is there already.
 
-    A base that shifts as it turns, such as a skid-steer one, may come no nearer than some millimetres: the
-    tolerance widens after `EXACT_REACH_S`, up to half of the tolerance in the robot's file.
+    It is if its position is within half the tolerance, and its heading within the tolerance. A base that
+    shifts as it turns, such as a skid-steer one, may come no nearer than some millimetres: the tolerance
+    widens after `EXACT_REACH_S`, up to half of the tolerance in the robot's file. A car isn't moved.
 
     Raises:
-        Discrepancy: the base is not there after a minute.
+        Discrepancy: the base is not there after a minute; or a car isn't within its tolerance.
     """
     if robot.spec.drive.kind == "ackermann":
         check_stands(robot, goal)

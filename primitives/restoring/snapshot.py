@@ -75,7 +75,12 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
 
 
 def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
-    """Measure the robot's current state; `seen` holds the objects that it can touch."""
+    """Measure the robot's current state.
+
+    Args:
+        robot: robot at rest.
+        seen: positions of the objects that it can touch, which are kept in the snapshot.
+    """
     arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
     width = gripper.width() if gripper else 0.0
     where = robot.localization

@@ -46,7 +46,11 @@ class Trace:
         """True if it is what is left of another trace, along which a motion back was broken off."""
 
     def nearest(self, pose: Pose2) -> int:
-        """Return the index of the moment, among the last ones, whose base was nearest to a pose."""
+        """Return the index of the moment, among the last `NEAR_PERIODS`, whose base was nearest to a pose.
+
+        Args:
+            pose: pose in the frame of `Localization.odometry_pose`.
+        """
         begin = max(0, len(self.moments) - NEAR_PERIODS)
         poses = [moment.odometry_pose or moment.pose for moment in self.moments[begin:]]
         off = [item.distance(pose) + RAD_M * item.turn(pose) for item in poses]

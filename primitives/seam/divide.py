@@ -88,7 +88,16 @@ class Divide(ActionPrimitive):
         return work.next is not None and not room.blocked(_way(work.next)).any()
 
     def divided(self, placer: Placer, rest: ToolPath, room: StandingRoom) -> Placements:
-        """Return the rest of a seam divided; raises `Untrackable`."""
+        """Return the rest of a seam, divided among places of the base.
+
+        Args:
+            placer: placer for the robot.
+            rest: rest of the seam, on the map.
+            room: free poses of the base.
+
+        Raises:
+            Untrackable: a point of it cannot be tracked from any place.
+        """
         if self.base == "drives":
             return place_alongside(placer, rest, room.blocked, self.placements, room.free)
         return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)

@@ -23,6 +23,14 @@ MOST_BESIDE = 0.06  # [m] from its place
 def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
     """Return the start of the planned way for a base that stopped a little ahead of its place, or behind it.
 
+    Args:
+        robot: robot at its place, at rest.
+        place: name of the place in messages.
+        planned: map_T_base of the place.
+
+    Returns:
+        map_T_base on the planned line, level with the base.
+
     Raises:
         Discrepancy: the base is elsewhere.
     """
@@ -100,7 +108,13 @@ class DrivenBase:
         return self._joints
 
     def base_at_end(self, index: int, speed: float, turn_rate: float) -> Pose2:
-        """Return map_T_base after the next period, by the present pose and command in [m/s] and [rad/s]."""
+        """Return map_T_base after the next period, predicted from the present pose.
+
+        Args:
+            index: number of the tool's point at the end of the period.
+            speed: commanded speed, in [m/s].
+            turn_rate: commanded turn rate, in [rad/s].
+        """
         dt = self._robot.period
         halfway = Pose2(0.0, 0.0, 0.5 * turn_rate * dt)
         return self._robot.pose.compose(halfway).compose(Pose2(speed * dt, 0.0, 0.0)).compose(halfway)

@@ -17,9 +17,11 @@ class KeptDivisions:
         self._kept: dict[bytes, Placements] = {}
 
     def division(self, follows_from: Iterable[bytes], find: Callable[[], Placements]) -> Placements:
-        """Return the kept division for the same data.
+        """Return the kept division for the same data, or find it and keep it.
 
-        Without one, call `find`, which may raise, and keep its result.
+        Args:
+            follows_from: all data on which the division depends; equal data has an equal division.
+            find: returns the division if none is kept; it may raise.
         """
         whole = hashlib.sha256()
         for chunk in follows_from:

@@ -58,7 +58,7 @@ class SeamWork(NamedTuple):
         return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:
-        """Note that the next part has been tracked."""
+        """Return this work after its next part was tracked; unchanged without a next part."""
         if self.next is None:
             return self
         end = self.next._replace(first=self.next.last, score=0.0, end=None)

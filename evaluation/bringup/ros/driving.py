@@ -39,7 +39,14 @@ def base_of(backend: RosBackend) -> Base:
 
 
 def command(base: Base, forward: float, turn: float, sideways: float) -> None:
-    """Command speeds for a period, in [m/s] and [rad/s]."""
+    """Command the speeds of the base for one period.
+
+    Args:
+        base: the base.
+        forward: speed forward, in [m/s].
+        turn: turn rate, in [rad/s], positive to the left.
+        sideways: speed to the left, in [m/s]; ignored by a base that can't move sideways.
+    """
     if isinstance(base, HolonomicBase):
         base.drive(forward, turn, sideways)
     else:
@@ -47,7 +54,7 @@ def command(base: Base, forward: float, turn: float, sideways: float) -> None:
 
 
 def moved(site: RosSite, before: WheelTravel, now: WheelTravel) -> Motion:
-    """Return the motion between two readings of the wheels."""
+    """Return the motion between two readings of the wheels, with the turn by the robot file's tread."""
     left, right = now.left - before.left, now.right - before.right
     turn = (right - left) / site.robot.drive.tread_m
     return Motion(0.5 * (left + right), now.sideways - before.sideways, turn)

@@ -174,7 +174,7 @@ class JointLag:
 
     @property
     def periods(self) -> float:
-        """Return the lag in periods; NaN if the reading has not moved by `passed` yet."""
+        """Return the lag in periods, at least 0; NaN if the reading has not moved by `passed` yet."""
         return max(0.0, self._read - self._commanded) if math.isfinite(self._read) else math.nan
 
 

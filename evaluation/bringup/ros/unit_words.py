@@ -9,7 +9,13 @@ UNIT_TOLERANCE = 0.4
 
 
 def unit_hint(read: float, true: float) -> str:
-    """Return in words why a reading may differ from the truth: its sign, its unit, its scale."""
+    """Return in words how a reading differs from the truth: in sign, by the factor of a unit, or by another
+    factor.
+
+    Args:
+        read: the reading, in any unit.
+        true: the true value, in the same unit.
+    """
     if abs(read) < 1e-6 or abs(true) < 1e-6:
         return "one of both stood still"
     ratio = read / true

@@ -128,7 +128,13 @@ class CampaignFolder:
 
 
 def differences(there: Arguments, asked: Arguments, but: tuple[str, ...] = ()) -> list[str]:
-    """Describe the differences between the arguments of two campaigns, except for the keys in `but`."""
+    """Describe the differences between the arguments of two campaigns.
+
+    Args:
+        there: arguments in a campaign's folder.
+        asked: arguments that were requested now.
+        but: keys to ignore.
+    """
     words = []
     for key in dict.fromkeys([*there, *asked]):
         mine, given = there.get(key), asked.get(key)

@@ -50,7 +50,7 @@ class WalkedTrials:
         return self.trial_of(seed, self.together(number), column)
 
     def together(self, number: int) -> Walked:
-        """Return the walks of one batch: of the seeds from `number * side_by_side` on."""
+        """Return the walks of batch `number`: those of the seeds from `number * side_by_side` on."""
         if self._kept is None or self._kept[0] != number:
             draws = np.random.default_rng([_STREAM, number % 2**64])
             self._kept = number, self.walker.walk(draws, self.side_by_side)
@@ -61,7 +61,13 @@ class WalkedTrials:
         return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
 
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
-        """Return the trial of one walk, whose actions are repeated with the coordinator's decisions."""
+        """Return one walk as a trial; its actions are run again through the coordinator's decisions.
+
+        Args:
+            seed: seed that the trial gets.
+            walked: walks of a batch.
+            column: index of the walk in the batch.
+        """
         route = RunDecisions(self.task.network)
         ends: list[ActionEnd] = []
         time, fails, replans = 0.0, 0, -1
@@ -124,7 +130,13 @@ class WalkedSequence(Sequence[Trial]):
 
 
 def network_trials(task: Path, settings: Mapping[str, str]) -> WalkedTrials:
-    """Return the trials of a task's file, which is read again only after a change.
+    """Return walks through the network of a task's file, with the probabilities of the file.
+
+    The file is read again only if it was changed since the last call.
+
+    Args:
+        task: the task's file.
+        settings: values of the task's parameters, by name.
 
     Raises:
         FileError: the file is invalid.

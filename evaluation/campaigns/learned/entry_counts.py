@@ -33,7 +33,7 @@ class LearnedShare(NamedTuple):
     p: float
     """Expected probability, rounded as in a task file."""
     p_95: tuple[float, float]
-    """Interval of the probability: quantiles of its posterior."""
+    """95 % interval of the probability: quantiles of its posterior."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class EntryCounts:
     mean_s: float
     """Mean duration of an attempt, in [s]; NaN without attempts."""
     mean_95_s: tuple[float, float]
-    """Interval of the mean duration."""
+    """95 % interval of the mean duration, in [s]."""
     named: tuple[str, ...] = ()
     """Causes that `on_fail` names, in the order of `OutcomeCounts.by_cause`."""
 
@@ -64,7 +64,7 @@ class EntryCounts:
 
     @property
     def p_95(self) -> tuple[float, float]:
-        """Interval of the probability of Success: quantiles of its posterior, a Beta distribution."""
+        """95 % interval of the probability of Success: quantiles of its posterior, a Beta distribution."""
         return self._interval(self.counts.weights[0])
 
     @property
@@ -110,7 +110,7 @@ class EntryCounts:
 
 
 def count_entries(task: Task, trials: Iterable[Trial]) -> list[EntryCounts]:
-    """Count the ends of each action of a task's file.
+    """Count the ends of each action of a task's file; one result for each, in the order of the file.
 
     Trials that ended by a fault of the program do not count.
     """

@@ -115,7 +115,15 @@ class Learned:
 
 
 def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
-    """Return trials of a task as learned from campaigns; unchanged files are read only once."""
+    """Return walks through the network of a task's file, with odds learned from campaigns.
+
+    The files are read again only if one was changed since the last call.
+
+    Args:
+        task: the task's file.
+        settings: values of the task's parameters, by name.
+        folders: folders of the campaigns.
+    """
     changed = tuple(item.stat().st_mtime_ns for item in (task, *(one / TRIALS for one in folders)))
     return _read(task, tuple(settings.items()), tuple(folders), changed)
 

@@ -122,7 +122,12 @@ def _are_whole(values: FloatArray) -> bool:
 
 
 def share_axis(shares: Sequence[float], width: float) -> PlotAxis:
-    """Return an axis of shares in [%] that holds all of them with a margin."""
+    """Return an axis in [%] that holds all shares with a margin.
+
+    Args:
+        shares: shares from 0 to 1.
+        width: length of the axis, in [px].
+    """
     least, most = 100.0 * min(shares), 100.0 * max(shares)
     room = max(1.0, 0.15 * (most - least))
     return PlotAxis(max(0.0, least - room), min(100.0, most + room), width)

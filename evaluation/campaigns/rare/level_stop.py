@@ -71,6 +71,11 @@ class LevelStop(RunObserver):
 
 
 def importance_of(used: Mapping[int, int], importance: Importance) -> int:
-    """Return the importance of a run, computed from its used attempts."""
+    """Return the importance of a run, computed from its used attempts.
+
+    Args:
+        used: number of used attempts, by index of the action.
+        importance: kind of importance.
+    """
     counts = used.values()
     return sum(counts) if importance == "fails" else max(counts, default=0)

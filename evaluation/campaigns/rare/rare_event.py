@@ -32,7 +32,9 @@ class RareEvent:
 
     @classmethod
     def of(cls, outcome: str, importance: str | None = None, runs: int | None = None) -> RareEvent:
-        """Create an event from command-line values; raise `NoRareEvent` if one is invalid."""
+        """Create an event from command-line values, None for a default; raise `NoRareEvent` if one is
+        invalid.
+        """
         importance, runs = importance or cls.importance, cls.runs if runs is None else runs
         for given, known, option in (
             (outcome, RARE_OUTCOMES, "--rare"),

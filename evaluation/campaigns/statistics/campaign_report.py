@@ -102,7 +102,7 @@ class CampaignReport:
         return Spread(count, least, median, most_95, most, float(values.mean()), *(bounds or (None, None)))
 
     def worst(self, most: int = WORST_TRIAL_COUNT) -> list[Trial]:
-        """Return the trials to look at first: false outcomes, then trials without Success, then those with
-        Fails.
+        """Return at most `most` trials to look at first: false outcomes, then trials without Success, then
+        those with Fails.
         """
         return [self.trials[-rank[-1]] for rank in self.tally.worst[:most]]

@@ -69,7 +69,7 @@ class Settling:
     """
 
     def __init__(self, claim: RateClaim, seeds: Sequence[int]) -> None:
-        """Begin without any trial."""
+        """Begin without any trial; trials will count in the order of `seeds`."""
         self.claim, self._seeds = claim, seeds
         self.count = self.successes = 0
         """Number of counted trials."""
@@ -77,7 +77,10 @@ class Settling:
         self._waiting: dict[int, bool] = {}
 
     def hear(self, trial: Trial) -> bool:
-        """Add a trial that has ended, and return whether the claim is decided."""
+        """Add a trial that has ended, in any order, and return whether the claim is decided.
+
+        It counts once all trials before it in the order of the seeds have been added.
+        """
         self._waiting[trial.seed] = trial.success
         while self.verdict is None and self.count < len(self._seeds):
             success = self._waiting.pop(self._seeds[self.count], None)
@@ -90,7 +93,16 @@ class Settling:
 
     @classmethod
     def heard(cls, words: str | None, seeds: Sequence[int], trials: Iterable[Trial]) -> Settling | None:
-        """Return the state of a claim after these trials; None without a claim."""
+        """Return the state of a claim after some trials; None without a claim.
+
+        Args:
+            words: the claim, such as `p > 0.95`; None without one.
+            seeds: seeds of all trials of the campaign, in the order in which they count.
+            trials: trials that have ended.
+
+        Raises:
+            NoClaim: the text is not a claim.
+        """
         if words is None:
             return None
         settling = cls(RateClaim.of(words), seeds)

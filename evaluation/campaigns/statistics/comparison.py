@@ -42,7 +42,9 @@ class MetricChange:
     pairs: int
     """Number of pairs in which both trials have the metric."""
     mean: float
-    """Mean difference, the other campaign's value minus the first one's; shares of 1 for success."""
+    """Mean difference, the other campaign's value minus the first one's, in the metric's unit; for success,
+    the difference of the rates, from -1 to 1.
+    """
     p_value: float
     adjusted: float
     """p-value adjusted over all metrics by Holm's method."""
@@ -73,7 +75,7 @@ class Comparison:
     """Number of pairs in which only the first campaign's trial succeeded."""
     only_other: int
     changes: tuple[MetricChange, ...]
-    """Changes of all metrics, that of success first."""
+    """Change of the success rate, then those of the metrics that differ in some pair."""
     e_value: float
     """e-value after all pairs."""
     sure_at: int | None
@@ -95,7 +97,11 @@ class Comparison:
 
 
 def compare(one: Sequence[Trial], other: Sequence[Trial]) -> Comparison:
-    """Compare two campaigns, trials in the order of their seeds.
+    """Compare two campaigns, pair by pair of trials with equal seeds.
+
+    Args:
+        one: trials of the first campaign, in the order of their seeds.
+        other: trials of the other campaign, in the order of their seeds.
 
     Raises:
         NoPairs: they have no seed in common.

@@ -39,8 +39,15 @@ def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
 
 
 def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | str:
-    """Return the probability that a run ends with Success, Fail or GiveUp by its file's probabilities, or a
-    text that says why it is unknown.
+    """Return the probability that a run ends with an outcome, by the probabilities in the task's file.
+
+    Args:
+        task: the task's file.
+        settings: values of the task's parameters, by name.
+        outcome: Success, Fail or GiveUp.
+
+    Returns:
+        The probability, or a text that says why it is unknown.
     """
     try:
         read = load_task(task, settings)

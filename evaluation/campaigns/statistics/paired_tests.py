@@ -68,9 +68,13 @@ def weights_of(first: str, others: list[str]) -> dict[str, float]:
 def e_value(only_one: int, only_other: int) -> float:
     """Return the capital gained by betting against equal success rates, starting with 1.
 
-    The bet may be evaluated after each pair: if the rates are equal, the probability that it ever reaches
-    1 / alpha is at most alpha (Ville 1939). The bet is the mixture over all rates by a uniform prior
-    (Robbins 1970).
+    The bet may be evaluated after each pair: if the rates are equal, the probability that it ever reaches 1 /
+    alpha is at most alpha (Ville 1939). The bet is the mixture over all rates by a uniform prior (Robbins
+    1970).
+
+    Args:
+        only_one: number of pairs in which only the first campaign succeeded.
+        only_other: number of pairs in which only the other campaign succeeded.
     """
     count = only_one + only_other
     log = float(betaln(1 + only_one, 1 + only_other)) + count * math.log(2.0)
@@ -102,8 +106,13 @@ def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIG
 def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | None:
     """Return the smallest difference of success rates that the test finds with the probability `TEST_POWER`.
 
-    The worse campaign is assumed to succeed alone as often as in the data. None if so few pairs cannot
-    show any difference.
+    The worse campaign is assumed to succeed alone as often as in the data. None if so few pairs cannot show
+    any difference.
+
+    Args:
+        only_one: number of pairs in which only the first campaign succeeded.
+        only_other: number of pairs in which only the other campaign succeeded.
+        pairs: number of all pairs.
     """
     lost = min(only_one, only_other) / pairs
     most = 1.0 - 2.0 * lost

@@ -8,7 +8,12 @@ from typing import Any
 
 
 def rerun(said: Mapping[str, Any], seed: int) -> str:
-    """Return the command for a seed, built from the arguments `said` in a campaign's folder."""
+    """Return the shell command that runs one trial of a campaign again.
+
+    Args:
+        said: arguments in the campaign's folder.
+        seed: seed of the trial.
+    """
     return shlex.join(_words(said, seed))
 
 

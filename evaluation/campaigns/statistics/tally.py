@@ -65,7 +65,7 @@ class Tally:
         self.outcomes: Counter[str] = Counter()
         """Counts of outcomes, with the general reason unless Success."""
         self.untrue: list[int] = []
-        """Seeds of trials with an outcome that the ground truth contradicts."""
+        """Indices of the trials with an outcome that the ground truth contradicts."""
         self.columns: dict[str, array[float]] = {}
         """Values of each metric."""
         self.yes_no: set[str] = set()
@@ -74,16 +74,16 @@ class Tally:
         """Counts of outcomes of each action in the file."""
         self.blames: Counter[Blame] = Counter()
         self.worst: list[tuple[bool, bool, float, int]] = []
-        """Trials to look at first, by rank; the last element identifies the trial."""
+        """Ranks of the trials to look at first, the worst one first once all are counted; see `rank`."""
         self.times, self.timed = array("d"), array("q")
-        """Durations of the successful trials, in [s], and which trials they are."""
+        """Durations of the successful trials, in [s], and the indices of these trials."""
         for at, trial in enumerate(trials):
             self._add(at, trial)
         self.worst.sort(reverse=True)
 
     @property
     def median_run(self) -> int | None:
-        """Return the seed of the successful trial with the median time; None without success."""
+        """Return the index of the successful trial with the median time; None without success."""
         if not self.timed:
             return None
         order = np.lexsort((np.asarray(self.timed), np.asarray(self.times)))
@@ -119,5 +119,10 @@ class Tally:
             self.rank((bool(trial.untrue), not trial.success, fails, -at))
 
     def rank(self, rank: tuple[bool, bool, float, int]) -> None:
-        """Keep a trial if it is among the worst so far."""
+        """Keep a trial if it is among the worst so far; the least bad one of too many is dropped.
+
+        Args:
+            rank: whether an outcome is false, whether it missed the goal, its number of Fails, and its
+                negative index.
+        """
         (heapq.heappush if len(self.worst) < WORST_TRIAL_COUNT else heapq.heappushpop)(self.worst, rank)

@@ -35,7 +35,14 @@ class CheckResult:
             self.wrong.append(words)
 
     def at_most(self, what: str, size: float, most: float, unit: str = "") -> None:
-        """Check that a size, in `unit`, is at most `most`; NaN is a violation."""
+        """Record a measured size, and a violation unless it is at most a limit; NaN is a violation.
+
+        Args:
+            what: name of the size, as text.
+            size: the size, in `unit`.
+            most: largest allowed size, in `unit`.
+            unit: unit as text; empty for none.
+        """
         words = f"{what} {size:.3g}{unit and ' '}{unit}"
         self.measured.append(words)
         self.expect(size <= most, f"{words}; at most {most:.3g} is allowed")

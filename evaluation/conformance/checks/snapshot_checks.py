@@ -62,7 +62,13 @@ def covers(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
-    """Drive ahead, and wait until the estimates are up to date."""
+    """Drive ahead, and wait until the estimates are up to date.
+
+    Args:
+        rig: robot in its world.
+        speed: speed of the base, in [m/s].
+        seconds: duration of the drive, in [s].
+    """
     for _ in range(math.ceil(seconds / rig.robot.period)):
         rig.robot.base.drive(speed, 0.0)
         rig.robot.step()
@@ -86,7 +92,13 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drift(bench: KitBench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
-    """Check that the errors of many Fails in a row do not add up: the last ends where the first began."""
+    """Check that the errors of many Fails in a row do not add up: the last ends where the first began.
+
+    Args:
+        bench: backend to check.
+        finding: receives the result.
+        kind: class of the primitive that fails.
+    """
     times = FAILS_QUICK if bench.quick else FAILS
     with bench.rig() as rig:
         first = rig.backend.ground_truth()

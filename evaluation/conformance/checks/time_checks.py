@@ -112,7 +112,7 @@ def _dawdle(backend: Backend, number: int) -> bool:
 
 
 def scene_of_bench(bench: KitBench) -> object:
-    """Return the scene of a backend on the bench, None where nothing is simulated."""
+    """Return the scene of a backend on the bench; None if it simulates none."""
     with bench.rig() as rig:
         scene: object = simulated_world(rig.backend)
         return scene

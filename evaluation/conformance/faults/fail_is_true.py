@@ -94,8 +94,12 @@ class Batch:
                 yield FaultTrial(name, self.action, period, *words, ending, expected)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
-        """Return the faults to inject at an instant, by its number: one of each kind, and all of the domain's
-        own.
+        """Return the faults to inject at one instant: one of each kind, and all of the domain's own.
+
+        Args:
+            name: name of the primitive.
+            number: number of the instant; it selects the variant of each kind.
+            sensors: sensors that may be affected.
         """
         own = faults_of(name) if self.kinds == PRIMITIVE_FAULTS else ()
         general = [variant(kind, number + at + self.action, sensors) for at, kind in enumerate(self.kinds)]

@@ -95,7 +95,13 @@ def all_sensors() -> tuple[str, ...]:
 
 
 def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
-    """Return one of the variants of a kind of fault; numbers from 0 on go through all of them."""
+    """Return one of the variants of a kind of fault.
+
+    Args:
+        kind: kind of fault.
+        number: number of the variant, from 0; beyond the last one they repeat.
+        sensors: sensors that may be affected; empty for all.
+    """
     sensors = sensors or all_sensors()
     sensor = sensors[number % len(sensors)]
     turn = number // len(sensors)

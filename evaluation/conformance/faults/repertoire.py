@@ -43,7 +43,7 @@ def left_out(robot: str, settings: Mapping[str, str], backend: str) -> dict[Path
 
 
 def lacking(path: Path, backend: str) -> tuple[str, ...]:
-    """Return the keys of a task's world whose things a backend doesn't simulate."""
+    """Return the keys of a task's world that a backend does not simulate, sorted; empty if it lacks none."""
     keys = backend_class(backend).lacks
     world = load_task(path).path("world") if keys else None
     return () if world is None else tuple(sorted(keys & set(read_document(world).data)))

@@ -37,7 +37,7 @@ class AttemptEnding:
     """Success, Fail or GiveUp; Error where an exception came through."""
     reason: str
     periods: int
-    """Number of periods since the attempt began to be watched."""
+    """Number of periods from the call of `Underway.finish` to the end."""
     bitten: bool = True
     """True if the fault changed anything."""
     wrong: tuple[str, ...] = ()

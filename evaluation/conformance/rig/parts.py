@@ -14,9 +14,7 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 def part_of(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT | None:
-    """Return the capability as `Backend.get` does, also for an abstract `kind`; None if the robot lacks
-    it.
-    """
+    """Return the capability of a kind, which may be an abstract class; None if the robot lacks it."""
     return backend.get(cast("type[CapabilityT]", kind))
 
 

@@ -22,13 +22,24 @@ STEERING_PERIODS = 120  # periods within which it has steered from one side to t
 
 
 def steps(backend: Backend, count: int) -> None:
-    """Let periods pass without a command."""
+    """Let `count` periods pass without a command."""
     for _ in range(count):
         backend.step()
 
 
 def drive(backend: Backend, speed: float, turn_rate: float, periods: int, sideways: float = 0.0) -> None:
-    """Drive for a number of periods, then wait until the base is at rest."""
+    """Drive with constant speeds, then wait until the base is at rest.
+
+    Args:
+        backend: backend of the base.
+        speed: speed ahead, in [m/s].
+        turn_rate: turn rate to the left, in [rad/s].
+        periods: number of periods to drive.
+        sideways: speed to the left, in [m/s], for a base that can move sideways.
+
+    Raises:
+        Skipped: the robot has no base.
+    """
     base = needed(backend, Base)
     more = (sideways,) if sideways else ()
     for _ in range(periods):
@@ -47,8 +58,14 @@ def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tu
 
 
 def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
-    """Return speed and turn rate that the base can drive: a car turns only while driving, within its
-    steering.
+    """Return the speed in [m/s] and the turn rate in [rad/s] that the base can drive.
+
+    They are the given ones, except for a car: it turns only while driving, and within its steering.
+
+    Args:
+        spec: the robot's file.
+        speed: wanted speed, in [m/s].
+        turn_rate: wanted turn rate, in [rad/s].
     """
     if spec.drive.kind != "ackermann":
         return speed, turn_rate

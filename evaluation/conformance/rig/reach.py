@@ -95,7 +95,13 @@ class Reach(ActionPrimitive):
         yield
 
     def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
-        """Return promises of a Success that do not hold."""
+        """Return a message if the base has not moved ahead by ground truth, as a Success claims; empty if it
+        has.
+
+        Args:
+            scene: the simulated world after the Success.
+            before: ground truth at its start.
+        """
         went = scene.base.relative_to(before.base).x
         least = MIN_REACHED_RATIO * self.ahead_m - 0.02  # error of the pose's estimate
         return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

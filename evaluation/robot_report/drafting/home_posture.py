@@ -70,7 +70,10 @@ def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], 
 
 
 def radius_of(urdf_text: str, base: str) -> float:
-    """Return the radius around a link's axis that contains all bodies with the joints at zero, in [m]."""
+    """Return the radius around a link's z axis that contains all bodies with the joints at zero, in [m].
+
+    0 without bodies.
+    """
     poses = link_poses(urdf_text)
     base_T_root = np.linalg.inv(poses[base])
     corners = [_placed(base_T_root @ poses[item.name], corners_of(item)) for item in bodies_of(urdf_text)]

@@ -33,7 +33,10 @@ CONTROLLER_KINDS = ("trajectory_msgs/JointTrajectory", "std_msgs/Float64MultiArr
 
 
 def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
-    """Return the topic whose name fits a key best, and the others; "" without any."""
+    """Return the topic whose name fits a key of the section `ros2` best, and the other topics.
+
+    "" and nothing else if there are no topics.
+    """
     if not topics:
         return "", ()
     good, bad = TOPIC_WORDS[key]

@@ -45,7 +45,7 @@ class Door:
         """Outcome of the run, in words."""
 
     def offer(self, link: ServingLink) -> None:
-        """Offer all services."""
+        """Offer a service for each of the operator's commands, and one that stops the run."""
         for word in COMMAND_WORDS:
             link.serve(f"{SERVICE_PREFIX}/{word}", lambda word=word: self._command(word))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/stop", self._stop, apart=True)
@@ -60,7 +60,10 @@ class Door:
         return {key: value for key, value in status.items() if key != "ok"}
 
     def published(self, status: Mapping[str, Any]) -> None:
-        """Note which question people can read from now on."""
+        """Remember the question that a published status asks, and since when.
+
+        Only this question can be answered, and not before it could be read for `NEW_QUESTION_S`.
+        """
         asks = status.get("asks")
         number = None if not asks else int(asks["ask"])
         if number != self._question[0]:

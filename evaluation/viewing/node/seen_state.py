@@ -65,7 +65,13 @@ def seen_state(
 
 
 def action_state(number: int, action: Any, fails: int) -> dict[str, Any]:
-    """Return the published description of an action that starts; `fails`: its earlier ones."""
+    """Return the published description of an action that starts.
+
+    Args:
+        number: number of the action in the run, from 1.
+        action: the action of the network.
+        fails: number of its earlier Fails.
+    """
     given = {} if action.binding is None else action.binding.given()
     return {
         "number": number,

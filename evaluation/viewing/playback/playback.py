@@ -174,7 +174,10 @@ class Playback:
         return self._actions.get(number)
 
     def situation(self, time: float) -> str:
-        """Return the situation of the network at a time in [s]; during an action, the one it started from."""
+        """Return the situation of the network at a time in [s]; during an action, the one it started from.
+
+        Empty before the first one.
+        """
         times, names = self._situations
         number = self.latest(times, time)
         return "" if number is None else names[number]

@@ -72,7 +72,7 @@ class Panel:
     def know(
         self, network: ActionNetwork | None, actions: Sequence[PastAction], why: Why | None = None
     ) -> None:
-        """Lay out the network again, with the outcomes of its actions.
+        """Replace the network and the outcomes of its actions, which `show` draws from then on.
 
         Args:
             network: the network; None if it is not known.

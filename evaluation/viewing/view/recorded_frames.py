@@ -30,7 +30,7 @@ class RecordedFrames:
         self._way = _thinned(playback)
 
     def at(self, time: float) -> Frame:
-        """Return the frame at a time in [s]."""
+        """Return the frame at a time in [s], with what differs from the frame of the call before."""
         playback = self._playback
         moment = playback.at(time)
         driven, restored = self._driven(moment.time)

@@ -40,7 +40,7 @@ class SurfaceSpot(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """Pose on the map; heading 0 where any will do."""
+        """Pose on the map; with heading 0 if any heading will do."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
     def moved_by(self, before: Pose2, now: Pose2) -> Self:

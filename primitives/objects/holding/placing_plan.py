@@ -70,7 +70,13 @@ def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
 
 
 def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
-    """Return poses (4, 4) of an object's foot at a place, in the heading of the place or in any."""
+    """Return poses (4, 4) of an object's foot at a place, in its heading or in several all around.
+
+    Args:
+        place: position and heading, in any frame.
+        height: height of the foot in this frame, in [m].
+        any_heading: True for several headings, False for that of the place.
+    """
     turns = ANY_TURNS_RAD if any_heading else (0.0,)
     return [Pose2(place.x, place.y, place.theta + turn).lift(height) for turn in turns]
 

@@ -62,9 +62,10 @@ class PullWatch:
             raise Discrepancy("the noise of the force hides a pull", measured=noise, cause=causes.UNSUITABLE)
 
     def rest_here(self) -> Generator[None, None, None]:
-        """Measure the force at rest again where the hand is now; a force that is there already stays one.
+        """Measure the force at rest again where the hand is now, and set `is_rested`.
 
-        Otherwise somebody who pulls already would count as weight, and letting go as a pull.
+        It is False, and the earlier force at rest stays, if a force is there already: otherwise somebody who
+        pulls would count as weight, and letting go as a pull.
         """
         mean, _ = yield from self._readings()
         self._forces.clear()

@@ -147,7 +147,11 @@ class Objects(Section):
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return the measurement of a surface that wasn't measured yet; its computed place moves with it."""
+        """Return the measurement of a surface by the lidar, with which its computed place moves.
+
+        None for a place that was not computed for a surface, and for a surface that is fixed, was measured
+        before or cannot be seen by the lidar.
+        """
         surface = self.objects.surfaces.get(place)
         measured = any(pose.surface == place for pose in self.surface_poses)
         if surface is None or place not in self.stands or surface.fixed or measured:

@@ -107,7 +107,12 @@ def standing_place(
 
 
 def has_moved(before: ObjectSurface, now: ObjectSurface) -> bool:
-    """Return whether a surface is so far from an earlier pose that a base before it has to move too."""
+    """Return whether a surface has moved so far that a place of the base before it has to move too.
+
+    Args:
+        before: the surface at its earlier pose; one that is fixed has not moved.
+        now: the surface at its present pose.
+    """
     if before.fixed:
         return False
     off, turned = before.floor.distance(now.floor), before.floor.turn(now.floor)

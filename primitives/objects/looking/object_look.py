@@ -73,7 +73,14 @@ class ObjectLook:
     def picture(
         self, robot: Robot, model: ModelView, evidence: Evidence, name: str
     ) -> Generator[None, None, None]:
-        """Wait for rest, take pictures from the current view, and read their tags."""
+        """Wait for rest, take pictures from the current view, and add what is read in them.
+
+        Args:
+            robot: robot whose camera has the view.
+            model: knows objects and detectors.
+            evidence: receives the picture.
+            name: object that is looked for; no more pictures are taken once one of its tags is read.
+        """
         yield from settle(robot)
         self.views += 1
         has_tags = bool(model.of(Objects).objects.tags_of(name))
@@ -103,7 +110,9 @@ class ObjectLook:
             raise Discrepancy(str(broken), permanent=True, cause=causes.NOT_SEEN) from None
 
     def understand(self, robot: Robot, model: ModelView, surface: str) -> Periods:
-        """Find the things on a surface from all depth pictures so far; they are kept as `found`."""
+        """Find the things on a surface from all depth pictures so far, and keep them as `found`, in place of
+        earlier ones; without depth pictures, do nothing.
+        """
         if self.depths:
             file, top = model.of(Objects).objects, base_T_top(robot, model, surface)
             known = surface_of(model, surface)
@@ -121,6 +130,15 @@ def look_closely(
     wanted: Direction = "any",
 ) -> Periods:
     """Move the camera near an object whose place is about known, clear of it, and read its tags.
+
+    Args:
+        robot: robot with a camera.
+        model: knows surfaces, seen objects and what is held.
+        name: name of the object.
+        base_T_object: (4, 4) expected pose of the object.
+        look: gets the readings.
+        evidence: receives the picture.
+        wanted: directions from which the camera may look.
 
     Raises:
         Discrepancy: no view of it is free.
@@ -296,7 +314,14 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
 
 
 def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the pictures do not determine where an object is; a round one has no heading."""
+    """Raise `Discrepancy` if the pictures do not determine where an object is; a round one has no heading.
+
+    Args:
+        model: knows the objects.
+        name: name of the object.
+        seen: where it was seen.
+        need: required accuracy of its pose.
+    """
     if model.of(Objects).objects.kind_of(name).is_round:
         need = need._replace(heading=math.inf)
     found = undetermined(np.array(seen.covariance), need)
