@@ -34,7 +34,7 @@ class Knowledge(NamedTuple):
     """Domain knowledge that a robot is given, and learns."""
 
     section: str
-    """A `handcart.primitives.knowledge.section:Section`."""
+    """Import path of a subclass of `handcart.primitives.knowledge.section:Section`."""
     files: Mapping[str, str] = MappingProxyType({})
     """Keys under `knowledge:` of a task file that name its files, each with what the file holds, in words."""
 
@@ -58,12 +58,14 @@ class Domain:
     """Primitives by the name in task files."""
     knowledge: Knowledge | None = None
     props: str | None = None
-    """A `handcart.backends.simulation.world.props:Props`: the domain's objects in simulated worlds."""
+    """A subclass of `handcart.backends.simulation.world.props:Props`: the domain's objects in simulated
+    worlds.
+    """
     physics: str | None = None
     """A mapping: the bodies of its props in physics, whatever the engine, by the class of a thing or of the
     props."""
     survey: str | None = None
-    """A `handcart.evaluation.judging.survey:Survey`: ground truth of the domain's outcomes."""
+    """A subclass of `handcart.evaluation.judging.survey:Survey`: ground truth of the domain's outcomes."""
     faults: str | None = None
     """A sequence of `handcart.evaluation.conformance.faults.fault:Fault`: faults of the domain's objects in a
     simulated world. The conformance kit injects them into the domain's primitives.

@@ -32,7 +32,7 @@ LIDAR_HEIGHT_M = 0.2
 RESOLUTION_M = 0.02
 LEGS_M = 0.005  # by which a surface is thinner than high if a lidar can't measure its sides
 MIN_TOP_MM = 22.0
-"""Narrowest upper side with a tag; below it the tags are on two upright sides."""
+"""Narrowest top on which a tag is put; on a narrower thing the tags are on two upright sides."""
 QUIET = 1.45
 """Ratio of a tag's side with its white margin to the side of its black square."""
 MAX_TAG_MM = 40.0

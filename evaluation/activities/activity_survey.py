@@ -53,7 +53,9 @@ class ActivitySurvey(Survey):
 
     @override
     def faults(self) -> list[str]:
-        """Return a message for each verdict that the activity isn't done."""
+        """Return a message for each misplaced thing, and for each condition that the other evaluator
+        denies.
+        """
         wrong, theirs = list(self.misplaced()), self._verdict()
         if isinstance(theirs, Verdict) and not theirs.holds:
             wrong += [f"bddl: not so: {text}" for text in theirs.unsatisfied]

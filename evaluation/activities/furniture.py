@@ -42,7 +42,7 @@ class FurnitureLevel(NamedTuple):
     relation: str
     """Relation of the things there to the piece: `ontop`, `inside`, or `front` for next to it."""
     x: float
-    """x of the surface's middle in the frame of the piece, in [m]."""
+    """x of the surface's middle in the frame of the piece, in [m]; its front is at -y."""
     y: float
     size: tuple[float, float]
     height: float

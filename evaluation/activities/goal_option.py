@@ -12,7 +12,8 @@ from .thing_table import CarriedEntry, FurnitureEntry
 
 
 class GoalOption:
-    """One of several alternative ways to the goal of an activity: conditions that hold together at the end.
+    """One of several alternative ways to the goal of an activity, as conditions that hold together at the
+    end.
 
     `add` takes the conditions one by one; `moves` then returns what has to be moved.
     """

@@ -36,7 +36,7 @@ class PlacedPieces(NamedTuple):
     """Width of the room along x, in [m]; its depth along y is `DEPTH_M`."""
     pieces: tuple[Piece, ...]
     floors: Mapping[str, Extent]
-    """Parts of the floor, by term, if things are on two floors."""
+    """Parts of the floor, by term, if things are on two floors; otherwise empty."""
 
 
 @dataclass(frozen=True)

@@ -40,18 +40,21 @@ class TrueThing:
 
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper corner (3,) of the level box around it, in the world in [m]."""
+        """Lower and upper corner (3,) of the level box around the thing, in the world in [m]."""
         return self.points.min(axis=0), self.points.max(axis=0)
 
     @property
     def middle(self) -> FloatArray:
-        """Middle (3,) of the level box around it, in the world in [m]."""
+        """Middle (3,) of the level box around the thing, in the world in [m]."""
         low, high = self.extent
         return np.asarray((low + high) / 2)
 
     def is_hit(self, start: FloatArray, direction: FloatArray) -> bool:
-        """Return whether a ray of length `RAY_M` from a point (3,) along a unit vector (3,) in the world
-        meets the thing.
+        """Return whether a ray of length `RAY_M` meets the thing.
+
+        Args:
+            start: (3,) begin of the ray in the world, in [m].
+            direction: (3,) unit vector in the world.
         """
         return any(_meets(solid, start, direction) for solid in self.solids)
 

@@ -173,7 +173,7 @@ class Limit(NamedTuple):
     at: float
     """Position of the limit, in [rad] or [m]."""
     sense: float
-    """-1.0 for the lower limit, 1.0 for the upper; needed if the joint is already there."""
+    """-1.0 for the lower limit, 1.0 for the upper one, also if the joint is at the limit already."""
 
 
 def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callable[[float], str]) -> float:

@@ -133,7 +133,8 @@ class Ladder:
         )
 
     def again(self, name: str) -> None:
-        """Reset a step and all after it: their records move into a folder next to the others.
+        """Undo a step and all after it, so that they have to run again: their records move into a subfolder
+        `before_TIME`.
 
         Raises:
             UnknownRung: no step has that name.

@@ -46,7 +46,14 @@ class KitReport:
 
     @classmethod
     def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> KitReport:
-        """Return a report of results in any order."""
+        """Return a report of results, which may be in any order.
+
+        Args:
+            backend: name of the tested backend.
+            robot: name or file of the robot.
+            quick: True for the quick mode.
+            results: results of all jobs.
+        """
         trials = (trial for result in results if isinstance(result, list) for trial in result)
         return cls(
             backend,

@@ -62,7 +62,13 @@ def see_block(
 
 
 def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
-    """Return what the camera sees instead of a block, right after `see_block` has found none."""
+    """Return what the camera sees instead of a block, right after `see_block` has found none.
+
+    Args:
+        robot: robot whose camera is still over the place.
+        plan: building plan with the size of the blocks.
+        base_T_block: (4, 4), expected pose.
+    """
     length, width, height = plan.block
     photo = robot.photo()
     camera_T_top = inverse(photo.base_T_camera) @ _flat(float(base_T_block[2, 3]) + height)

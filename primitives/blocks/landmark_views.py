@@ -83,7 +83,10 @@ class LandmarkViews:
         self.frames = 0
 
     def look(self) -> Generator[None, None, None]:
-        """Take another picture and update the explanations."""
+        """Wait for rest, take another picture, and update the explanations of all marks seen so far.
+
+        If the base was moved meanwhile, earlier pictures no longer count.
+        """
         robot = self._robot
         yield from settle(robot)
         yield

@@ -183,8 +183,8 @@ class ActionPrimitive(FileModel, ABC):
         It is called again after a fault breaks it off, if the task allows more than one restoring.
 
         Returns:
-            True if the motion was completed and its effect measured; after a fault of a machine or of code
-            the action is then a Success.
+            True if the motion was completed and its effect measured: after a fault of a machine or of code
+                the action is then a Success, otherwise a GiveUp; False by default.
         """
         return False
         yield

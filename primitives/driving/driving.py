@@ -58,7 +58,12 @@ def map_with_cells(model: ModelView) -> GridMap:
 
 
 def no_way(name: str, way: Way) -> Discrepancy:
-    """Return the permanent Discrepancy that no route leads to a place, with its reason."""
+    """Return the permanent Discrepancy that no route leads to a place, with its reason.
+
+    Args:
+        name: name of the place.
+        way: result of the planning, with the reason.
+    """
     words = f"no way leads to {name}" if way.fits else f"the base can't stand at {name}"
     return Discrepancy(
         f"{words}: {way.reason}", permanent=True, measured=_shortage(way), cause=causes.NO_ROUTE
@@ -66,7 +71,12 @@ def no_way(name: str, way: Way) -> Discrepancy:
 
 
 def held_before(place: str, held: HoldingObstacle) -> Discrepancy:
-    """Return the Discrepancy that the guard holds the base on its way to a place."""
+    """Return the Discrepancy that the guard holds the base on its way to a place.
+
+    Args:
+        place: name of the place.
+        held: obstacle for which the guard holds the base.
+    """
     shown = (
         "ground that the lidar does not see"
         if held.shown_by == "unseen"

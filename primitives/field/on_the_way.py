@@ -30,7 +30,12 @@ class SensorOnTheWay:
         self._robot, self._field, self._target = robot, field, target
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
-        """Move the arm while the base drives, until little of the route remains."""
+        """Take a sensor while the base drives, wait until little of the route remains, and hold it over the
+        target.
+
+        Args:
+            remaining: returns the base's remaining distance, in [m].
+        """
         arm, target = SensorArm(self._robot, self._field), self._target
         if not arm.holds:
             yield from arm.stow()

@@ -183,8 +183,13 @@ class SensorArm:
         return collision.path_free(np.array(path), step=0.03)
 
     def lead(self, end: FloatArray) -> Periods:
-        """Bring the tip to a place (2,) in the arm's own frame, in [m], in a straight line, by resolved
-        rates.
+        """Bring the tip to a place in a straight line, by resolved rates.
+
+        Args:
+            end: (2,) place in the arm's own frame, in [m].
+
+        Raises:
+            Discrepancy: the arm does not get to the end of its line.
         """
         robot, joints = self._robot, self._robot.arm.command()
         rates = ResolvedRate(self.scara, self.scara.tip(joints), end, RateLimits(rate=self._top()))

@@ -95,7 +95,9 @@ class Section:
     """
 
     FILES: ClassVar[Mapping[str, type[FileModel]]] = {}
-    """Models of files by their keys under `knowledge:`; the entry of that name gets what is in the file."""
+    """Models of files by their keys under `knowledge:`; the entry named like a key gets the content of its
+    file.
+    """
     LEARNED: ClassVar[tuple[str, ...]] = ()
     """Entries that a run finds out: a checkpoint keeps them, by their annotated types."""
     ELEMENT: ClassVar[tuple[str, ...]] = ()

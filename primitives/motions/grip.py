@@ -39,7 +39,11 @@ def open_to(robot: Robot, width: float | None = None) -> Periods:
 
 
 def close(robot: Robot) -> Periods:
-    """Close the fingers until they press on something, which may be each other."""
+    """Close the fingers until they press on something, which may be each other.
+
+    Raises:
+        Discrepancy: they press on nothing within `GRIP_TIMEOUT_S`.
+    """
     robot.gripper.move(0.0)
     end = robot.time + GRIP_TIMEOUT_S
     yield

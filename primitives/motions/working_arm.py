@@ -11,7 +11,11 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 
 def working_arm(spec: RobotFile) -> ArmModel:
-    """Return the robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
+    """Return the model of the robot's arm, with joint speeds limited by the URDF and by the robot's file.
+
+    Raises:
+        Discrepancy: the robot has no arm.
+    """
     if spec.arm is None:
         raise Discrepancy("the robot's file has no arm", permanent=True, cause=causes.UNSUITABLE)
     arm = spec.arm_model()

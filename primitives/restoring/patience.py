@@ -13,9 +13,9 @@ class Patience(NamedTuple):
     """
 
     attempts: int = 1
-    """Maximum number of attempts, at least one."""
+    """Maximum number of attempts to restore, at least one."""
     wait_s: float = 5.0
-    """Time at rest before it is tried again, in [s]."""
+    """Time at rest before restoring is tried again, in [s]."""
 
 
 NO_PATIENCE = Patience()

@@ -33,7 +33,15 @@ def work_of(spec: RobotFile, speed: float | None = None) -> Work:
 
 
 def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
-    """Return a placer of seams for the robot; raise `Discrepancy` if arm or tool cannot do the work."""
+    """Return a placer of seams for the robot.
+
+    Args:
+        spec: robot's file.
+        speed: speed of the tool, in [m/s]; None: that of the file.
+
+    Raises:
+        Discrepancy: arm or tool cannot do the work.
+    """
     try:
         return Placer(working_arm(spec), work_of(spec, speed))
     except ValueError as wrong:

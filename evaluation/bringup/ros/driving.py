@@ -67,7 +67,7 @@ def true_pose(backend: RosBackend) -> Pose2:
 
 
 def true_motion(before: Pose2, now: Pose2) -> Motion:
-    """Return the motion between two poses in the frame of the first one."""
+    """Return the motion from a pose to a later one, in the frame of the earlier pose."""
     step = now.relative_to(before)
     return Motion(step.x, step.y, step.theta)
 

@@ -14,7 +14,9 @@ class ActionEnd(NamedTuple):
     action: str
     """Name from the task file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""
     source: str
-    """Situation in which the action started; in a repeat with the number of the element: `loaded[2]`."""
+    """Situation in which the action started; in a repeat with the number of the element, as in
+    `loaded[2]`.
+    """
     target: str
     outcome: str
     """Success, Fail or GiveUp."""

@@ -29,11 +29,11 @@ class LearnedShare(NamedTuple):
     """Probability of one cause of Fail, or of one result of Success."""
 
     seen: int
-    """Number of attempts that ended so."""
+    """Number of attempts that ended with this cause or result."""
     p: float
     """Expected probability, rounded as in a task file."""
     p_95: tuple[float, float]
-    """95 % interval of the probability: quantiles of its posterior."""
+    """95 % interval of the probability, from quantiles of its posterior."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class HeldOut(NamedTuple):
     predicted: float
     measured: float
     p_value: float
-    """Probability of such a difference if both halves are alike (normal, with both errors added)."""
+    """Probability of a difference at least as large if both halves are alike (normal, both errors added)."""
 
 
 class Trust(NamedTuple):

@@ -34,6 +34,8 @@ def mcnemar(only_one: int, only_other: int) -> float:
 def signed_rank(differences: FloatArray) -> float:
     """Return the two-sided p-value that differences (n,) of a metric are symmetric about 0, by Wilcoxon
     (1945).
+
+    Zero differences are dropped; 1 if no others are left.
     """
     there = differences[differences != 0.0]
     if not len(there):
@@ -47,6 +49,10 @@ def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[st
 
     Of campaigns that do not differ, at most a share of `SIGNIFICANCE_LEVEL` has an adjusted p-value at or
     below this level.
+
+    Args:
+        p_values: p-value of each test, by name.
+        weights: positive weight of each test, by the same names; a larger one makes significance easier.
     """
     left, out, least = dict(p_values), {}, 0.0
     while left:

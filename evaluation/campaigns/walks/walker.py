@@ -31,7 +31,9 @@ class Walked(NamedTuple):
     last: Int32Array
     """(n,) end of each walk: `GOAL`, `NO_WAY` or `GAVE_UP`."""
     where: Int32Array
-    """(n,) number of the end's place: walks with equal `last`, `skipped` and `where` ended alike."""
+    """(n,) number of the place where each walk ended; walks with equal `last`, `skipped` and `where` ended
+    alike.
+    """
 
     @property
     def success(self) -> BoolArray:

@@ -75,7 +75,7 @@ class FaultyBackend(LayeredBackend):
             base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """Keep the fault from moving anything from now on; return whether the base has just slid.
+        """Keep the fault from moving anything more; return whether the base has slid in the last period.
 
         Stuck parts stay stuck.
         """
@@ -147,7 +147,7 @@ class FaultyBackend(LayeredBackend):
         return arm.command() if self._joints is None else self._joints.copy()
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:
-        """Pass on the gripper's command, unless the fault holds the gripper."""
+        """Pass on the gripper's commanded width, in [m], unless the fault holds the gripper."""
         if self._sticks(gripper):
             self._width = float(width)
         else:

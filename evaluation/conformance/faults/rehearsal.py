@@ -39,7 +39,7 @@ class Rehearsal:
     liar: str | None = None
     """Name of the backend fault that the rehearsal plants; None: the backend as it is."""
     settings: Mapping[str, str] = field(default_factory=dict)
-    """Values of the task's parameters, as with `handcart run --set`."""
+    """Values of the task's parameters, by name, as with `handcart run --set`."""
     instead: Mapping[str, type[ActionPrimitive]] = field(default_factory=dict)
     """Classes that replace primitives, by name of the primitive."""
     simulated: str | None = None

@@ -85,7 +85,7 @@ class Underway:
         self.backend.asked = True
 
     def advance(self) -> Outcome | None:
-        """Run one period; return the outcome if the attempt has ended."""
+        """Run one period; return the outcome if the attempt has ended, otherwise None."""
         try:
             next(self.periods)
         except StopIteration as end:

@@ -64,7 +64,7 @@ class Replay:
         self._follow_slider()
 
     def play(self, playing: bool) -> None:
-        """Start or pause; at the end of the recording, start from its beginning."""
+        """Start if `playing`, otherwise pause; at the end of the recording, start from its beginning."""
         if playing and self._time >= self._playback.end:
             self.go_to(self._playback.start)
         self._playing = playing

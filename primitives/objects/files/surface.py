@@ -44,7 +44,12 @@ class SurfaceSpot(FileModel):
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
     def moved_by(self, before: Pose2, now: Pose2) -> Self:
-        """Return the spot after its surface was moved from one pose on the map to another."""
+        """Return the spot after its surface was moved.
+
+        Args:
+            before: earlier pose of the surface, on the map.
+            now: present pose of the surface, on the map.
+        """
         pose = now.compose(self.pose.relative_to(before))
         heading = None if self.heading_deg is None else math.degrees(pose.theta)
         return self.model_copy(update={"x_m": pose.x, "y_m": pose.y, "heading_deg": heading})

@@ -65,7 +65,7 @@ def offering_joints(
 
 
 def is_outside(robot: Robot, base_T_hand: Transform) -> bool:
-    """Return whether the finger tips are beyond the robot's outline."""
+    """Return whether the finger tips of a hand at base_T_hand (4, 4) are beyond the robot's outline."""
     tips = apply(base_T_hand, np.array([[robot.spec.finger_shape.tip, 0.0, 0.0]]))
     return bool(robot.spec.footprint_shape.distances(tips[:, :2])[0] > 0.0)
 

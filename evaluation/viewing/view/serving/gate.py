@@ -66,7 +66,13 @@ class Gate(OwnPage):
             inner.websockets = websockets
 
     def answer(self, behind: Answer, connection: ServerConnection, request: Request) -> Response | None:
-        """Return a refusal or the answer of the server `behind`; None: a WebSocket is opened."""
+        """Return a refusal or the answer of the guarded server; None: a WebSocket is opened.
+
+        Args:
+            behind: the guarded server's own answer to a request.
+            connection: connection of the client.
+            request: the client's request.
+        """
         sent = request.headers
 
         def one(name: str) -> str | None:
