@@ -87,14 +87,16 @@ class StandingRoom:
 
         Args:
             base: (3,) map_T_base: x, y in [m], heading in [rad].
-            angles: (p, n) postures along the path, in [rad] or [m]; one in `COLLISION_CHECK_STRIDE` is tried.
+            angles: (p, n) postures along the path, in [rad] or [m]; one in `COLLISION_CHECK_STRIDE` is tried,
+                and the last one.
         """
         bodies = self._arm.link_shapes(self._home)
         if not stands_clear(base[None], bodies, self._boxes)[0]:
             return False
         stand = Pose2(*base.tolist()).lift()
         collision = CollisionModel(self._arm, self._boxes, world_T_base=stand, margin=STAND_MARGIN_M)
-        return not any(collision.in_collision(q) for q in angles[::COLLISION_CHECK_STRIDE])
+        tried = np.vstack([angles[::COLLISION_CHECK_STRIDE], angles[-1:]])
+        return not any(collision.in_collision(q) for q in tried)
 
     def _way_out(self, here: Pose2) -> BoolArray:
         """Return a mask (h, w) of the map's cells that routes connect to poses near `here`.
