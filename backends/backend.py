@@ -151,7 +151,7 @@ class Backend(ABC):
 
     @property
     def inner(self) -> Backend | None:
-        """Wrapped backend of a backend that is in front of another one."""
+        """Wrapped backend, if this one is in front of another backend; None otherwise."""
         return None
 
     def ground_truth(self) -> GroundTruth | None:
@@ -196,7 +196,9 @@ class Backend(ABC):
         return None if truth is None else truth.base
 
     def figures(self) -> Mapping[str, Any]:
-        """Figures for the run's summary, such as how late periods were; by name, with the unit at its end."""
+        """Return figures for the run's summary, such as how late periods were; by name, with the unit at its
+        end.
+        """
         return {}
 
     def view(self) -> ByteArray | None:

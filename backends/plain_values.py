@@ -36,16 +36,27 @@ class _Codec(NamedTuple):
 
     write: Callable[[Any], Any]
     read: Callable[[Any], Any]
-    """Raises ValueError, TypeError or KeyError for invalid data."""
+    """Function that returns the value of plain data; raises ValueError, TypeError or KeyError for invalid
+    data.
+    """
 
 
 def attributes(thing: object, kinds: Kinds) -> dict[str, Any]:
-    """Return some attributes of an object as plain data, by name."""
+    """Return some attributes of an object as plain data, by name; `kinds` has their names and types."""
     return {name: _codec(kind).write(getattr(thing, name)) for name, kind in kinds.items()}
 
 
 def set_attributes(thing: object, kinds: Kinds, values: object) -> None:
-    """Set an object's attributes from values that `attributes` returned."""
+    """Set an object's attributes from values that `attributes` returned.
+
+    Args:
+        thing: object whose attributes are set.
+        kinds: names of the attributes, each with the type of its values.
+        values: result of `attributes`.
+
+    Raises:
+        NotAState: a value is missing, of another type or, if an array, of another shape.
+    """
     if not isinstance(values, dict) or values.keys() != kinds.keys():
         raise NotAState(f"no state of a {type(thing).__name__}; needed: {', '.join(kinds) or 'nothing'}")
     for name, kind in kinds.items():
@@ -58,7 +69,12 @@ def set_attributes(thing: object, kinds: Kinds, values: object) -> None:
 
 
 def from_plain(data: object, kind: Any, name: str) -> Any:
-    """Return a value of a type from plain data; `name` is its name in messages.
+    """Return a value of a declared type from plain data.
+
+    Args:
+        data: result of `to_plain`.
+        kind: type of the value.
+        name: name of the value in messages.
 
     Raises:
         NotAState: the data are not such a value.
@@ -71,7 +87,7 @@ def from_plain(data: object, kind: Any, name: str) -> Any:
 
 
 def to_plain(value: object, kind: Any) -> Any:
-    """Return a value of a type as plain data."""
+    """Return a value of the declared type `kind` as plain data."""
     return _codec(kind).write(value)
 
 

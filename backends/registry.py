@@ -86,7 +86,7 @@ def make_backend(
         seed: seed of simulated errors.
         start: initial world_T_base in a map's world; a world's file has its own.
         window: True to show robot and world.
-        bench: name of the simulated backend behind simulated drives.
+        bench: name of the simulated backend behind simulated drives; None: no simulated drives.
         put_at_start: True to put the robot at `start` in the world of a file, too.
 
     Raises:
@@ -114,10 +114,14 @@ def make_backend(
 
 
 def bench_class(name: str, drives: str) -> type[Backend]:
-    """Return the class of a simulated backend that can run behind the drives of the backend `drives`.
+    """Return the class of a simulated backend that can run behind simulated drives.
+
+    Args:
+        name: name of the simulated backend.
+        drives: name of the backend whose drives are simulated, such as `can`.
 
     Raises:
-        NoBench: no backend has that name, it simulates no robot, or the robot has no drives.
+        NoBench: no backend has that name, it simulates no robot, or the backend `drives` has no drives.
     """
     if not backend_class(drives).has_drives:
         raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can or ros2")

@@ -31,7 +31,7 @@ class CanBase(Base):
         return WheelTravel(self._left.travel, self._right.travel)
 
     def set_travel(self, travel: WheelTravel) -> None:
-        """Set the distances in [m] that the wheels have rolled so far."""
+        """Set the distances in [m] that the wheels have rolled so far; the encoders add to them."""
         self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:

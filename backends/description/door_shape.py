@@ -92,7 +92,7 @@ class DoorHandle(FileModel):
 
 
 class DoorShape(FileModel):
-    """What a world's file and the robot's knowledge both state about a door or a drawer."""
+    """Shape and motion of a door or a drawer, as in a world's file and in the robot's knowledge."""
 
     motion: Literal["hinged", "sliding"] = "hinged"
     """A hinge with a vertical axis, or a drawer's level slide along the heading of the handle."""

@@ -31,15 +31,26 @@ class JointUnits(NamedTuple):
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:
-        """Return the value of one joint, in [rad] or [m], in the unit for people: [deg] or [mm]."""
+        """Return the value of one joint in the unit for people, [deg] or [mm].
+
+        Args:
+            joint: index of the joint, from 0.
+            value: value in [rad] or [m].
+        """
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 
     def unit(self, joint: int) -> str:
-        """Return the unit of a joint: deg or mm."""
+        """Return the unit for people of the joint with an index, from 0: deg or mm."""
         return "mm" if self.slides[joint] else "deg"
 
     def words(self, joint: int, value: float, digits: int = 1) -> str:
-        """Return a joint's value in [rad] or [m] as text, such as `12.5 deg`."""
+        """Return a joint's value as text in the unit for people, such as `12.5 deg`.
+
+        Args:
+            joint: index of the joint, from 0.
+            value: value in [rad] or [m].
+            digits: number of decimals.
+        """
         return f"{self.user_value(joint, value):.{digits}f} {self.unit(joint)}"
 
     @property

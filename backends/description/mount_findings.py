@@ -22,8 +22,12 @@ FINGER_LINKS = ("left_finger", "right_finger")
 
 
 def mount_findings(robot: RobotFile, urdf: str, document: Document) -> Iterator[Finding]:
-    """Yield findings on sensors whose pose on the base is unknown, and on a tray that moves against the
-    base.
+    """Yield findings on sensors whose pose on the base is unknown, and on a tray that moves against the base.
+
+    Args:
+        robot: robot file.
+        urdf: text of the robot's URDF.
+        document: the robot's file, for the places of the findings.
     """
     links = link_names(urdf)
     moved, read = _moved_joints(robot, urdf), _read_joints(robot, urdf)

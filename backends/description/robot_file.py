@@ -202,7 +202,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return self._warnings
 
     def read_in(self, folder: Path, warnings: tuple[str, ...] = ()) -> RobotFile:
-        """Set the folder of the robot's file and its warnings, and return this robot."""
+        """Store the folder and the warnings of the file that this robot was read from; return this robot."""
         self._folder, self._warnings = folder, warnings
         return self
 

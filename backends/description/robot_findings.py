@@ -35,7 +35,10 @@ ROS_FINDINGS = "handcart.backends.ros2.ros_findings:ros_findings"
 def robot_findings(robot: RobotFile, document: Document, drives: bool = True) -> list[Finding]:
     """Return all findings on the URDF, the joints' names and the postures, each at its place in the file.
 
-    With `drives` also the findings on the sections `can` and `ros2`.
+    Args:
+        robot: robot file.
+        document: the same file, for the places of the findings.
+        drives: True for the findings on the sections `can` and `ros2` as well.
     """
     try:
         urdf = robot.urdf_text()
@@ -117,7 +120,15 @@ def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
 def _arm_findings(
     robot: RobotFile, arm: ArmSpec, urdf: str, document: Document, only_joints: bool
 ) -> list[Finding]:
-    """Return findings about the arm; `only_joints` if its first or last link is missing."""
+    """Return findings about the arm; those on kinematics only without faults in the list of its joints.
+
+    Args:
+        robot: robot file.
+        arm: section of the arm.
+        urdf: text of the robot's URDF.
+        document: the robot's file, for the places of the findings.
+        only_joints: True to check the list of joints alone, because the arm's first or last link is missing.
+    """
     facts = {item.name: item for item in joints_of(urdf)}
     leaders = joint_leaders(urdf)
     key = ("arm", "joints")
@@ -174,7 +185,13 @@ def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[
 
 
 def posture_faults(model: ArmModel, units: JointUnits, posture: Sequence[float]) -> list[str]:
-    """Return the reasons why an arm can't take a posture, as texts."""
+    """Return the reasons why an arm can't take a posture, as texts; empty if it can.
+
+    Args:
+        model: model of the arm.
+        units: units of the joints in messages.
+        posture: joint values in [deg] or [mm], as in the robot's file.
+    """
     if len(posture) != len(units.names):
         return [f"{len(posture)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
     limits = zip(units.names, units.si(posture), posture, model.lower, model.upper, strict=True)

@@ -22,7 +22,7 @@ class SceneSync:
         """Bodies of things that have moved since their pose was last written."""
 
     def base(self) -> None:
-        """Update pose and tilt of the base."""
+        """Copy the true pose and tilt of the base into the scene."""
         scene = self._scene
         standing = self._body.standing_pose()
         scene.tilted_base = self._body.link_pose("base") if self._body.sprung else standing
@@ -30,7 +30,9 @@ class SceneSync:
         scene.base = Pose2(float(standing[0, 3]), float(standing[1, 3]), heading)
 
     def things(self, held: Thing | None) -> None:
-        """Update the things that may have moved, and their supports."""
+        """Copy the poses of the things that may have moved into the scene, update their supports, and set the
+        held thing.
+        """
         scene = self._scene
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
         bodies, moved = self._world.bodies, self._world.moved()
@@ -46,7 +48,7 @@ class SceneSync:
             scene.hand_T_held = inverse(world_T_hand) @ held.pose
 
     def _place(self, props: SceneProps, thing: Thing, held: Thing | None) -> None:
-        """Put a thing at its pose; a thing at rest keeps its support."""
+        """Copy the pose of a thing into the scene; the support of one that has not moved stays as it was."""
         pose = self._world.pose(thing)
         stays = bool((pose == thing.pose).all())
         if not stays:

@@ -21,12 +21,22 @@ KEY_FILE = "checkpoint_key"
 
 
 def sign(content: bytes, bodies: str) -> bytes:
-    """Return the signature of a saved state, and of a description of the bodies that it belongs to."""
+    """Return one signature of a saved state together with a description of its bodies.
+
+    Args:
+        content: bytes of the saved state.
+        bodies: description of the bodies that the state belongs to.
+    """
     return hmac.digest(_key(state_folder()), bodies.encode() + b"\n" + content, "sha256")
 
 
 def check_signature(content: bytes, signature: bytes, bodies: str) -> None:
     """Check that this user's programs saved a state for the same bodies.
+
+    Args:
+        content: bytes of the saved state.
+        signature: result of `sign` that was saved with it.
+        bodies: description of the present bodies.
 
     Raises:
         NotAState: another user or machine saved it, it was changed, or the bodies are others.

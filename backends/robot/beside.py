@@ -36,7 +36,13 @@ def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
 
 
 def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None, None, T]:
-    """Compute one of `steps` each period; on a real robot all of them in a thread, as `beside` does."""
+    """Compute in steps, one a period in simulation; on a real robot all of them in a thread, as `beside`
+    does.
+
+    Args:
+        steps: computation, whose return value is the result; a step ends with each `yield`.
+        simulated: True for a robot with a simulated backend.
+    """
     result: T
     if not simulated:
         result = yield from beside(finish, steps)

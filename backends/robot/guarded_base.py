@@ -146,7 +146,9 @@ class GuardedBase(HolonomicBase):
         return self._base.wheel_travel()
 
     def starts_here(self) -> None:
-        """Allow the base to come back to its current pose, however close to obstacles it is."""
+        """Set the start at the next command: the base may come back there, however close to obstacles that
+        is.
+        """
         self._starts = True
 
     def may_stand_at(self, pose: Pose2) -> None:
@@ -157,7 +159,7 @@ class GuardedBase(HolonomicBase):
         self._guard.may_stand_at(pose)
 
     def keep_off(self, points: FloatArray) -> None:
-        """Keep the base off points from now on where it ran into an obstacle.
+        """Keep the base off points where it ran into an obstacle; they replace those of the last call.
 
         Args:
             points: (n, 2) on the map, in [m].

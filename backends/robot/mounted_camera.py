@@ -66,7 +66,13 @@ def camera_mount(robot: RobotFile, link: str, arm: ArmModel | None) -> CameraMou
 
 
 def mount_of(robot: RobotFile, camera: CameraSpec, arm: ArmModel | None = None) -> CameraMount:
-    """Return the mount of one of a robot's cameras; `arm` saves building the robot's arm again."""
+    """Return the mount of one of a robot's cameras.
+
+    Args:
+        robot: robot file.
+        camera: section of the camera in that file.
+        arm: model of the robot's arm; None: it is built again, which takes time.
+    """
     if arm is None and robot.arm is not None:
         arm = robot.arm_model()
     return camera_mount(robot, robot.link_of(camera), arm)

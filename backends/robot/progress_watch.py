@@ -26,7 +26,13 @@ class ProgressWatch:
     """
 
     def __init__(self, spec: RobotFile, period: float, localization: Localization) -> None:
-        """Begin at rest; the control period is in [s]."""
+        """Begin at rest.
+
+        Args:
+            spec: robot file.
+            period: control period, in [s].
+            localization: estimator of the base's motion.
+        """
         self._localization, self._is_car = localization, spec.drive.kind == "ackermann"
         self._motion, self._wheels = BlockedMotion(period), BlockedWheels(period, spec.drive.tread_m)
         self._tread, self._is_rough = spec.drive.tread_m, False

@@ -77,6 +77,8 @@ class Robot:
             is_start_exact: whether the start defines the frame, because a map is missing.
 
         Raises:
+            MissingCapability: the backend has no wheels.
+            NoSidewaysDrive: the file has a holonomic drive, and the backend cannot drive sideways.
             UnknownStart: the start is unknown, and the robot cannot find its pose by scans.
         """
         self.backend, self.spec = backend, spec
@@ -268,7 +270,7 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return those of `points` (n, 2) that are not on a lowered hand, all in the base frame, in [m]."""
+        """Return those of `points` (n, 2) that are not on a lowered hand; all in the base frame, in [m]."""
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -367,7 +369,7 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Record what moves the robot in this period; return whether it alone did, and in the last one."""
+        """Record `who` as moving the robot now; return False if others do, or several did a period ago."""
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 

@@ -32,7 +32,13 @@ class TopicController(JointController):
     """Controller that takes messages of a topic, and holds the last one."""
 
     def __init__(self, link: Link, kind: str, topic: str) -> None:
-        """Announce the topic; `kind` is `JointTrajectory` or `Float64MultiArray`."""
+        """Announce the topic of a controller.
+
+        Args:
+            link: connection to the topics.
+            kind: type of the messages, `JointTrajectory` or `Float64MultiArray`.
+            topic: name of the topic.
+        """
         self._link, self._kind = link, kind
         self._publish = link.publisher(message_kind(kind), topic)
 

@@ -94,7 +94,7 @@ def unheard(topics: RosTopics, link: Link) -> list[str]:
 
 
 def deafness(topics: RosTopics, link: Link, topic: str) -> str:
-    """Return why no command of a topic or action arrives."""
+    """Return, as text, why no command that is sent to `topic`, the name of a topic or action, arrives."""
     for stream in topics.streams:
         if stream.name == topic:
             return _no_server(stream, link)
@@ -112,7 +112,7 @@ def _no_server(stream: GoalStream, link: Link) -> str:
 
 
 def silence(sensor: TopicSensor, link: Link) -> str:
-    """Return why a topic gives no readings."""
+    """Return, as text, why the topic of a sensor gives no readings."""
     topic, kind = sensor.source.topic, sensor.KIND
     if sensor.rejected:
         return f"{sensor.name}: {sensor.rejected} messages were no good; of the last one, {sensor.doubt}"

@@ -31,7 +31,9 @@ class OdometryTopic(TopicSensor):
     """Distance by which the odometry jumped, as text; "" if it did not."""
 
     def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
-        """Set the drive of the base, and the limits of a jump, before the first message."""
+        """Set the drive, for which motion becomes wheel travel, and the limits of a jump, before the first
+        message.
+        """
         self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None
 

@@ -29,7 +29,11 @@ def ros_findings(robot: RobotFile, document: Document) -> list[Finding]:
 
 
 def ros_faults(robot: RobotFile, spec: RosSpec) -> Iterator[tuple[KeyPath, str, bool]]:
-    """Yield the faults of a section `ros2`: path below the section, words, and True if a key is wrong."""
+    """Yield the faults of a section `ros2`.
+
+    Each is the key path below the section, the fault as text, and True if the key itself is wrong, False if
+    its value is.
+    """
     yield from _joint_faults(robot, spec)
     if robot.gps is not None and spec.gps is None:
         yield (), "gps: the robot has a receiver; needed: origin_lat_deg and origin_lon_deg", False

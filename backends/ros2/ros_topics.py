@@ -127,7 +127,7 @@ class RosTopics:
             set_attributes(part, part.STATE, state[name])
 
     def forget(self) -> None:
-        """Forget all messages."""
+        """Discard all messages, those that wait to be received included, and all goals that were sent."""
         self._link.receive()
         for sensor in self.sensors:
             sensor.forget()

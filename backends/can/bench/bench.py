@@ -18,7 +18,7 @@ from .backend_plant import BackendPlant
 from .bench_bus import BenchBus
 
 Act = Callable[["Bench", DriveNode], None]
-"""Function that causes a fault of a drive or of the bus."""
+"""Function that causes a fault of a drive or of the bus, given the bench and the drive."""
 
 
 class Bench:
@@ -87,11 +87,22 @@ class Bench:
             self._plant.place(self.drives)
 
     def go_wrong(self, act: Act, node: int | None = None) -> None:
-        """Cause a fault now, at the drive with a node ID; None for the drive of the first axis."""
+        """Cause a fault now.
+
+        Args:
+            act: causes the fault.
+            node: node ID of the drive that gets it; None: the drive of the first axis.
+        """
         act(self, self.drives[self.spec.left.node if node is None else node])
 
     def go_wrong_at(self, at_s: float, act: Act, node: int | None = None) -> None:
-        """Schedule a fault at a time of the bench, in [s]."""
+        """Plan a fault, in addition to those planned before.
+
+        Args:
+            at_s: time of the bench at which it is caused, in [s]; a past time: in the next period.
+            act: causes the fault.
+            node: node ID of the drive that gets it; None: the drive of the first axis.
+        """
         self._planned.append((at_s, lambda: self.go_wrong(act, node)))
 
     def _inject_what_is_due(self) -> None:

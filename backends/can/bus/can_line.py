@@ -49,11 +49,16 @@ class CanLine(canopen.Network):
         """The last of these frames, as text; empty before the first."""
 
     def listen(self, heard: Heard) -> None:
-        """Register a function that is called with each frame."""
+        """Register one more function that is called with each frame."""
         self._heard.append(heard)
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
         """Send a frame; one that the interface has no room for is lost.
+
+        Args:
+            can_id: identifier; one above 7FFh is sent as an extended one of 29 bits.
+            data: data of the frame.
+            remote: True for a remote frame, which requests data.
 
         Raises:
             QueueFull: several frames in a row were lost.
@@ -77,12 +82,12 @@ class CanLine(canopen.Network):
             heard(frame, True)
 
     def wait(self, done: Callable[[], bool | None], seconds: float) -> bool:
-        """Receive frames until `done()` is true; return whether that was within a time.
+        """Receive frames until `done()` is true; return False if it was still false after the longest time.
 
         Simulated nodes have answered before this returns, or never will: then no time passes.
 
         Args:
-            done: returns True if no more frames are needed.
+            done: returns True if no more frames are needed; it is called after each frame.
             seconds: longest time by the wall clock, in [s].
 
         Raises:

@@ -53,7 +53,12 @@ def own_channel(name: str) -> str:
 
 
 def other_channel_hint(interface: str, name: str) -> str:
-    """Return advice for a channel that is in use by another program."""
+    """Return advice on which channel to use instead of one that another program has.
+
+    Args:
+        interface: name of the python-can interface.
+        name: name of the robot, from which a channel is proposed for `udp_multicast`.
+    """
     example = f", such as {own_channel(name)}" if interface == UDP_MULTICAST else ""
     return f"allowed: a channel for each robot or bench{example}, here and in the robot's file"
 

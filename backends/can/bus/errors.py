@@ -202,7 +202,7 @@ class OffDemand(CanFault):
 
 
 class BrokenOff(CanFault):
-    """A control period was not brought to its end, because of an interrupt or an exception in the program."""
+    """A control period was broken off before its end, by an interrupt or an exception in the program."""
 
     def __init__(self, doing: str, why: BaseException) -> None:
         super().__init__(f"{doing} was broken off: {type(why).__name__}: {why}")

@@ -41,7 +41,12 @@ class FrameNames(FileModel):
 
 
 def names_of(network: canopen.Network, time: str) -> FrameNames:
-    """Names for the frames of a network, by its nodes and the PDOs that they are set up for."""
+    """Return the names of a network's nodes, and of the PDOs that they are set up for.
+
+    Args:
+        network: network with its nodes.
+        time: kind of the time stamps, see `FrameNames.time`.
+    """
     nodes = {number: str(getattr(node, "name", f"node {number}")) for number, node in network.items()}
     pdos = {}
     for number, node in network.items():

@@ -26,7 +26,9 @@ class LineSdoClient(SdoClient):
     RESPONSE_TIMEOUT = 0.8
     """Time-out of an answer, in [s]."""
     MAX_RETRIES = 2
-    """Number of tries; a repeated one delays no motion, because objects are not read while a drive moves."""
+    """Number of tries of a request; a second one delays no motion, because objects are not read while a drive
+    moves.
+    """
     _left = _FRAMES
 
     def upload(self, index: int, subindex: int) -> bytes:
@@ -40,7 +42,12 @@ class LineSdoClient(SdoClient):
         super().download(index, subindex, data, force_segment)
 
     def read_response(self) -> bytes:
-        """Return the answer to the last request; raises `canopen.SdoError`."""
+        """Return the answer to the last request.
+
+        Raises:
+            NoAnswer: no answer has arrived within the time-out.
+            canopen.SdoError: the node refused the request, or its answer is malformed.
+        """
         line = cast(CanLine, self.network)
         self._left -= 1
         if self._left < 0:

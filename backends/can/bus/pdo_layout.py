@@ -58,7 +58,12 @@ _ANSWERS = (Pdo(1, (0x6041, 0x6064, 0x6061), ON_SYNC), Pdo(2, (0x606C, 0x6077, 0
 
 
 def layout(mode: int, left_out: Collection[int] = ()) -> Layout:
-    """Return the frames of a drive in a mode of operation, without objects that it doesn't have."""
+    """Return the frames of a drive in a mode of operation.
+
+    Args:
+        mode: mode of operation (6060h).
+        left_out: indices of objects that the drive lacks; its answers do without them.
+    """
     target = 0x607A if mode in (PROFILE_POSITION, CYCLIC_POSITION) else 0x60FF
     when = ON_SYNC if mode in (CYCLIC_POSITION, CYCLIC_VELOCITY) else AT_ONCE
     command = Pdo(1, (0x6040, target), when)

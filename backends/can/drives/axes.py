@@ -73,7 +73,11 @@ class Axes(Mapping[str, Axis]):
         look(self.values())
 
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
-        """Enable the torque of all drives at standstill; see `enabling`.
+        """Enable the torque of all drives at standstill, and begin to check that they follow their commands.
+
+        Args:
+            simulated: True for simulated drives, which need no waiting by the wall clock.
+            beat: sends this program's heartbeat if it is due.
 
         Raises:
             CanFault: a drive can't be enabled.
@@ -130,7 +134,9 @@ class Axes(Mapping[str, Axis]):
         _each(axis.disable for axis in self.values())
 
     def leave(self) -> None:
-        """Stop accepting commands: a PDO that arrives late moves nothing."""
+        """Let no drive take commands any more (NMT enter pre-operational): a PDO that arrives late moves
+        nothing.
+        """
         _each(axis.leave for axis in self.values())
 
     @property

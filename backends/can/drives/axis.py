@@ -319,7 +319,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def jump(self) -> str:
-        """Description of the first jump of the drive's position, and its likely cause in the encoder."""
+        """Size of the first jump of the drive's position, and its likely cause in the encoder, as text."""
         bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
         size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
         if bits is None:

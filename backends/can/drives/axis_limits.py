@@ -56,7 +56,14 @@ def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
 
 
 def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
-    """Return the limits of the arm's joint with an index, in [rad], or [m] for a sliding one."""
+    """Return the limits of one joint of the arm, in [rad], or [m] for a sliding one.
+
+    Args:
+        robot: robot file.
+        spec: drive of the joint, from the section `can`.
+        model: model of the arm.
+        joint: index of the joint in the arm, from 0.
+    """
     assert robot.arm is not None
     speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
     rate = float(robot.joint_accelerations()[joint])

@@ -28,7 +28,7 @@ _IF_THERE = (
 
 @dataclass(frozen=True)
 class ObjectValue:
-    """An object and its value."""
+    """An object of a drive by index and sub-index, and the value that it is to have."""
 
     index: int
     subindex: int

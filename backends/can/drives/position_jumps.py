@@ -37,7 +37,12 @@ class PositionJumps:
         self._speeds: deque[float] = deque(maxlen=2 * _LOOKS_BACK)
 
     def note(self, reported: float, commanded: float) -> None:
-        """Take in the speeds of a period, in [counts/s]: the drive's own, and the command."""
+        """Record the speeds of a period, by which later travels are tested.
+
+        Args:
+            reported: speed that the drive reports, in [counts/s].
+            commanded: speed of the command, in [counts/s].
+        """
         self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:

@@ -43,8 +43,12 @@ def described_range(dictionary: ObjectDictionary) -> PositionRange:
 
 
 def narrowed(known: PositionRange, lowest: object, highest: object) -> PositionRange:
-    """Return a range narrowed by limits; limits that aren't numbers, or are equal (both 0: none), are
-    ignored.
+    """Return the part of a range within limits; limits that aren't a range of integers are ignored.
+
+    Args:
+        known: range so far.
+        lowest: lowest count; without a limit drives have 0 here and in `highest`.
+        highest: highest count; both limits are ignored unless it is above `lowest`.
     """
     if not isinstance(lowest, int) or not isinstance(highest, int) or lowest >= highest:
         return known

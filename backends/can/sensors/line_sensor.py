@@ -35,7 +35,9 @@ class LineSensor(LiveSensor):
 
     @abstractmethod
     def _sound(self, values: FloatArray) -> bool:
-        """Return True if the values (n,) of a line can be a reading, by their number and size."""
+        """Return True if the values (n,) of a line can be a reading: their number and their sizes are
+        plausible.
+        """
 
     def _take_in(self) -> None:
         if self.trouble:

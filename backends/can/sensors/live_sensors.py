@@ -33,7 +33,16 @@ def sensor_kinds(sensors: SensorsSpec) -> tuple[type[Capability], ...]:
 
 
 def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.monotonic) -> list[LiveSensor]:
-    """Open all sensors of a robot; if one fails, close the others again."""
+    """Open all sensors of a robot; if one fails, close the others again.
+
+    Args:
+        robot: robot file, whose sections state what the sensors measure.
+        sensors: where the sensors are connected: the key `sensors` of the section `can`.
+        clock: gives the time in [s].
+
+    Raises:
+        NoSensor: a sensor can't be opened, or its own section is missing in the robot's file.
+    """
     opened: list[LiveSensor] = []
     try:
         for key in _KINDS:
@@ -51,8 +60,11 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
 
 
 def await_first(sensors: list[LiveSensor], seconds: float = _FIRST) -> None:
-    """Wait, at most a time in [s], until each sensor has delivered a reading; satellite receivers may have
-    their first fix later.
+    """Wait until each sensor but satellite receivers has delivered a reading.
+
+    Args:
+        sensors: all sensors; receivers are read as well, but may have their first fix later.
+        seconds: longest wait, in [s].
 
     Raises:
         NoSensor: a sensor delivered none.

@@ -43,6 +43,6 @@ class RangeServer:
                 self._heard.remove(item)
 
     def close(self) -> None:
-        """Close the connection."""
+        """Close the port, and the connections to all clients."""
         for item in (self._listening, *self._heard):
             item.close()

@@ -50,7 +50,12 @@ class DriveMode(ABC):
         return
 
     def control(self, controlword: int, rising: int) -> None:
-        """Handle a controlword, given the bits that were not set in the last one."""
+        """Handle a controlword (6040h).
+
+        Args:
+            controlword: the received word.
+            rising: its bits that were not set in the word before.
+        """
         return
 
     def latch(self) -> None:

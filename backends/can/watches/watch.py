@@ -20,7 +20,13 @@ class Watch(ABC):
         return
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """Take in a frame that was received, or sent if `sent` is True, at a time in [s]."""
+        """Take in a frame.
+
+        Args:
+            frame: any frame on the bus.
+            sent: True if this program sent it, False if it was received.
+            now: time in [s].
+        """
         return
 
     @abstractmethod

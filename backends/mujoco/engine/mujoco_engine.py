@@ -86,7 +86,12 @@ class MujocoEngine(Engine):
         self._grown.changed()
 
     def link_body(self, number: int, link: int) -> int:
-        """Return MuJoCo's number of a link."""
+        """Return MuJoCo's number of a link's body.
+
+        Args:
+            number: number of the robot or thing in this engine.
+            link: index of the link in it.
+        """
         return self._bodies[number, link]
 
     def name_links(self, number: int, bodies: dict[str, int]) -> None:
@@ -117,10 +122,10 @@ class MujocoEngine(Engine):
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:
-        """Return the solver's steps of each part of a chunk.
+        """Return the numbers of the solver's steps in each part of a chunk, the time between two actions of
+        drives.
 
-        Contacts are read after each part and forces averaged, because the force of one impact alone
-        misleads.
+        Contacts are read after each part and forces averaged, because the force of one impact alone misleads.
         """
         often = max(0, min(TOUCH_CHECKS_PER_PERIOD, self.substeps // SLIP_CHECK_STEPS - 1))
         return (self.substeps - often * SLIP_CHECK_STEPS, *(SLIP_CHECK_STEPS,) * often)

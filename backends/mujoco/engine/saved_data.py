@@ -24,7 +24,16 @@ def saved(model: Any, data: Any) -> dict[str, Any]:
 
 
 def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
-    """Restore a state that `saved` returned for an equal model."""
+    """Restore a state that `saved` returned for an equal model.
+
+    Args:
+        model: MuJoCo's model.
+        data: MuJoCo's data, which the state replaces.
+        state: result of `saved`.
+
+    Raises:
+        NotAState: the state is of another kind, or its model has other bodies.
+    """
     if state.keys() != {"mujoco", "asleep"}:
         raise NotAState("no state of this engine; needed: mujoco, asleep, pinned, leans")
     values = from_plain(state["mujoco"], FloatArray, "engine")

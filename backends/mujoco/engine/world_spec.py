@@ -34,7 +34,9 @@ TYRE_IMPEDANCE = (0.995, 0.999, 0.0005, 0.5, 2.0)
 minute.
 """
 LINKAGE_IMPEDANCE = (0.999, 0.9999, 0.0005, 0.5, 2.0)
-"""Impedance of a linkage between two joints: a load on the following joint moves it by less than 1e-5."""
+"""Impedance of a linkage between two joints: a load on the following joint moves it by less than 1e-5 [rad]
+or [m].
+"""
 SOFT_GROUND_IMPEDANCE = (0.9, 0.9, 0.001, 0.5, 2.0)
 """Impedance of wheels on soft ground: equal at each depth, so that a point's force is proportional to it.
 

@@ -25,7 +25,14 @@ class PictureStage:
     """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style, engine_model: Any) -> None:
-        """Build the stage as the world is now; it is out of date once `looks.count` changes."""
+        """Build the stage as the world is now; it is out of date once `looks.count` changes.
+
+        Args:
+            looks: appearance of the world's bodies.
+            robot: appearance of the robot's links.
+            style: light and colours.
+            engine_model: MuJoCo's model of the engine, whose bodies the stage follows.
+        """
         self._looks, self.count = looks, looks.count
         spec = StageSpec(looks, robot, style)
         self.model = spec.spec.compile()

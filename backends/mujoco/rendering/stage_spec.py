@@ -34,7 +34,9 @@ _SHEET_LEVEL = 1
 
 
 class StageSpec:
-    """`MjSpec` of a `Stage`: shapes without contacts, and movable bodies that are placed for each picture."""
+    """`MjSpec` of a `PictureStage`: shapes without contacts, and movable bodies that are placed for each
+    picture.
+    """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style) -> None:
         self.spec: Any = mujoco().MjSpec()

@@ -22,7 +22,14 @@ class Studio:
     def __init__(
         self, engine: MujocoEngine, robot: Sequence[PartLook], style: Style, size: tuple[int, int]
     ) -> None:
-        """Prepare pictures of width and height `size` in [px]; the stage is built at the first picture."""
+        """Prepare pictures; the stage is built at the first one.
+
+        Args:
+            engine: engine whose world is shown.
+            robot: appearance of the robot's links.
+            style: light and colours.
+            size: width and height of the pictures, in [px].
+        """
         self._engine, self._robot, self._style, self._size = engine, robot, style, size
         self._stage: PictureStage | None = None
         self._photographer: Photographer | None = None

@@ -36,7 +36,16 @@ class PhysicsGripper(SimulatedGripper):
         period: float,
         seed: int,
     ) -> None:
-        """Take the joints `left_finger` and `right_finger` over, cover them with `pads`, and open them."""
+        """Take over the joints `left_finger` and `right_finger`, and open the fingers at once.
+
+        Args:
+            spec: section of the gripper in the robot's file.
+            errors: simulated errors of the robot's file.
+            body: the robot in an engine.
+            pads: contact surface of the fingers.
+            period: control period, in [s].
+            seed: seed of the reading's errors.
+        """
         opening = spec.opening_mm / 1e3
         super().__init__(spec, errors, opening, seed)
         self._joints = body.joints(FINGER_JOINTS)

@@ -99,7 +99,14 @@ class ContactReader:
     def _named(
         self, mine: Collection[Touching], its: Collection[Touching], held: int | None, riding: Collection[int]
     ) -> Iterator[tuple[str, str]]:
-        """Yield the touching pairs of robot or held object, and another body, by name."""
+        """Yield touching pairs as names: a link of the robot or the held object, and the other body.
+
+        Args:
+            mine: touching pairs of the robot's links.
+            its: touching pairs of the held object.
+            held: engine's number of the held object; None: the hand is empty.
+            riding: engine's numbers of the bodies that lie on the robot.
+        """
         for point in mine:
             link, other = self._body.link_names[point.link], point.other
             if other in (held, self._body.id) or (

@@ -172,11 +172,15 @@ class Engine(ABC):
 
     @abstractmethod
     def touches(self, body: int, anything: bool) -> None:
-        """Let a thing collide with everything, or with nothing at all."""
+        """Let a thing collide with everything, or, if `anything` is False, with nothing at all, until the
+        next call.
+        """
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
-        """Make `wanted` the only rigid connection; None releases the current one."""
+        """Make `wanted` the only rigid connection, in place of the current one; None only releases that
+        one.
+        """
 
     def pin_force(self) -> FloatArray:
         """Return the force (3,) of the rigid connection on its first body, in the world frame, in [N]."""

@@ -57,8 +57,11 @@ class Terrain:
         return float(self.height(np.array(x), np.array(y)))
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
-        """Return the missing tiles around a place, x and y in the world in [m]; a tile is named by its column
-        and row.
+        """Return the tiles around a place that are missing, each as column and row; `add` creates one.
+
+        Args:
+            x: in the world, in [m].
+            y: in the world, in [m].
         """
         side = CELLS_PER_SIDE * CELL_M
         low, high = (

@@ -105,21 +105,26 @@ class WorldBodies:
             body.keep()
 
     def reach(self, x: float, y: float) -> None:
-        """Make sure that there is ground around a place, x and y in the world, in [m]."""
+        """Create the tiles of rough ground that are missing around a place, x and y in the world in [m]."""
         for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
             self._add_tile(tile)
 
     @property
     def made(self) -> list[tuple[int, int] | str]:
-        """Create the missing bodies of a saved run, in the order in which that run created them.
+        """Bodies created after the start, in order: (column, row) of a tile of ground, name of a thing.
 
-        The things are in the scene.
+        To set them is to create those of a saved run that are missing here; their things must be in the
+        scene.
         """
         return list(self._made)
 
     @made.setter
     def made(self, wanted: Sequence[tuple[int, int] | str]) -> None:
-        """Create the bodies of another run that are missing, in the order of that run."""
+        """Create the bodies of a saved run that are missing, in the order of that run.
+
+        Raises:
+            NotAState: the bodies that exist are not the first ones of that run, or one cannot be created.
+        """
         begun = list(wanted[: len(self._made)]) == self._made
         if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MAX_LATE_BODIES:
             raise NotAState("no saved state: its world was made in another order")

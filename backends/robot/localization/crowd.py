@@ -62,7 +62,7 @@ class Crowd:
         self._discs = NO_DISCS
 
     def moved(self) -> None:
-        """Note that the base moves."""
+        """Note that the base moves: people seen before no longer count in `is_near`."""
         self._is_near = False
 
     def came_to_rest(self, scan: Scan) -> None:

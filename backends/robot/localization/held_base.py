@@ -76,7 +76,11 @@ class HeldBase:
         return True
 
     def note_pose(self, is_found: bool) -> None:
-        """Take the pose after this period's corrections; `is_found`: a scan shows where the base is."""
+        """Record the pose after this period's corrections, with which later scans are compared.
+
+        Args:
+            is_found: True if a scan shows where the base is, which ends a search.
+        """
         self._check.note_pose(self._wheels.pose)
         if is_found and not self._check.is_contradicted:
             self._searched = 0

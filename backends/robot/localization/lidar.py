@@ -121,7 +121,13 @@ def _beams_of(scan: Scan, reach: float) -> ScanBeams:
 
 
 def other_lidars(backend: Backend, spec: RobotFile, first: RangeSensor | None) -> Iterator[Lidar]:
-    """Yield the lidars of a robot besides the first one."""
+    """Yield the lidars of a robot besides the first one, in the order of the backend's capabilities.
+
+    Args:
+        backend: backend of the robot.
+        spec: robot file.
+        first: sensor of the first lidar, which is left out; None: the robot has no lidar.
+    """
     for capability in backend.capabilities():
         section = spec.sensors.get(capability.sensor_name)
         if isinstance(capability, RangeSensor) and capability is not first and isinstance(section, RangeSpec):

@@ -302,10 +302,10 @@ class Localization(ABC):
         return True
 
     def mark(self) -> None:
-        """Mark this moment for `smoothed`."""
+        """Mark the present instant: `smoothed` then returns the pose of this instant, too."""
 
     def smoothed(self) -> list[Belief]:
-        """Return the poses at the marked moments by all readings; empty if smoothing adds nothing."""
+        """Return the pose at each `mark` by all readings, later ones too; empty if those add nothing."""
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:

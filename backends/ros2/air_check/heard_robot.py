@@ -63,13 +63,23 @@ class HeardRobot:
         return True
 
     def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
-        """Wait until each topic has had a message and each command a listener, for a time in [s] at most."""
+        """Wait until each topic has had a message and each command a listener, or until the time is over.
+
+        Args:
+            wait: waits for a short time.
+            seconds: longest wait, in [s].
+        """
         end = self.link.clock() + seconds
         while self.link.clock() < end and not self._is_complete() and not self._ended():
             self._receive(wait)
 
     def measure(self, wait: Callable[[], None], seconds: float) -> None:
-        """Measure all topics for a time in [s]."""
+        """Measure all topics for a time, from now on.
+
+        Args:
+            wait: waits for a short time.
+            seconds: duration, in [s].
+        """
         self.refusals.clear()
         for sensor in self.topics.sensors:
             sensor.rejected = 0

@@ -35,7 +35,7 @@ class ListeningLink(Link):
         self._link.subscribe(kind, topic, heard, latched)
 
     def subscribe_unmeasured(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
-        """Listen to a topic without measuring it."""
+        """Call `take` with each message of a topic, as `Link.subscribe` does, without measuring the topic."""
         self._link.subscribe(kind, topic, take, latched)
 
     @override

@@ -34,7 +34,14 @@ class TopicMeter:
     def __init__(
         self, topic: str, kind: str, clock: Callable[[], float], stamps: Callable[[], float]
     ) -> None:
-        """Take the topic, its type, and functions that return the time of arrival and of stamps, in [s]."""
+        """Prepare to measure a topic.
+
+        Args:
+            topic: name of the topic.
+            kind: type of its messages.
+            clock: returns the time of arrival, in [s].
+            stamps: returns the time of ROS by which messages are stamped, in [s].
+        """
         self.topic, self.kind = topic, kind
         self._clock, self._stamps = clock, stamps
         self.last: Any = None

@@ -39,7 +39,7 @@ class TopicFault(NamedTuple):
 
     @classmethod
     def read(cls, words: str) -> TopicFault:
-        """Return the fault that `KIND@TOPIC@SECONDS` means.
+        """Return the fault that `KIND@TOPIC@SECONDS` means; without `@SECONDS` it is present from the start.
 
         Raises:
             InputError: the text is not of this form, or names no kind of fault.
@@ -75,11 +75,24 @@ class BenchFaults:
         self._planned = (*self._planned, fault)
 
     def is_due(self, kind: str, name: str, now_s: float) -> bool:
-        """Return whether a fault of a topic or action is present at a time of the bench in [s]."""
+        """Return whether a fault is present now.
+
+        Args:
+            kind: one of `FAULT_KINDS`.
+            name: name of the topic or action.
+            now_s: time of the bench, in [s].
+        """
         return any(pair.kind == kind and pair.topic == name and now_s >= pair.at_s for pair in self._planned)
 
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
-        """Return the messages that are sent instead of a message, at a time of the bench in [s]."""
+        """Return the messages that are sent in place of one, by the faults that are due: none, one or
+        several.
+
+        Args:
+            topic: name of the topic.
+            message: message of a driver; a fault may change it in place.
+            now_s: time of the bench, in [s].
+        """
         sent = [message]
         for fault in self._planned:
             if fault.topic == topic and now_s >= fault.at_s and fault.kind not in ACTION_KINDS:

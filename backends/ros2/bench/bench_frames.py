@@ -25,7 +25,14 @@ class BenchFrames:
     """Publisher of fixed sensors' frames once, and of base and cameras each period if a node listens."""
 
     def __init__(self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link) -> None:
-        """Announce the topics `tf` and `tf_static`, if the package of their messages is installed."""
+        """Announce the topics `tf` and `tf_static`, if the package of their messages is installed.
+
+        Args:
+            robot: robot file.
+            spec: its section `ros2`.
+            inner: simulated robot, whose frames are published.
+            link: the drivers' node.
+        """
         self._robot, self._spec, self._link = robot, spec, link
         self._arm = inner.get(Arm)  # type: ignore[type-abstract]
         self._model = None if robot.arm is None else robot.arm_model()

@@ -89,9 +89,13 @@ def scan_message(
 
 
 def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> Any:
-    """Return the readings of a simulated inertial unit as an `Imu`, at a time of ROS in [s].
+    """Return the readings of a simulated inertial unit as an `Imu`.
 
-    Its accelerations are multiplied by `factor`.
+    Args:
+        link: makes the message.
+        now: time of ROS for its stamp, in [s].
+        robot: simulated robot with the unit.
+        factor: factor of the accelerations.
     """
     unit = robot.get(Imu)  # type: ignore[type-abstract]
     assert unit is not None, "its file says so"
@@ -105,7 +109,14 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
 
 
 def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
-    """Return a fix of a simulated receiver as a `NavSatFix`, at a time of ROS in [s]."""
+    """Return a fix of a simulated receiver as a `NavSatFix`.
+
+    Args:
+        link: makes the message.
+        now: time of ROS for its stamp, in [s].
+        spec: section with the origin on Earth of the fix's coordinates.
+        fix: position east and north of that origin, in [m].
+    """
     message = _stamped(link, "sensor_msgs/NavSatFix", now, "gps")
     frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
     message.latitude, message.longitude = frame.to_earth(*map(float, fix.position))
@@ -187,7 +198,13 @@ def _picture(
 
 
 def camera_info_message(link: Link, now: float, model: CameraModel) -> Any:
-    """Return the calibration of a camera as a `CameraInfo`."""
+    """Return the calibration of a camera as a `CameraInfo`.
+
+    Args:
+        link: makes the message.
+        now: time of ROS for its stamp, in [s].
+        model: intrinsics and distortion.
+    """
     message = _stamped(link, "sensor_msgs/CameraInfo", now, "camera")
     message.width, message.height = model.width, model.height
     fisheye = model.lens == "fisheye"

@@ -15,8 +15,10 @@ class LateCommands:
         self._kept: deque[Mapping[str, float]] = deque(maxlen=periods + 1)
 
     def passed(self, wanted: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions that take effect in this period, given those received last, in [rad] or [m] by
-        the joint's name.
+        """Return the positions that take effect in this period; empty in the first periods of a delay.
+
+        Args:
+            wanted: positions received last, in [rad] or [m] by the joint's name.
         """
         if not self._periods:
             return wanted

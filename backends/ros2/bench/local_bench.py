@@ -58,9 +58,10 @@ class LocalBench(OtherEnd):
 
     @override
     def wait(self, seconds: float) -> None:
-        """Publish the sensors' readings at rest, and let the time of the topics pass, in [s].
+        """Publish the sensors' readings at rest after a time in [s] of the topics.
 
-        The time of the robot passes only for a satellite receiver, which has a fix now and then.
+        The robot's time passes only if it has a satellite receiver, which has a fix now and then: then the
+        wait is one period, whatever `seconds` is.
         """
         if self._has_receiver:
             self.step()

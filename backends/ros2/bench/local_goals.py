@@ -48,7 +48,13 @@ class LocalAction:
     """Server of an action: answers goals when its node receives."""
 
     def __init__(self, kind: str, accepts: Accepts, take: TakesGoal) -> None:
-        """Serve an action of a type."""
+        """Serve an action.
+
+        Args:
+            kind: type of the action.
+            accepts: returns whether a goal is accepted; None leaves the goal without an answer.
+            take: receives each goal that is accepted.
+        """
         self.kind = kind
         self._accepts, self._take = accepts, take
         self._waiting: deque[LocalGoal] = deque()
@@ -66,7 +72,9 @@ class LocalAction:
         return goal
 
     def answer(self) -> None:
-        """Accept or reject all goals that wait."""
+        """Accept or reject the goals that wait; those for which `accepts` returns None stay without an
+        answer.
+        """
         while self._waiting:
             goal = self._waiting.popleft()
             verdict = self._accepts(goal.request)

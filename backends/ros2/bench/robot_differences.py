@@ -42,6 +42,11 @@ class RobotDifferences:
     def read(cls, words: Iterable[str], robot: RobotFile, spec: RosSpec) -> RobotDifferences:
         """Return the differences that words such as `joint_3=-1` or `odometry.turn=57.3` mean.
 
+        Args:
+            words: NAME=FACTOR each.
+            robot: robot file.
+            spec: its section `ros2`.
+
         Raises:
             InputError: a name or a number is wrong; all of them at once.
         """

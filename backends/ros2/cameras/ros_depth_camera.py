@@ -40,7 +40,13 @@ class PictureTopic(TopicSensor):
     KIND = "sensor_msgs/Image"
 
     def fit(self, width: int, height: int, channels: dict[str, int]) -> None:
-        """Set the size in [px], and the bytes of a pixel by encoding, before the first picture."""
+        """Set the expected pictures, before the first message.
+
+        Args:
+            width: width in [px].
+            height: height in [px].
+            channels: bytes of a pixel, by the encodings that are read.
+        """
         self._size, self._channels = (width, height), channels
         self.kept: deque[Any] = deque(maxlen=KEPT_PICTURES)
 

@@ -70,7 +70,12 @@ class ServedGoal(Protocol):
         """Return an empty result."""
 
     def end(self, state: GoalStage, result: Any) -> None:
-        """End the goal, with its result."""
+        """Set the final state of the goal, and send its result.
+
+        Args:
+            state: final state.
+            result: message made by `new_result`.
+        """
 
 
 Accepts = Callable[[Any], bool | None]

@@ -19,13 +19,17 @@ URDF_TOPIC, SRDF_TOPIC = "robot_description", "robot_description_semantic"
 
 
 def message_kind(kind: str) -> str:
-    """Return the full name of a type of message for joints."""
+    """Return the full name, such as `std_msgs/Float64MultiArray`, of `kind`: a type of command to joints."""
     return f"{'trajectory_msgs' if kind == 'JointTrajectory' else 'std_msgs'}/{kind}"
 
 
 def velocity_message(link: Link, spec: RosVelocitySpec, command: DriveCommand) -> Any:
-    """Return a `Twist` or `TwistStamped` of a command: forward and to the left in [m/s], turn rate to the
-    left in [rad/s].
+    """Return a command as a `Twist` or `TwistStamped`; the latter has the present time of ROS as its stamp.
+
+    Args:
+        link: makes the message.
+        spec: type and frame of the message.
+        command: speeds forward and to the left in [m/s], turn rate to the left in [rad/s].
     """
     message = link.message(f"geometry_msgs/{spec.type}")
     twist = message
@@ -84,7 +88,15 @@ def gripper_goal(sender: GoalSender, position: float, effort: float) -> Any:
 
 
 def _set_point(link: Link, message: Any, names: Sequence[str], values: list[float], seconds: float) -> None:
-    """Make a `JointTrajectory` of one point; without a stamp it begins when it arrives."""
+    """Make `message` a `JointTrajectory` of one point; without a stamp it begins when it arrives.
+
+    Args:
+        link: makes the point's message.
+        message: message that is filled.
+        names: names of the n joints in ROS.
+        values: (n,) positions in [rad] or [m].
+        seconds: time from the beginning in which the point is to be reached, in [s].
+    """
     point = link.message("trajectory_msgs/JointTrajectoryPoint")
     point.positions = values
     whole = math.floor(seconds)
@@ -93,7 +105,7 @@ def _set_point(link: Link, message: Any, names: Sequence[str], values: list[floa
 
 
 def set_stamp(header: Any, seconds: float) -> None:
-    """Set the stamp of a header to a time in [s]."""
+    """Set the stamp of a `std_msgs/Header` to a time of ROS in [s]."""
     whole = math.floor(seconds)
     header.stamp.sec, header.stamp.nanosec = int(whole), int(1e9 * (seconds - whole))
 

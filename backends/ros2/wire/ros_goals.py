@@ -35,10 +35,16 @@ class RosGoalSender(GoalSender):
     """Client of an action; its results are delivered when the node is spun."""
 
     def __init__(self, node: Any, kind: str, name: str, came: Came) -> None:
-        """Connect to servers of an action such as `control_msgs/FollowJointTrajectory`.
+        """Connect to the servers of an action.
+
+        Args:
+            node: node of rclpy.
+            kind: type of the action, such as `control_msgs/FollowJointTrajectory`.
+            name: name of the action.
+            came: notes that an answer or the states of goals have arrived.
 
         Raises:
-            NoRos: its package is not installed.
+            NoRos: the package of the action is not installed.
         """
         self._type, self._came = action_class(kind), came
         self._client = import_module("rclpy.action").ActionClient(node, self._type, name)
@@ -153,7 +159,19 @@ class _RosServedGoal(ServedGoal):
 
 
 def serve_action(node: Any, kind: str, name: str, accepts: Accepts, take: TakesGoal, came: Came) -> None:
-    """Offer an action by a node; raises `NoRos` without its package."""
+    """Offer an action by a node.
+
+    Args:
+        node: node of rclpy.
+        kind: type of the action, such as `control_msgs/FollowJointTrajectory`.
+        name: name of the action.
+        accepts: returns whether a goal is accepted; None leaves the goal without an answer.
+        take: receives each goal that is accepted.
+        came: notes that a goal or a request to cancel one has arrived.
+
+    Raises:
+        NoRos: the package of the action is not installed.
+    """
     made = action_class(kind)
     actions = import_module("rclpy.action")
     never = import_module("rclpy.task").Future

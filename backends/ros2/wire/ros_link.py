@@ -37,13 +37,13 @@ class Link(Protocol):
         """
 
     def publisher(self, kind: str, topic: str) -> Take:
-        """Return a function that publishes a message."""
+        """Return a function that publishes messages of a type such as `sensor_msgs/LaserScan` to a topic."""
 
     def latched(self, kind: str, topic: str) -> Take:
-        """Return a function that publishes; a late subscriber receives the last message, too."""
+        """Return a function as `publisher` does; late subscribers receive the last message, too."""
 
     def message(self, kind: str) -> Any:
-        """Return a new message."""
+        """Return a new, empty message of a type such as `sensor_msgs/LaserScan`."""
 
     def receive(self) -> None:
         """Hand over all messages that have arrived; never waits."""
@@ -58,7 +58,11 @@ class Link(Protocol):
         """Return the names of the nodes that listen to a topic, each with its type."""
 
     def mismatches(self, topic: str, is_command: bool) -> list[str]:
-        """Return why nodes of a topic exchange no messages with this one by their quality of service."""
+        """Return why nodes of a topic exchange no messages with this one by their quality of service, a text
+        for each node.
+
+        `is_command` is True for a topic that this node publishes, False for one that it reads.
+        """
 
     def topics_of(self, kind: str) -> list[str]:
         """Return the names of all topics of a type."""
@@ -72,7 +76,14 @@ class Link(Protocol):
         """
 
     def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
-        """Offer an action: `take` receives each goal that is accepted."""
+        """Offer an action of a type such as `control_msgs/FollowJointTrajectory`.
+
+        Args:
+            kind: type of the action.
+            name: name of the action.
+            accepts: returns whether a goal is accepted; None leaves the goal without an answer.
+            take: receives each goal that is accepted.
+        """
 
     def action_servers(self, name: str) -> list[str]:
         """Return the names of the nodes that serve an action, each with its type."""

@@ -27,13 +27,21 @@ class ServingLink(Protocol):
     """Connection to ROS 2 of a program that is watched and commanded."""
 
     def message(self, kind: str) -> Any:
-        """Return a new message."""
+        """Return a new, empty message of a type such as `std_msgs/String`."""
 
     def latched(self, kind: str, topic: str) -> Take:
-        """Return a function that publishes; a late subscriber receives the last message, too."""
+        """Return a function that publishes messages of a type to a topic; late subscribers receive the last
+        one, too.
+        """
 
     def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:
-        """Offer a Trigger service; one that is `apart` is answered while another one still works."""
+        """Offer a service of type `std_srvs/Trigger`.
+
+        Args:
+            name: name of the service.
+            answer: computes the answer to a call.
+            apart: True to answer a call while another service still works on one; False: one after the other.
+        """
 
     def servers(self, name: str) -> int:
         """Return the number of nodes that offer a service."""

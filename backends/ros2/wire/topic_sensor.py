@@ -52,7 +52,7 @@ class TopicSensor(LiveSensor):
         self._first_frame: str | None = None
 
     def heard(self, message: Any) -> None:
-        """Keep a message for the next period."""
+        """Keep a message; it is checked and read when the present period ends."""
         self._arrived.append(message)
 
     @override
